@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.answer import Answer
-from ..models.plain import require_static
 from ..models.solver import Solver
 from ..press.press import Press, check_press, press_on
 from ..scene.files import scene_text
@@ -20,6 +19,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError, Table, concatenate, tabled
 from ..sweeps.restricting import all_of, restricted
 from ..sweeps.space import check_memory
+from .in_time import answered_in_time
 from .readout import read_out
 
 if TYPE_CHECKING:
@@ -52,10 +52,12 @@ def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
 def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Answer]]:
     """Each press with its answer; one that comes again is not solved again.
 
-    Raises InputError where a press does not fit the scene, ToleranceError where the tolerance is
-    not reached.
+    Of foam that creeps they are those of a session, see `answered_in_time`. Raises InputError where
+    a press does not fit the scene, ToleranceError where the tolerance is not reached.
     """
-    require_static(solver.scene, "a sweep")
+    if solver.scene.skin.foam.in_time:
+        yield from answered_in_time(solver, presses)
+        return
     known: dict[Press, Answer] = {}
     for press in presses:
         if press not in known:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from .ranges import Permittivity, Stress, Tension
@@ -128,6 +128,14 @@ BUCKLING_STRAIN = 0.05
 
 STEP = 1e-6
 HALVINGS = 53
+
+
+def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
+    """Compressive strain of foam of constant permittivity at that factor of its capacitance.
+
+    1 - 1 / factor; 0 where the factor is below 1.
+    """
+    return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
 
 
 Strain = Annotated[Number, Field(ge=1e-3, le=0.999)]

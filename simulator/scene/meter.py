@@ -122,8 +122,9 @@ class Timing(Table):
     """When presses come and how long their sweeps take, for foam that creeps.
 
     A press is held for `before` [s] until its sweep begins, and let go as that ends; `pause` [s]
-    later the next press comes. speed, averaging: of the meter, which reads one frequency after the
-    other, lowest first, through one interface after the other.
+    later the next press comes. Without pause a press becomes the next one and is not let go. speed,
+    averaging: of the meter, which reads one frequency after the other, lowest first, through one
+    interface after the other.
     """
 
     before: Wait = 0.0

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
-from .foam_mechanics import Mechanics
+from .foam_mechanics import Mechanics, strain_of
 from .form.mesh_data import MeshData, read_along
 from .form.outline import Curve, Outline, check_outline
 from .form.shape import Shape, Stretch
@@ -91,6 +91,9 @@ LEAST_DEPTH = 1e-6
 """That the field reaches from a foil, over the skin's longer side: cells there are as narrow.
 At half of it answers still hold, after half a minute; at a tenth none comes within minutes."""
 
+GREATEST_STRAIN = 0.99
+"""Of foam without mechanics: then a hundredth of its thickness is left."""
+
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 ROUNDING = 1e-9
 """Relative, of a capacitance that is that of vacuum."""
@@ -154,6 +157,24 @@ class Foam(Table):
         """The keys by which it depends on when it was pressed, and for how long."""
         keys = {"relaxation": self.relaxation, "hysteresis": self.hysteresis}
         return [f"skin.foam.{name}" for name, value in keys.items() if value]
+
+    def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compressive strain that brings a factor on the capacitance about; 0 below 1.
+
+        Without mechanics that of constant permittivity.
+        """
+        return strain_of(factor) if self.mechanics is None else self.mechanics.strain_at(factor)
+
+    def factor_at(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The other way round."""
+        return 1 / (1 - strain) if self.mechanics is None else self.mechanics.factor(strain)
+
+    @property
+    def greatest_strain(self) -> float:
+        """That foam in time may come to."""
+        if self.mechanics is None:
+            return GREATEST_STRAIN
+        return self.mechanics.elastic.greatest_strain
 
     @property
     def loss(self) -> Loss:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...scene.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene
@@ -98,14 +99,6 @@ def between(B: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float6
 
 SLOPE_STEP = 1e-5
 ISOTROPIC = np.array([1.0, 1.0, 0.0])
-
-
-def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
-    """Compressive strain of foam of constant permittivity at that factor of its capacitance.
-
-    1 - 1 / factor; 0 where the factor is below 1.
-    """
-    return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
 
 
 def gauged(skin: Skin) -> bool:

@@ -1,0 +1,154 @@
+"""The foam from one change of a press to the next, and which press it is like at any moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from ..models.mechanics.in_depths import settled
+from ..press.memory import Array, Creep, let_off
+from ..press.press import Press, order
+from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
+from ..scene.scene import Scene
+from ..sweeps import InputError
+
+NEGLIGIBLE = 1e-9
+"""Strain of a trace that is forgotten: a tenth of the closest tolerance of Rs and Cp."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """A place that is pressed, or was.
+
+    touch: as it was pressed last, a force by the depth that it takes at once. how: a load (a factor
+    or a force), a held depth, or let go. x: strain that the load causes at once, or that is held; 0
+    of what was let go. most: the largest x of this load. y: memory at the beginning, shape
+    (solid,).
+    """
+
+    touch: AnyTouch
+    how: Literal["load", "depth", "free"]
+    x: float
+    most: float
+    y: Array
+
+
+@dataclass(frozen=True, eq=False)
+class FoamState:
+    """A press that is held, what is remembered of those before, and how it goes on from there.
+
+    Immutable: `then` is the state after the next change.
+    """
+
+    scene: Scene
+    press: Press = field(default_factory=Press)
+    spots: tuple[Spot, ...] = ()
+
+    def after(self, seconds: float) -> Press:
+        """The press that the skin is like so many s after the change."""
+        return self.at(self.creep.decay(seconds))
+
+    def at(self, decay: Array) -> Press:
+        """The same by the decay exp(-t / time_constant) of each solid, shape (solid,).
+
+        Strains are straight lines in these.
+        """
+        if not self.scene.skin.foam.in_time:
+            return self.press
+        touches = [self._now(spot, decay) for spot in self.spots]
+        return Press(tuple(sorted((each for each in touches if each is not None), key=order)))
+
+    def then(self, press: Press, seconds: float) -> FoamState:
+        """The state so many s later, as the press becomes another one.
+
+        Raises InputError and ToleranceError as `settled`, and InputError for a load under which the
+        foam would creep too far, and where one place is pressed twice.
+        """
+        if not self.scene.skin.foam.in_time:
+            return replace(self, press=press)
+        if len({touch.where for touch in press.touches}) < len(press.touches):
+            raise InputError(f"press {press}: foam that creeps takes each place once")
+        before = {spot.touch.where: self._later(spot, seconds) for spot in self.spots}
+        pressed = [
+            self._pressed(as_given, touch, before.get(touch.where))
+            for as_given, touch in zip(
+                (*press.sharp.touches, *press.indented),
+                settled(self.scene, press).touches,
+                strict=True,
+            )
+        ]
+        here = {spot.touch.where for spot in pressed}
+        left = [
+            replace(spot, how="free", x=0.0, most=0.0)
+            for where, spot in before.items()
+            if where not in here and spot.y.sum() > NEGLIGIBLE
+        ]
+        return replace(self, press=press, spots=(*pressed, *left))
+
+    @property
+    def creep(self) -> Creep:
+        """The law of the foam's memory."""
+        return Creep.of(self.scene.skin.foam)
+
+    def _later(self, spot: Spot, seconds: float) -> Spot:
+        """The spot with its memory so many s later."""
+        creep = self.creep
+        if spot.how == "depth":
+            return replace(spot, y=creep.clamped(spot.y, np.array(spot.x), seconds))
+        y = creep.loaded(spot.y, np.array(self._at_once(spot)), creep.decay(seconds))
+        return replace(spot, y=y)
+
+    def _pressed(self, as_given: AnyTouch, touch: AnyTouch, before: Spot | None) -> Spot:
+        y = self.creep.nothing() if before is None else before.y
+        foam = self.scene.skin.foam
+        if isinstance(touch, Indentation):
+            assert isinstance(touch.by, Depth) and foam.thickness is not None
+            x = touch.by.value / foam.thickness
+        else:
+            x = float(foam.strain_at(np.array(touch.factor)))
+        if isinstance(as_given, Indentation) and not isinstance(as_given.by, Force):
+            return Spot(touch, "depth", x, x, y)
+        self._check_far(as_given, float(self.creep.greatest(y, np.array(x))))
+        most = before.most if before is not None and before.how == "load" else 0.0
+        return Spot(touch, "load", x, max(x, most), y)
+
+    def _check_far(self, touch: AnyTouch, strain: float) -> None:
+        most = self.scene.skin.foam.greatest_strain
+        if strain > most:
+            raise InputError(
+                f"press {touch}: the foam would creep to {strain:.3g} of its thickness; it must "
+                f"stay within {most:.3g}: press less, or lessen `share` of skin.foam.relaxation"
+            )
+
+    def _at_once(self, spot: Spot) -> float:
+        """Strain that the load of a spot causes at once."""
+        hysteresis = self.scene.skin.foam.hysteresis or 0.0
+        return float(let_off(np.array(spot.x), np.array(spot.most), hysteresis))
+
+    def _now(self, spot: Spot, decay: Array) -> AnyTouch | None:
+        """A touch that compresses the foam as it is then; None where no trace is left."""
+        if spot.how == "depth":
+            return spot.touch
+        at_once = self._at_once(spot)
+        strain = at_once + float(self.creep.loaded(spot.y, np.array(at_once), decay).sum())
+        if spot.how == "free":
+            return self._trace(spot.touch, strain) if strain > NEGLIGIBLE else None
+        if strain == spot.x:
+            return spot.touch
+        if isinstance(spot.touch, Indentation):
+            return replace(spot.touch, by=self._depth(strain))
+        foam = self.scene.skin.foam
+        more = foam.factor_at(np.array(strain)) / foam.factor_at(np.array(spot.x))
+        return replace(spot.touch, factor=float(spot.touch.factor * more))
+
+    def _trace(self, touch: AnyTouch, strain: float) -> AnyTouch:
+        """What a touch leaves: as large, without whatever touched."""
+        if isinstance(touch, Indentation):
+            return touch_at(place_of(touch), self._depth(strain))
+        return touch_at(touch, float(self.scene.skin.foam.factor_at(np.array(strain))))
+
+    def _depth(self, strain: float) -> Depth:
+        assert self.scene.skin.foam.thickness is not None
+        return Depth(strain * self.scene.skin.foam.thickness)

@@ -1,0 +1,178 @@
+"""Sweeps of foam that creeps, read frequency after frequency while it does.
+
+Within a sweep every strain is a straight line in the decays s_k = exp(-t / time_k) of the foam's
+solids, so that Z is smooth in these, however fast the foam is. It is solved at Chebyshev's extrema
+of each s_k and interpolated to the moment of each reading.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chebyshev import Array, barycentric, extrema
+from ..models.answer import Answer
+from ..models.solver import Solver
+from ..press.memory import Creep
+from ..press.press import Press, check_press
+from ..scene.scene import Scene
+from ..sweeps import ToleranceError
+from ..sweeps.pace import SETTLE, reading_time
+from .foam_state import FoamState
+
+Number = TypeVar("Number", np.float64, np.complex128)
+
+FIRST, MOST = 3, 9
+"""Nodes in each decay, at first and at most. Every second one is a node of the coarser
+interpolation, which tells the error; more are taken in the decay that errs most."""
+OF_NODES = 0.4
+"""Of the tolerance, to which nodes are solved: interpolation adds up to twice their errors."""
+
+
+def reading_moments(scene: Scene) -> tuple[Array, float]:
+    """When each reading is taken, s after the press, shape (interface, frequency), and when the
+    last one is done.
+
+    In the middle of its time, see `pace.reading_time`; where an interface is not read, at the end.
+    """
+    timing, reading = scene.experiment.timed, scene.reading
+    moment, now = np.zeros(reading.shape), timing.before
+    for i, own in enumerate(reading.read):
+        now += SETTLE * (len(reading.interfaces) > 1)
+        for k in np.flatnonzero(own):
+            takes = timing.averaging * reading_time(reading.frequency[k], timing.speed)
+            moment[i, k] = now + takes / 2
+            now += takes
+    return np.where(reading.read, moment, now), now
+
+
+@dataclass(frozen=True, eq=False)
+class Interpolation:
+    """From states of the foam to the moments of readings.
+
+    moments: decays of the solids at each reading, shape (solid, interface, frequency). counts: of
+    nodes in each decay.
+    """
+
+    moments: Array
+    counts: tuple[int, ...]
+
+    @property
+    def nodes(self) -> list[Array]:
+        """Decays of the states that are solved, each of shape (solid,)."""
+        each = [self._of_solid(solid) for solid in range(len(self.counts))]
+        return [np.array(state) for state in itertools.product(*each)]
+
+    def weights(self, coarse: int | None = None) -> Array:
+        """Of the states at each reading, shape (state, interface, frequency).
+
+        coarse: a solid of whose nodes only every second one counts.
+        """
+        weights = np.ones((1, *self.moments.shape[1:]))
+        for solid, own in enumerate(self.moments):
+            step = 2 if solid == coarse else 1
+            some = np.zeros((self.counts[solid], *own.shape))
+            some[::step] = np.moveaxis(barycentric(self._of_solid(solid)[::step], own), -1, 0)
+            weights = (weights[:, None] * some).reshape(-1, *own.shape)
+        return weights
+
+    def finer(self, solid: int) -> Interpolation | None:
+        """With twice as many intervals in the decay of a solid; None beyond MOST nodes."""
+        counts = list(self.counts)
+        counts[solid] = 2 * counts[solid] - 1
+        return Interpolation(self.moments, tuple(counts)) if counts[solid] <= MOST else None
+
+    def _of_solid(self, solid: int) -> Array:
+        own = self.moments[solid]
+        return extrema(own.min(), own.max(), self.counts[solid])
+
+
+def interpolation(scene: Scene) -> Interpolation:
+    """The coarsest one of a scene's readings."""
+    moments, _ = reading_moments(scene)
+    time = Creep.of(scene.skin.foam).time
+    return Interpolation(np.exp(-moments / time.reshape(-1, 1, 1)), (FIRST,) * len(time))
+
+
+def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Answer]]:
+    """Each press with what is read of it, in a session of the scene's experiment.
+
+    The foam is at rest at first. Raises as `FoamState.then` and `Solver.solve`.
+    """
+    scene, (_, whole) = solver.scene, reading_moments(solver.scene)
+    closer = Solver(scene, OF_NODES * solver.rtol, solver.model, solver.frequency)
+    once = _Once(closer.solve)
+    state, between = FoamState(scene), interpolation(scene)
+    pause, waited = scene.experiment.timed.pause, 0.0
+    for press in presses:
+        state = state.then(check_press(press, scene), waited)
+        yield press, _answer(state, between, once, solver.rtol)
+        if pause:
+            state = state.then(Press(), whole)
+        waited = pause or whole
+
+
+class _Once:
+    """Solves each press once, and forgets all but the skin at rest with the next sweep."""
+
+    def __init__(self, solve: Callable[[Press], Answer]) -> None:
+        self._solve, self._known = solve, dict[Press, Answer]()
+
+    def next(self) -> None:
+        """Forget."""
+        self._known = {press: self._known[press] for press in self._known if not press.touches}
+
+    def __call__(self, press: Press) -> Answer:
+        if press not in self._known:
+            self._known[press] = self._solve(press)
+        return self._known[press]
+
+
+def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float) -> Answer:
+    """What is read of a foam, by an interpolation or finer ones."""
+    solve.next()
+    while True:
+        pressed = [state.at(node) for node in between.nodes]
+        answers = [solve(press) for press in pressed]
+        if len(set(pressed)) == 1:
+            return answers[0]
+        found, by_solid = _interpolated(answers, between)
+        worst = max(float(error.max()) for error in found.relative_errors)
+        if worst <= rtol:
+            return found
+        finer = between.finer(int(np.argmax(by_solid)))
+        if finer is None:
+            raise ToleranceError(
+                f"press {state.press}: read while the foam creeps, the estimated error of Rs or Cp "
+                f"is {worst:.1e}, asked {rtol:g}",
+                worst / rtol,
+            )
+        between = finer
+
+
+def _interpolated(answers: list[Answer], between: Interpolation) -> tuple[Answer, list[float]]:
+    """At the moments of readings, and how much each solid's coarser nodes change, relatively."""
+    first, weights = answers[0], between.weights()
+    Z = _summed(weights, np.stack([answer.Z for answer in answers]))
+    Rs, Cp = (
+        _summed(np.abs(weights), np.stack([getattr(answer, name) for answer in answers]))
+        for name in ("Rs_error", "Cp_error")
+    )
+    by_solid = []
+    for solid in range(len(between.counts)):
+        coarse = _summed(between.weights(solid), np.stack([answer.Z for answer in answers]))
+        Rs += np.abs((Z - coarse).real)
+        Cp += np.abs((1 / Z - 1 / coarse).imag) / (2 * np.pi * first.frequency)
+        by_solid.append(float((np.abs(Z - coarse) / np.abs(Z)).max()))
+    models = tuple(f"{model}, at {len(answers)} states of the foam" for model in first.models)
+    return replace(first, Z=Z, Rs_error=Rs, Cp_error=Cp, models=models), by_solid
+
+
+def _summed(weights: Array, values: NDArray[Number]) -> NDArray[Number]:
+    """Over states, the first dimension of both."""
+    return np.einsum("nif,nif->if", weights, values)

@@ -1,0 +1,210 @@
+"""Foam that creeps while a sweep is read, and remembers what pressed it."""
+
+import itertools
+
+import numpy as np
+import pytest
+from rcskin.simulator.measure.foam_state import FoamState
+from rcskin.simulator.measure.in_time import reading_moments
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press, press_on
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError, impedance
+
+ONE = [{"share": 0.1, "time_constant": 1.0}]
+TWO = [*ONE, {"share": 0.05, "time_constant": 20.0}]
+MECHANICS = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3}
+FOAM = {"skin.foam": {"thickness": 4e-3, "mechanics": MECHANICS, "relaxation": ONE}}
+TWICE = [
+    {"name": "there", "high": ["top-left"], "low": ["bottom-left"]},
+    {
+        "name": "back",
+        "high": ["bottom-left"],
+        "low": ["top-left"],
+        "frequencies": [1105.0, 17685.0],
+    },
+]
+SLOWLY = {"experiment.timing": {"averaging": 20}}
+
+
+@pytest.fixture(scope="module")
+def strip():
+    return load_scene("strip-1x5")
+
+
+@pytest.fixture(scope="module")
+def creeping(strip):
+    return strip.with_({"skin.foam.relaxation": ONE, **SLOWLY})
+
+
+def held(scene, text, seconds=0.0):
+    """The state of a foam that is at rest at first and is pressed then."""
+    return FoamState(scene).then(press_on(scene, text), seconds)
+
+
+def strain(press):
+    """Of its only touch, by constant permittivity."""
+    (touch,) = press.touches
+    return 1 - 1 / touch.factor
+
+
+@pytest.mark.parametrize("t", [0.0, 0.5, 60.0])
+def test_a_factor_creeps_in_strain(creeping, t):
+    """e = (1 - 1 / factor) (1 + share (1 - exp(-t / time)))"""
+    now = held(creeping, "1,2:2.0").after(t)
+    assert strain(now) == pytest.approx(0.5 * (1 + 0.1 * (1 - np.exp(-t))), rel=1e-12)
+
+
+def test_a_released_press_leaves_a_trace_that_goes(creeping):
+    left = held(creeping, "1,2:2.0").then(Press(), 3.0)
+    trace = 0.5 * 0.1 * (1 - np.exp(-3.0))
+    assert strain(left.after(0.0)) == pytest.approx(trace, rel=1e-12)
+    assert strain(left.after(2.0)) == pytest.approx(trace * np.exp(-2.0), rel=1e-12)
+    assert left.after(25.0) == Press() and left.then(Press(), 25.0).spots == ()
+
+
+def test_a_trace_adds_to_the_next_press_of_its_place_alone(creeping):
+    state = held(creeping, "1,2:2.0").then(Press(), 3.0)
+    again = state.then(press_on(creeping, "1,2:1.5+1,4:1.5"), 1.0).after(0.0)
+    here, there = again.touches
+    trace = 0.05 * (1 - np.exp(-3.0)) * np.exp(-1.0)
+    assert 1 - 1 / here.factor == pytest.approx(1 / 3 + trace, rel=1e-12)
+    assert there.factor == 1.5
+
+
+@pytest.mark.parametrize("text", ["1,2:0.7", "1,2:1.0"])
+def test_what_is_not_compressed_does_not_creep(creeping, text):
+    state = held(creeping, text)
+    assert state.after(9.0) == state.press
+    assert state.then(Press(), 9.0).after(0.0) == Press()
+
+
+def test_a_held_depth_is_what_it_is_and_leaves_its_trace(strip):
+    scene = strip.with_(FOAM)
+    state = held(scene, "1,2:2mm")
+    assert state.after(7.0) == state.press
+    (trace,) = state.then(Press(), 7.0).after(0.4).touches
+    relaxed = 2e-3 * 0.1 / 1.1 * (1 - np.exp(-1.1 * 7.0))
+    assert trace.by.value == pytest.approx(relaxed * np.exp(-0.4), rel=1e-12)
+
+
+def test_a_force_creeps_from_the_depth_that_it_takes_at_once(strip):
+    scene = strip.with_({**FOAM, "skin.foam.mechanics.stress_strain": "linear"})
+    area = 20e-3 * 20e-3
+    (touch,) = held(scene, "1,2:3N").after(2.0).touches
+    at_once = 3 / area / 30e3
+    grown = at_once * 4e-3 * (1 + 0.1 * (1 - np.exp(-2.0)))
+    assert touch.by.value == pytest.approx(grown, rel=1e-9)
+
+
+def test_hysteresis_counts_as_a_press_is_lessened_and_not_let_go(strip):
+    scene = strip.with_({"skin.foam.hysteresis": 0.2})
+    up, down = (held(scene, text) for text in ("1,2:1.5", "1,2:2.0"))
+    less = down.then(press_on(scene, "1,2:1.5"), 1.0)
+    assert strain(up.after(5.0)) == pytest.approx(1 / 3, rel=1e-14)
+    lagging = 1 / 3 + 3 * 0.2 / 3 * (1 - 2 / 3)
+    assert strain(less.after(5.0)) == pytest.approx(lagging, rel=1e-12)
+    pressed_anew = less.then(Press(), 1.0).then(press_on(scene, "1,2:1.5"), 1.0)
+    assert pressed_anew.after(0.0) == up.press
+
+
+def test_a_state_is_the_same_through_any_change_that_is_none(creeping):
+    press = press_on(creeping, "1,2:2.0+1,5:1.4")
+    once = FoamState(creeping).then(press, 0.0)
+    twice = once.then(press, 0.8)
+    for one, other in zip(once.after(2.0).touches, twice.after(1.2).touches, strict=True):
+        assert one.factor == pytest.approx(other.factor, rel=1e-13)
+
+
+def test_readings_are_taken_one_after_the_other(strip):
+    scene = load_scene("sheet-5x5-two-interfaces").with_(
+        {"experiment.timing": {"before": 0.3, "speed": "SLOW"}, "sweep.frequencies": [40.0, 1e4]}
+    )
+    moments, whole = reading_moments(scene)
+    first = 0.3 + 0.02
+    np.testing.assert_allclose(moments[0], [first + 0.05, first + 0.1 + 0.025])
+    np.testing.assert_allclose(moments[1] - moments[0], 0.15 + 0.02)
+    assert whole == pytest.approx(0.3 + 2 * (0.02 + 0.15))
+
+
+def one_by_one(scene, texts):
+    """The readable twin of sweeps in time: every reading solved by itself, at its moment."""
+    solver, (moments, whole) = Solver(scene, 1e-6), reading_moments(scene)
+    state, Z = FoamState(scene), []
+    for text in texts:
+        state = state.then(press_on(scene, text), scene.experiment.timed.pause)
+        readings = itertools.product(*map(range, moments.shape))
+        Z.append(
+            [
+                solver.solve(state.after(moments[i, k]), scene.frequencies[k]).Z[i, 0]
+                for i, k in readings
+            ]
+        )
+        state = state.then(Press(), whole)
+    return np.reshape(Z, (len(texts), *moments.shape))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"skin.foam.relaxation": ONE, **SLOWLY},
+        {"skin.foam.relaxation": TWO, "experiment.timing": {"averaging": 200}},
+        {"skin.foam.relaxation": [{"share": 0.6, "time_constant": 1e-3}]},
+        {**FOAM, **SLOWLY, "press": {"force": 1.0}},
+        {"skin.foam.relaxation": ONE, "interface": TWICE, **SLOWLY},
+    ],
+)
+def test_sweeps_in_time_are_their_readings_within_the_error_they_tell(strip, changes):
+    scene, texts = strip.with_(changes), ["1,1", "none", "1,1+1,4"]
+    sweeps = simulate(Solver(scene, 1e-4), [press_on(scene, text) for text in texts])
+    Z, read = impedance(sweeps), np.broadcast_to(scene.reading.read, (3, *scene.reading.shape))
+    off = np.abs(Z - one_by_one(scene, texts))
+    Rs_error, Cp_error = sweeps["Rs_error"].values, sweeps["Cp_error"].values
+    allowed = Rs_error + Cp_error * 2 * np.pi * scene.frequencies * np.abs(Z) ** 2
+    assert (off <= 2 * allowed + 1e-6 * np.abs(Z))[read].all()
+    assert (Rs_error <= 1.01e-4 * np.abs(Z.real))[read].all()
+
+
+def test_foam_that_creeps_not_at_all_reads_as_before(strip):
+    """Nothing named, hysteresis of presses that are let go, or creep too slow to be seen."""
+    presses = [press_on(strip, text) for text in ("none", "1,1", "1,3")]
+    plain = simulate(Solver(strip), presses)
+    for foam in ({"hysteresis": 0.1}, {"relaxation": [{"share": 1e-6, "time_constant": 1e7}]}):
+        changes = {f"skin.foam.{key}": value for key, value in foam.items()}
+        other = simulate(Solver(strip.with_(changes)), presses)
+        np.testing.assert_allclose(impedance(other), impedance(plain), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "texts", "told"),
+    [
+        (
+            {"skin.foam.relaxation": [{"share": 0.99, "time_constant": 1.0}]},
+            ["1,2:2.0"],
+            "press 1,2:2.0: the foam would creep to 0.995 of its thickness; it must stay within "
+            "0.99: press less",
+        ),
+        (
+            {"skin.foam.relaxation": [{"share": 9.0, "time_constant": 1.0}]},
+            ["1,2:1.05", "1,2:1.6"],
+            "press 1,2:1.6: the foam would creep to 3.75",
+        ),
+        (FOAM, ["1,2:2.6mm"], ""),
+        ({**FOAM, "press": {"force": 30.0}}, ["1,2"], "press 1,2:30.0N: the foam would creep to"),
+        (
+            {"skin.foam.relaxation": ONE},
+            ["disc(0.05,0.01,0.005):2.0+disc(0.05,0.01,0.005):1.5"],
+            "foam that creeps takes each place once",
+        ),
+    ],
+)
+def test_presses_that_creep_too_far_are_refused(strip, changes, texts, told):
+    scene = strip.with_(changes)
+    presses = [press_on(scene, text) for text in texts]
+    if not told:  # a held depth stays
+        assert simulate(Solver(scene, 1e-2), presses).sizes["sweep"] == 1
+        return
+    with pytest.raises(InputError) as refused:
+        simulate(Solver(scene, 1e-2), presses)
+    assert told in str(refused.value) and "\n" not in str(refused.value)
