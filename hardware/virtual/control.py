@@ -48,7 +48,8 @@ class Control:
         """Press the skin, and hold it until the next press. Raises InputError."""
         meter = self.instrument
         loop = asyncio.get_running_loop()
-        meter.press = await loop.run_in_executor(meter.worker, meter.bench.skin.check, text)
+        held = loop.run_in_executor(meter.worker, meter.bench.skin.hold, text, meter.now)
+        meter.press = await held
         meter.changed()
         return meter.press
 

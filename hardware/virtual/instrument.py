@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...simulator.sweeps import UNPRESSED
 from ...simulator.sweeps.reach import VIRTUAL_MODEL
@@ -26,9 +26,12 @@ TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 @dataclass
 class Pending:
-    """A measurement under way: of what, where, and when it is done (s of the loop's clock)."""
+    """A measurement under way: of what, where, and when it is done (s of the loop's clock).
 
-    press: str
+    press: as the skin is pressed in the middle of it.
+    """
+
+    press: Any
     settings: Settings
     done: float
     bench: Bench
@@ -144,7 +147,8 @@ class Instrument:
 
     def _begun(self, done: float) -> Pending:
         settings = replace(self.settings, each_range=dict(self.settings.each_range))
-        return Pending(self.press, settings, done, self.bench)
+        press = self.bench.skin.momentary(self.press, (self.now + done) / 2)
+        return Pending(press, settings, done, self.bench)
 
     def _seconds(self) -> float:
         delay = self.settings.each_range[self.settings.range].delay

@@ -6,7 +6,7 @@ import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
 from .language import values as numbers
@@ -50,8 +50,11 @@ class Bench:
     readout: Readout
     accuracy: AccuracyTable
 
-    def measure(self, press: str, settings: Settings) -> Result:
-        """A reading under a press. Raises what the skin raises; ValueError where Z is none."""
+    def measure(self, press: Any, settings: Settings) -> Result:
+        """A reading under a press, as the skin's `momentary` has it.
+
+        Raises what the skin raises; ValueError where Z is none.
+        """
         Z = self.skin.impedance(press, settings.frequency)
         if not cmath.isfinite(Z):
             raise ValueError(f"the skin's impedance is {Z} at {settings.frequency:g} Hz")

@@ -54,6 +54,14 @@ class Recorded:
         self._played[text] += 1
         return f"{self._presses[number]} #{number}"
 
+    def hold(self, press: str, now: float) -> str:
+        """As `check`: what the foam did is in the recording."""
+        return self.check(press)
+
+    def momentary(self, press: str, at: float) -> str:
+        """The same press at any time."""
+        return press
+
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm; between frequencies |Z| and phase follow the logarithm of the frequency.
 

@@ -39,12 +39,13 @@ class Spot:
 class FoamState:
     """A press that is held, what is remembered of those before, and how it goes on from there.
 
-    Immutable: `then` is the state after the next change.
+    Immutable: `then` is the state after the next change. since: when it began, s.
     """
 
     scene: Scene
     press: Press = field(default_factory=Press)
     spots: tuple[Spot, ...] = ()
+    since: float = 0.0
 
     def after(self, seconds: float) -> Press:
         """The press that the skin is like so many s after the change."""
@@ -66,8 +67,9 @@ class FoamState:
         Raises InputError and ToleranceError as `settled`, and InputError for a load under which the
         foam would creep too far, and where one place is pressed twice.
         """
+        since = self.since + seconds
         if not self.scene.skin.foam.in_time:
-            return replace(self, press=press)
+            return replace(self, press=press, since=since)
         if len({touch.where for touch in press.touches}) < len(press.touches):
             raise InputError(f"press {press}: foam that creeps takes each place once")
         before = {spot.touch.where: self._later(spot, seconds) for spot in self.spots}
@@ -85,7 +87,7 @@ class FoamState:
             for where, spot in before.items()
             if where not in here and spot.y.sum() > NEGLIGIBLE
         ]
-        return replace(self, press=press, spots=(*pressed, *left))
+        return replace(self, press=press, spots=(*pressed, *left), since=since)
 
     @property
     def creep(self) -> Creep:

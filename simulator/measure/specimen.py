@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..models.mechanics.in_depths import depths_in_words
-from ..models.plain import require_static
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, press_on
@@ -17,6 +17,7 @@ from ..press.touch import Touch
 from ..remembered import remembered
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
+from .foam_state import FoamState
 from .readout import Meter
 
 READINGS_KEPT = 4096
@@ -33,7 +34,7 @@ class Solved:
     def impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface,), at a frequency in Hz. Raises as `Solver.solve`."""
         own = np.flatnonzero(self._frequencies == frequency)
-        if press.indented and own.size:
+        if press.indented and own.size and not self._solver.scene.skin.foam.in_time:
             return self._sweeps(press)[:, own[0]]
         return self._solver.solve(press, frequency).Z[:, 0]
 
@@ -43,13 +44,21 @@ class Solved:
         return self._solver.solve(press).Z
 
 
+@dataclass
+class Foam:
+    """How the skin is pressed, by the clock of whoever reads it."""
+
+    state: FoamState
+
+
 class Specimen:
-    """A scene at one of its interfaces."""
+    """A scene at one of its interfaces, and how it is pressed at all of them."""
 
     def __init__(self, scene: Scene, interface: str) -> None:
-        self.scene = require_static(scene, "the virtual meter")
+        self.scene = scene
         self._number = interface_names(scene).index(interface)
         self._solved, self._pixels = Solved(scene), set(pixels_with_skin(scene))
+        self._foam = Foam(FoamState(scene))
 
     def at(self, interface: str) -> Self:
         """The same specimen at another interface; what one has solved the other knows."""
@@ -62,21 +71,40 @@ class Specimen:
 
         Raises InputError where it does not fit the scene, or a pixel has no skin.
         """
-        found = press_on(self.scene, press)
-        for touch in found.touches:
-            if isinstance(touch, Touch) and (touch.row, touch.column) not in self._pixels:
-                raise InputError(f"press {touch}: there is no skin at that place")
+        return str(self._checked(press))
+
+    def hold(self, press: str, now: float) -> str:
+        """Press the skin, and hold it until the next press; the press in its full form.
+
+        now: s by any clock. Raises as `check` and `FoamState.then`.
+        """
+        found, foam = self._checked(press), self._foam
+        foam.state = foam.state.then(found, now - foam.state.since)
         return str(found)
 
-    def impedance(self, press: str, frequency: float) -> complex:
+    def momentary(self, press: str, at: float) -> Press:
+        """What the skin is pressed like at a time, s by the clock of `hold`: as its foam creeps.
+
+        press: in words, of skins that know no other.
+        """
+        state = self._foam.state
+        return state.after(max(0.0, at - state.since))
+
+    def impedance(self, press: str | Press, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""
-        return complex(
-            self._solved.impedances(press_on(self.scene, press), frequency)[self._number]
-        )
+        found = press_on(self.scene, press) if isinstance(press, str) else press
+        return complex(self._solved.impedances(found, frequency)[self._number])
 
     def depths(self, press: str) -> str:
         """The depths that the forces of a press take, in words; empty where it has none."""
         return "; ".join(depths_in_words(self.scene, [press_on(self.scene, press)]))
+
+    def _checked(self, press: str) -> Press:
+        found = press_on(self.scene, press)
+        for touch in found.touches:
+            if isinstance(touch, Touch) and (touch.row, touch.column) not in self._pixels:
+                raise InputError(f"press {touch}: there is no skin at that place")
+        return found
 
 
 class SessionErrors:

@@ -23,6 +23,14 @@ class Pillow:
             raise InputError(f"press {press!r}: must be ROW,COLUMN")
         return press
 
+    def hold(self, press, now):
+        """As it is checked: it never creeps."""
+        return self.check(press)
+
+    def momentary(self, press, at):
+        """The same at any time."""
+        return press
+
     def impedance(self, press, frequency):
         """R + 1/(jwC) in ohm."""
         rise = 0 if press == "none" else 0.01 * int(press.split(",")[0])
