@@ -69,7 +69,7 @@ def record(
     accuracy: Accuracy = None,
 ) -> None:
     """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-    from ..simulator.asked.scene import asked_scene
+    from ..simulator.asked.scene import asked_scene, warn_of_earth
     from ..simulator.scene.reading import checked_interfaces
     from ..simulator.sweeps import checked_output, counted
     from .meter.accuracy import DERIVED, read_table
@@ -100,6 +100,7 @@ def record(
         same_mounting,
         asked_switch(switch, switch_with, settle, interfaces, ask),
     )
+    warn_of_earth(scene, asked)
     journal = Journal(output)
     with ending_in_order() as tell, journal.lock(), going_on_later(journal):
         checked_output(output)

@@ -218,6 +218,19 @@ def refused(run):
 
 
 @pytest.fixture(scope="session")
+def earth_alone():
+    """A function of standard error: whether it warns once that nothing is said of earth, no more.
+
+    Commands on measured skins do where their scene has no surroundings.
+    """
+
+    def alone(err):
+        return err.count("\n") == 1 and ": nothing is said of earth: a metal body 5 mm" in err
+
+    return alone
+
+
+@pytest.fixture(scope="session")
 def random():
     """Hypothesis strategies of scenes and presses."""
     return SimpleNamespace(

@@ -69,7 +69,7 @@ def gap(
     --model it is your own model that is asked, as it is and adapted by a
     few touches, and whether its probabilities can be believed.
     """
-    from ...simulator.asked.scene import asked_scene
+    from ...simulator.asked.scene import asked_scene, warn_of_earth
     from ...simulator.charts import checked_ending
     from ...simulator.progress import on_terminal
     from ...simulator.scene.files import scene_text
@@ -110,6 +110,8 @@ def gap(
         findings = find(prepared(pair, question, model), progress)
     write_report(output, findings, ending)
     _show(findings, output / HTML)
+    if pair.scene is not None:
+        warn_of_earth(pair.scene.name, pair.scene)
 
 
 def _show(findings: Findings, report: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..models.plain import electrical
-from ..models.validity import warnings
+from ..models.validity import earth_left_out, warnings
 from ..scene.files import load_scene
 from ..scene.scene import Scene
 from .plausibility import slips
@@ -23,6 +23,13 @@ def warn_of_model(name: str, scene: Scene) -> None:
     even = electrical(scene)
     for warning in (*scene.driven_by_touch, *warnings(even)):
         warn(f"{name}: {warning}")
+
+
+def warn_of_earth(name: str, scene: Scene) -> None:
+    """Tells what earth may do to a measured skin, where its scene says nothing of surroundings."""
+    told = earth_left_out(electrical(scene))
+    if told is not None:
+        warn(f"{name}: {told}")
 
 
 def tell_if_noise_free(name: str, scene: Scene) -> None:

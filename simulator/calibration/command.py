@@ -82,7 +82,7 @@ def calibrate(
     by their sum, and their ratio is assumed from the scene.
     """
 
-    from ..asked.scene import asked_scene
+    from ..asked.scene import asked_scene, warn_of_earth
     from ..charts import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
@@ -119,3 +119,4 @@ def calibrate(
     if len(calibration.intervals) > 1:
         console.print(correlations(calibration, console))
     say(*explanations(calibration), f"{folder}: {', '.join(written)}")
+    warn_of_earth(scene, asked)

@@ -14,14 +14,16 @@ from ..models.line import cut_off_frequency
 from ..models.plain import electrical
 from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact, Interface
+from ..scene.extent import surface
 from ..scene.maps import AnyMap
-from ..scene.planar import Circle, area
+from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps.errors import InputError
 from ..sweeps.reach import REACH, VIRTUAL_MODEL, beyond_reach
 from ..sweeps.units import prefixed
 from .apart import told_apart
+from .beyond import beyond
 
 LINES = 64
 """Along each side of the skin, at which maps are averaged."""
@@ -62,6 +64,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "frequencies", _frequencies(scene)
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
+    yield from beyond(scene)
     yield "told apart", told_apart(scene, pixels_with_skin(scene))
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
@@ -105,18 +108,6 @@ def _curve(shape: Circle | np.ndarray) -> str:
     if isinstance(shape, Circle):
         return f"disc of radius {1e3 * shape.radius:.4g} mm"
     return f"polygon of {len(shape)} corners"
-
-
-def surface(skin: Skin) -> float:
-    """Area of a skin without mesh at rest, without its holes, m²."""
-    if skin.outline is None:
-        return skin.length * skin.width
-    first, *holes = (_enclosed(each.shape) for each in (skin.outline, *skin.outline.holes))
-    return first - sum(holes)
-
-
-def _enclosed(shape: Circle | np.ndarray) -> float:
-    return math.pi * shape.radius**2 if isinstance(shape, Circle) else abs(float(area(shape)))
 
 
 def _sheet(sheet: Sheet) -> str:

@@ -1,64 +1,91 @@
-"""Where the thin-sheet model itself ends: what a foam of some thickness does that it leaves out.
+"""Where two sheets and a foam alone end as a model: what a scene leaves out, and how large that is.
 
 Foam of thickness d carries displacement current along the skin too. Where the potential grows
 evenly from sheet to sheet that is a conductance s c d² / 12 beside 1 / R, of which it is the part
 |s R c| d² / 12 = (d / delta)² / 6; at the end of a long strip Rs falls and Cp rises by half as
-much. At the edges of the skin the field fringes, as if each edge lay FRINGE d farther out; at those
-of a press it is smoothed over d.
+much. At the edges of the skin the field fringes; at those of a press it is smoothed over d. Earth
+takes a part of the current. Sizes: `stray`.
 """
 
 from __future__ import annotations
 
 from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY
+from ..scene.skin import ASSUMED_PERMITTIVITY
+from ..sweeps.units import prefixed
+from .stray import FINGER, NEARBY, body_share, finger_share, rim_share, straight_share
 
-FRINGE = 0.44
 LATERAL_LIMIT, FRINGE_LIMIT = 0.01, 0.1
 PIXEL_LIMIT = 2.0
 
 
-def least_thickness(scene: Scene) -> float:
-    """The foam's thickness in m; where only its capacitance is given, the least it can be."""
-    foam = scene.skin.foam
-    return foam.thickness or VACUUM_PERMITTIVITY / foam.rest_capacitance_per_area
-
-
-def lateral_error(thickness: float, depth: float) -> float:
-    """Bound on the relative error of Rs and Cp by currents along the foam; both arguments in m."""
-    return (thickness / depth) ** 2 / 6
-
-
-def fringe_error(thickness: float, length: float, width: float) -> float:
-    """Relative error of the whole capacitance from fields around the edges of a skin, all in m."""
-    return 2 * FRINGE * thickness * (1 / length + 1 / width)
+def thickness_told(scene: Scene) -> str:
+    """The foam's thickness in words, with what is assumed where its capacitance alone is given."""
+    told = f"{1e3 * scene.skin.foam.thickness_or_assumed:.2g} mm"
+    if scene.skin.foam.thickness is not None:
+        return told
+    return f"{told} (relative permittivity {ASSUMED_PERMITTIVITY:g} assumed)"
 
 
 def warnings(scene: Scene) -> list[str]:
     """One line for each way in which the scene leaves the model's range; none where it is within.
 
-    Where the capacitance is given, and not its geometry, it is taken to hold the fringe field.
+    Where the capacitance is given, and not its geometry, it is taken to hold the fringe field, and
+    the foam to be as thick as one of ASSUMED_PERMITTIVITY.
     """
-    skin, pixels = scene.skin, scene.pixels
-    d = least_thickness(scene)
-    depth = skin.depth(scene.frequencies[-1], max(1.0, scene.press.capacitance_factor))
-    lateral, fringe = lateral_error(d, depth), fringe_error(d, skin.length, skin.width)
+    around = scene.surroundings
+    checks = [
+        None if around and around.thickness else _lateral(scene),
+        None if around and (around.rim is not False or around.solved) else _fringe(scene),
+        _pixels(scene),
+    ]
+    return [told for told in checks if told is not None]
+
+
+def _lateral(scene: Scene) -> str | None:
+    d = scene.skin.foam.thickness_or_assumed
+    depth = scene.skin.depth(scene.frequencies[-1], max(1.0, scene.press.capacitance_factor))
+    error = straight_share(d, depth)
+    if error <= LATERAL_LIMIT:
+        return None
+    return (
+        f"at {scene.frequencies[-1]:.3g} Hz the field reaches {1e3 * depth:.2g} mm, not far "
+        f"enough beyond the foam's {thickness_told(scene)}: currents along the foam change Rs and "
+        f"Cp by up to {100 * error:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
+    )
+
+
+def _fringe(scene: Scene) -> str | None:
+    foam, fringe = scene.skin.foam, rim_share(scene)
+    if foam.capacitance_per_area is not None or fringe <= FRINGE_LIMIT:
+        return None
+    return (
+        f"fields around the edges add {100 * fringe:.2g} % to the capacitance of a foam "
+        f"{thickness_told(scene)} thick (limit {100 * FRINGE_LIMIT:g} %); give "
+        "capacitance_per_area as measured, or [surroundings] rim = true"
+    )
+
+
+def _pixels(scene: Scene) -> str | None:
+    skin, pixels, d = scene.skin, scene.pixels, scene.skin.foam.thickness_or_assumed
     pixel = min(skin.length / pixels.columns, skin.width / pixels.rows)
-    told = []
-    if lateral > LATERAL_LIMIT:
-        told.append(
-            f"at {scene.frequencies[-1]:.3g} Hz the field reaches {1e3 * depth:.2g} mm, not far "
-            f"enough beyond the foam's {1e3 * d:.2g} mm: currents along the foam change Rs and Cp "
-            f"by up to {100 * lateral:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
-        )
-    if skin.foam.thickness and fringe > FRINGE_LIMIT:
-        told.append(
-            f"fields around the edges add {100 * fringe:.2g} % to the capacitance of a foam "
-            f"{1e3 * d:.2g} mm thick (limit {100 * FRINGE_LIMIT:g} %); give capacitance_per_area "
-            "as measured"
-        )
-    if pixel < PIXEL_LIMIT * d:
-        told.append(
-            f"pixels of {1e3 * pixel:.2g} mm are less than {PIXEL_LIMIT:g} times the foam's "
-            f"{1e3 * d:.2g} mm: the edge of a press is not as sharp as modelled"
-        )
-    return told
+    if pixel >= PIXEL_LIMIT * d:
+        return None
+    return (
+        f"pixels of {1e3 * pixel:.2g} mm are less than {PIXEL_LIMIT:g} times the foam's "
+        f"{thickness_told(scene)}: the edge of a press is not as sharp as modelled"
+    )
+
+
+def earth_left_out(scene: Scene) -> str | None:
+    """What a meter with an earth may show of a scene that says nothing of it; None where it does.
+
+    One line, with the size of a body behind the skin and of a finger on it.
+    """
+    if scene.surroundings is not None:
+        return None
+    return (
+        f"nothing is said of earth: a metal body {1e3 * (NEARBY.distance or 0):g} mm behind the "
+        f"{NEARBY.side} sheet would raise Rs by about {100 * body_share(scene):.2g} %, a finger of "
+        f"{prefixed(FINGER, 'F')} by up to {100 * finger_share(scene):.2g} %; add [surroundings] "
+        '(low = "floating" for a meter without earth)'
+    )

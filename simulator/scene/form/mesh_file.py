@@ -59,9 +59,10 @@ class Surface:
         edges, count = np.unique(every, axis=1, return_counts=True)
         return edges[:, count == 1]
 
-    def area(self, group: str) -> float:
-        """Of the triangles of a group, in the plane or in space, m²."""
-        corners = self.p[:, self.t[:, self.triangle_groups[group]]]
+    def area(self, group: str | None = None) -> float:
+        """Of the triangles of a group, of all for None, in the plane or in space, m²."""
+        some = slice(None) if group is None else self.triangle_groups[group]
+        corners = self.p[:, self.t[:, some]]
         one, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
         product = (one * other).sum(axis=0) ** 2
         square = (one**2).sum(axis=0) * (other**2).sum(axis=0) - product

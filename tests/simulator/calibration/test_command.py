@@ -29,10 +29,10 @@ def files(tmp_path, line, read):
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_a_scene_is_calibrated(run, files, line):
+def test_a_scene_is_calibrated(run, files, line, earth_alone):
     scene, measured, folder = files
     code, out, err = run("calibrate", scene, measured, "-o", folder)
-    assert (code, err) == (0, "")
+    assert code == 0 and earth_alone(err), err
     assert "foam capacitance" in out
     assert "chi-squared per degree of freedom" in out
     assert "told only together, as both sheets in series; top over bottom is assumed" in out
@@ -119,14 +119,14 @@ def test_sweeps_of_another_skin_are_refused(refused, files):
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line):
+def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line, earth_alone):
     scene, measured, folder = files
     scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))
     code, _, err = run("calibrate", scene, measured, "-o", folder)
     assert code == 2
     assert "recorded for scene, asked of longer: length 0.1 m, not 0.11 m" in err
     code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO, "--anyway")
-    assert (code, err) == (0, "")
+    assert code == 0 and earth_alone(err), err
 
 
 @pytest.mark.usefixtures("unpainted")

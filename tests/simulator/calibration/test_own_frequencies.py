@@ -118,12 +118,12 @@ def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, r
 
 
 @pytest.mark.usefixtures("unpainted")
-def test_the_command_takes_them(own, shared, read, run, tmp_path):
+def test_the_command_takes_them(own, shared, read, run, tmp_path, earth_alone):
     write(restricted(read(shared, TRUTH, PRESSES), own.taken), tmp_path / "own.nc")
     (tmp_path / "own.toml").write_text(scene_text(own), encoding="utf-8")
     asked = ("--fit", "capacitance", "--fit", "sheet_resistance", "-o", tmp_path / "out")
     code, out, err = run("calibrate", tmp_path / "own.toml", tmp_path / "own.nc", *asked)
-    assert (code, err) == (0, "") and "chi-squared" in out
+    assert code == 0 and earth_alone(err) and "chi-squared" in out
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"calibrated.toml", "residuals-left.png", "residuals-bottom.png"} <= names
     again = load_scene(str(tmp_path / "out" / "calibrated.toml"))

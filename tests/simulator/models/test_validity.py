@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.validity import lateral_error, warnings
+from rcskin.simulator.models.stray import rim_share, straight_share
+from rcskin.simulator.models.validity import earth_left_out, warnings
 from rcskin.simulator.scene.files import builtin_names, load_scene
 from rcskin.simulator.scene.scene import Scene
 
@@ -23,7 +24,7 @@ def test_the_lateral_error_is_the_first_term_of_laplaces_equation():
     """Potentials that vary along the sheets charge them (k d / 2) coth(k d / 2) times as much."""
     d, depth = 1e-3, 20e-3
     half = np.sqrt(2j) / depth * d / 2
-    assert lateral_error(d, depth) == pytest.approx(abs(half / np.tanh(half) - 1), rel=1e-3)
+    assert straight_share(d, depth) == pytest.approx(abs(half / np.tanh(half) - 1), rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -40,8 +41,36 @@ def test_each_limit_is_told(make_scene, scene, told):
     assert told in warning
 
 
-def test_a_capacitance_alone_tells_how_thin_the_foam_can_be(make_scene):
-    """In vacuum: 1.8 mm at 5 nF/m²; any permittivity makes it thicker."""
+def test_a_capacitance_alone_is_of_a_foam_of_assumed_permittivity(make_scene):
+    """3.5 mm at 5 nF/m² and a relative permittivity of 2."""
     assert warnings(make_scene(frequencies=[1e5])) == []
     (warning,) = warnings(make_scene(frequencies=[1e7]))
-    assert "the foam's 1.8 mm" in warning
+    assert "the foam's 3.5 mm (relative permittivity 2 assumed)" in warning
+
+
+@pytest.mark.parametrize(("permittivity", "warned"), [(1.0, True), (2.2, False)])
+def test_the_fringe_weighs_more_the_less_the_foam_holds(make_scene, permittivity, warned):
+    """The field around the edges hardly depends on what is between the sheets."""
+    size = {"length": 0.12, "width": 0.12}
+    foam = {"thickness": 4e-3, "relative_permittivity": permittivity}
+    scene = with_foam(make_scene, scene=size, **foam)
+    assert (rim_share(scene) > 0.1) == warned == bool(warnings(scene))
+    stated = scene.with_({"surroundings": {"rim": True}})
+    assert warnings(stated) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "warned"),
+    [
+        ({}, True),
+        ({"surroundings": {"low": "floating"}}, False),
+        ({"surroundings": "solved"}, False),
+        ({"surroundings.body.distance": 5e-3}, False),
+    ],
+)
+def test_earth_is_warned_of_where_nothing_is_said_of_it(changes, warned):
+    told = earth_left_out(load_scene("sheet-5x5").with_(changes))
+    assert (told is not None) == warned
+    if told is not None:
+        assert "5 mm behind the bottom sheet would raise Rs by about 22 %" in told
+        assert "a finger of 5.31 pF by up to 5.7 %" in told

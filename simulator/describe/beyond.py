@@ -1,0 +1,134 @@
+"""What a scene has beyond two sheets and a foam, or leaves out, and how large that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..models.plain import electrical
+from ..models.stray import (
+    FINGER,
+    NEARBY,
+    OVERLAP,
+    body_share,
+    extent_from,
+    finger_share,
+    open_share,
+    overlap_share,
+    rim_share,
+    sheet_part,
+    straight_share,
+)
+from ..models.validity import thickness_told
+from ..press.finger import finger_capacitance
+from ..press.touch import Touch
+from ..scene.contacts import Contact
+from ..scene.scene import Scene
+from ..scene.surroundings import Body, Rim, Surroundings
+from ..sweeps.units import prefixed
+
+LEFT_OUT = "left out"
+
+
+def beyond(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Each effect: what it is called, and its size with whether the scene has it.
+
+    Sizes are those of `models.stray`.
+    """
+    even, around = electrical(scene), scene.surroundings
+    yield "earth", _earth(even, around)
+    for body in around.body if around else ():
+        yield "body", _body(even, body)
+    if not (around and around.body):
+        size = _percent(body_share(even))
+        yield "body", f"one at earth {_place(NEARBY)} raises Rs by about {size}; {LEFT_OUT}"
+    yield "rim", _rim(even, around)
+    yield "thickness", _thickness(even, around)
+    yield "finger", _finger(scene, around)
+    wide = [foil for foil in scene.contacts if foil.width]
+    for foil in wide or scene.contacts[:1]:
+        yield "foil width", _overlap(even, foil)
+    yield from _creep(scene)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"
+
+
+def _earth(scene: Scene, around: Surroundings | None) -> str:
+    if around and around.low == "floating":
+        return "none at the meter: its low terminal floats"
+    told = (
+        "a low terminal that is a virtual earth raises Rs by about "
+        f"{_percent(open_share(scene))} with nothing near"
+    )
+    if around is None:
+        return f'{told}; {LEFT_OUT} ([surroundings], or there low = "floating")'
+    there = around.solved or around.rim is not False
+    return f"{told}; {'in the scene' if there else f'{LEFT_OUT} without rim or solved'}"
+
+
+def _place(body: Body) -> str:
+    return f"{1e3 * (body.distance or 0):.3g} mm from the {body.side} sheet"
+
+
+def _body(scene: Scene, body: Body) -> str:
+    where = _place(body) if body.distance is not None else f"facing the {body.side} sheet"
+    told = f"{where}, {prefixed(body.per_area, 'F/m²')}"
+    if body.potential == "floating":
+        return f"{told}, floating"
+    if body.follows:
+        return f"{told}, a guard that follows {body.potential}"
+    return f"{told}, at earth: raises Rs by about {_percent(body_share(scene, body))}"
+
+
+def _rim(scene: Scene, around: Surroundings | None) -> str:
+    told = f"fields around the edges have {_percent(rim_share(scene))} of the foam's capacitance"
+    if around and isinstance(around.rim, Rim):
+        between, *to_earth = (
+            prefixed(each, "F/m") for each in (around.rim.mutual, around.rim.top, around.rim.bottom)
+        )
+        return f"{told}; given as {between} between the sheets, {' and '.join(to_earth)} to earth"
+    if around and (around.rim or around.solved):
+        return f"{told}; computed{', of the three-dimensional solve' if around.solved else ''}"
+    if scene.skin.foam.capacitance_per_area is not None:
+        return f"{told}; taken to be in capacitance_per_area, all over the skin"
+    return f"{told}; {LEFT_OUT}"
+
+
+def _thickness(scene: Scene, around: Surroundings | None) -> str:
+    foam, highest = scene.skin.foam, float(scene.frequencies[-1])
+    share = straight_share(foam.thickness_or_assumed, scene.skin.depth(highest))
+    there = "in the scene" if around and around.thickness else LEFT_OUT
+    return (
+        f"{thickness_told(scene)}: a field that is not straight across the foam changes Rs and Cp "
+        f"by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
+    )
+
+
+def _finger(scene: Scene, around: Surroundings | None) -> str:
+    if around and around.rods_alone:
+        return "none can touch: " + around.rods_alone
+    how = scene.press.finger
+    if around is None or (how is None and around.finger_per_area is None):
+        size = _percent(finger_share(electrical(scene)))
+        return f"one of {prefixed(FINGER, 'F')} raises Rs by up to {size}; {LEFT_OUT}"
+    own = finger_capacitance(scene, Touch(1, 1, 1.0), "earthed" if how is None else how)
+    share = _percent(finger_share(electrical(scene), own))
+    presses = "presses are by it" if how else "presses are by a rod unless they say `:finger`"
+    return f"one on a pixel has {prefixed(own, 'F')} and raises Rs by up to {share}; {presses}"
+
+
+def _overlap(scene: Scene, foil: Contact) -> str:
+    width = foil.width or OVERLAP
+    share = overlap_share(extent_from(foil, scene), width)
+    by = f"{1e3 * width:.3g} mm"
+    if not foil.width:
+        return f"foils that overlap both sheets by {by} lower Rs by {_percent(share)}; {LEFT_OUT}"
+    own = _percent(sheet_part(scene, foil.electrode) * share)
+    return f"{foil.name} overlaps its sheet by {by} and lowers Rs by {own}; in the scene"
+
+
+def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
+    for each in scene.skin.foam.relaxation or ():
+        grown = f"the strain of a press that is held grows by {_percent(each.share)}"
+        yield "creep", f"{grown} with a time constant of {prefixed(each.time_constant, 's')}"
