@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
+from ..scene.surroundings import Surroundings
 from ..scene.wiring import joined
 from .excitation import Combination, Drive, combination, through_virtual_earth
 
@@ -94,8 +95,7 @@ class Circuit:
 
 
 def two_fields(scene: Scene) -> Circuit:
-    """The circuit of both sheets' potentials. Raises InputError where a scene has surroundings."""
-    scene.require_sheets_alone("a circuit")
+    """The circuit of both sheets' potentials, and of the conductors beside them: always right."""
     first = joined(scene.contacts, scene.skin)
     leaders = sorted(set(first))
     terminal_of = {
@@ -105,6 +105,8 @@ def two_fields(scene: Scene) -> Circuit:
     terminals = [_terminal(scene, terminal_of, index) for index in range(len(leaders))]
     carrying = {terminal.field for terminal in terminals}
     terminals += [Terminal(field, ()) for field in (0, 1) if field not in carrying]
+    terminals += _conductors(scene.surroundings)
+    low = _low(scene.surroundings)
     return Circuit(
         conductance=(
             1 / scene.skin.top.sheet_resistance,
@@ -112,12 +114,15 @@ def two_fields(scene: Scene) -> Circuit:
         ),
         coupling=np.array([[1.0, -1.0], [-1.0, 1.0]]),
         terminals=tuple(terminals),
-        drives=_drives(terminals, scene.interfaces),
+        drives=_drives(terminals, scene.interfaces, low),
+        low=low,
     )
 
 
 def one_field(scene: Scene) -> Circuit | None:
     """The circuit of the potential difference, or None where it would not be exact."""
+    if scene.surroundings is not None:
+        return None
     both = two_fields(scene)
     tops = [index for index, terminal in enumerate(both.terminals) if terminal.field == 0]
     pairs = {top: _partner(top, both.terminals, scene) for top in tops}
@@ -136,6 +141,24 @@ def one_field(scene: Scene) -> Circuit | None:
         ),
         drives=tuple(drive for drive in drives if drive is not None),
     )
+
+
+def _conductors(around: Surroundings | None) -> list[Terminal]:
+    """Bodies that are not at earth's potential, as what follows a virtual earth is."""
+    found = []
+    for body in around.body if around else ():
+        at_earth = body.potential == "low" and around and around.low == "virtual earth"
+        if body.potential != "earth" and not at_earth:
+            wired = None if body.potential == "floating" else body.potential
+            found.append(Terminal(2 + len(found), (), ("top", "bottom").index(body.side), wired))
+    return found
+
+
+def _low(around: Surroundings | None) -> Low:
+    """As of `Circuit`: a meter that floats where nothing reaches earth is none that has one."""
+    if around is None or (around.low == "floating" and not around.reaches_earth):
+        return None
+    return around.low
 
 
 def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:
@@ -190,8 +213,8 @@ def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
     )
 
 
-def _places(terminal: Terminal) -> list[tuple[str, tuple[float, float]]]:
-    return sorted((contact.edge, contact.span) for contact in terminal.contacts)
+def _places(terminal: Terminal) -> list[tuple[str, tuple[float, ...]]]:
+    return sorted((c.edge, (*c.span, c.width)) for c in terminal.contacts)
 
 
 def _pair_drive(drive: Drive, tops: list[int], pairs: dict[int, int | None]) -> Drive | None:

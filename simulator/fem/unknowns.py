@@ -87,14 +87,22 @@ def triangle_trial(mesh: MeshTri, order: int) -> Trial:
 
 
 def numbered(
-    circuit: Circuit, trial: Trial, facets: Callable[[Contact], NDArray[np.int64]]
+    circuit: Circuit,
+    trial: Trial,
+    facets: Callable[[Contact], NDArray[np.int64]],
+    inside: Callable[[Contact], NDArray[np.int64]] | None = None,
 ) -> Unknowns:
-    """The unknowns of a circuit. facets: those under a foil."""
+    """The unknowns of a circuit. facets: those under a foil. inside: the cells under one that has
+    a width; without it there is none."""
 
     def under_all(contacts: Sequence[Contact]) -> NDArray[np.int64]:
         if not contacts:
             return np.empty(0, dtype=np.int64)
-        return trial.on(np.concatenate([facets(contact) for contact in contacts]))
+        found = trial.on(np.concatenate([facets(contact) for contact in contacts]))
+        if inside is None or not any(contact.width for contact in contacts):
+            return found
+        cells = np.concatenate([inside(contact) for contact in contacts])
+        return np.union1d(found, trial.dofs.element_dofs[:, cells])
 
     number, inner, degree = _numbers(circuit, trial, under_all)
     of_cells = np.concatenate([field[trial.dofs.element_dofs] for field in number])

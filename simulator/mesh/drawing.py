@@ -16,6 +16,7 @@ from ..scene.contacts import Contact
 from ..scene.planar import Circle, Points, regular, sides
 from ..scene.scene import Pixels, Scene
 from ..scene.skin import Skin
+from ..scene.wiring import strip
 
 Shape = Circle | Points
 """A circle, or the corners of a polygon or polyline, shape (corner, 2)."""
@@ -79,7 +80,7 @@ def drawing_of(
         scene.pixels,
         (pixel_lines(scene, 0), pixel_lines(scene, 1)),
         tuple(shape_of(scene, touch) for touch in sharp_touches(press)),
-        tuple(creases),
+        (*creases, *_strips(scene)),
         between,
     )
 
@@ -93,6 +94,12 @@ def around_pixels(scene: Scene, press: Press) -> list[Points]:
     """The edges of pixels that a press presses, closed polylines of shape (5, 2)."""
     boxes = [polygon_of(scene, each) for each in press.touches if isinstance(each, Touch)]
     return [np.concatenate([box, box[:1]]) for box in boxes]
+
+
+def _strips(scene: Scene) -> list[Points]:
+    """The edges of foils that have a width, closed polylines of shape (5, 2)."""
+    corners = [strip(contact, scene.skin) for contact in scene.contacts if contact.width]
+    return [np.array([(a, b), (c, b), (c, d), (a, d), (a, b)]) for (a, b), (c, d) in corners]
 
 
 def shape_of(scene: Scene, place: Place) -> Shape:

@@ -15,7 +15,7 @@ from ..scene.contacts import Contact
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.scene import Scene
 from ..scene.skin import Skin
-from ..scene.wiring import touch_at
+from ..scene.wiring import ACROSS, strip, touch_at
 from .rings import Cells, rectangles, ringed
 
 
@@ -246,12 +246,22 @@ def _apart(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.fl
 def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
     """Ends of foils within an edge, and where a foil meets another that it is not joined with."""
     found = {
-        end: None
+        _inwards(end, contact, skin): None
         for contact in contacts
         for fraction, end in zip(contact.span, contact.ends(skin), strict=True)
         if _is_singular(contact, fraction, end, contacts, skin)
     }
     return list(found)
+
+
+def _inwards(end: tuple[float, float], contact: Contact, skin: Skin) -> tuple[float, float]:
+    """The corner of a foil with a width that lies off its end."""
+    if not contact.width:
+        return end
+    corners = strip(contact, skin)
+    axis = ACROSS[contact.edge]
+    inner = corners[1 if contact.edge in ("left", "bottom") else 0, axis]
+    return (inner, end[1]) if axis == 0 else (end[0], inner)
 
 
 def _is_singular(

@@ -67,7 +67,6 @@ def fields(
     InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
     reached.
     """
-    scene.require_sheets_alone("a picture of fields")
     check_fingers(press, scene)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     drive = interface_names(scene).index(checked_interface(interface, scene))
@@ -116,19 +115,26 @@ def _resolved(
 
 
 def _at(
-    discretised: Discretised, sampler: Sampler, drive: int, s: complex
+    discretised: Discretised, sampler: Sampler, interface: int, s: complex
 ) -> tuple[Complex, Complex, Real, Complex]:
-    """Potential, current, power; and the change of Y in S per m² of doubled capacitance."""
+    """Potential, current, power; and the change of Y in S per m² of doubled capacitance.
+
+    The excitations of an interface add up to high at 1 V, and the low terminal at 0 V.
+    """
     x, coefficients = sampler.surface.x, discretised.coefficients
-    potential, slope = sampler.sampled(drive, s)
-    potential, slope = coefficients.of_both_sheets(potential), coefficients.of_both_sheets(slope)
+    combined = discretised.circuit.combination
+    group, weights = combined.groups[interface], combined.weights[interface]
+    sampled = [map(coefficients.of_both_sheets, sampler.sampled(drive, s)) for drive in group]
+    potentials, slopes = (np.stack(each) for each in zip(*sampled, strict=True))
+    potential, slope = potentials.sum(axis=0), slopes.sum(axis=0)
+    across = potentials[:, 0] - potentials[:, 1]
+    by_rise = s * coefficients.capacitance(x) * np.einsum("g,g...->...", weights[group], across**2)
     conductance = np.stack([coefficients.conductance_of(each, x) for each in ELECTRODES])
     xx, yy, xy = conductance.transpose(1, 0, 2, 3)
     current = -np.stack(
         [xx * slope[:, 0] + xy * slope[:, 1], xy * slope[:, 0] + yy * slope[:, 1]], axis=1
     )
     power = -np.real(current * slope.conj()).sum(axis=(0, 1)) / 2
-    by_rise = s * coefficients.capacitance(x) * (potential[0] - potential[1]) ** 2
     return potential, sampler.along_x_and_y(current), power, by_rise
 
 

@@ -30,10 +30,18 @@ class Patch:
     y: NDArray[np.float64]
     factor: float
 
+    @property
+    def area(self) -> float:
+        """Between its lines, m²."""
+        return float(np.ptp(self.x) * np.ptp(self.y))
+
+    def share(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the touch covers of each cell between other lines, shape (row, column)."""
+        return shared(self.y, y).T @ shared(self.x, x)
+
     def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that without the touch, in the mean of each cell between other lines."""
-        covered = shared(self.y, y).T @ shared(self.x, x)
-        return weighed(covered, self.factor)
+        return weighed(self.share(x, y), self.factor)
 
 
 def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:

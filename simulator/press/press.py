@@ -48,9 +48,7 @@ class Press:
     @property
     def plain(self) -> bool:
         """Whether it is nothing but factors of pixels and rectangles, by rods."""
-        return not self.fingers and all(
-            isinstance(touch, Touch | Rectangle) for touch in self.touches
-        )
+        return not self.fingers and self.boxes
 
     @property
     def fingers(self) -> bool:
@@ -61,6 +59,17 @@ class Press:
     def by_rods(self) -> Press:
         """The same touches by what has no capacitance to earth."""
         return Press(tuple(replace(touch, finger=0.0) for touch in self.touches))
+
+    @property
+    def boxes(self) -> bool:
+        """Whether it is nothing but factors of pixels and rectangles, by whatever touches there."""
+        return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)
+
+    @property
+    def on_patches(self) -> Press:
+        """Its touches of a given factor, and what fingers at others touch: those of factor 1."""
+        patches = [replace(t.place, finger=t.finger) for t in self.indented if t.finger]
+        return Press((*self.sharp.touches, *patches))
 
     @property
     def sharp(self) -> Press:

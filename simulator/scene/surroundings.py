@@ -166,6 +166,17 @@ class Surroundings(Table):
         return next((each for each in self.body if each.side == electrode), None)
 
     @property
+    def reaches_earth(self) -> bool:
+        """Whether anything of it but a finger charges the sheets against earth."""
+        rim = self.rim if isinstance(self.rim, Rim) else None
+        return (
+            any(body.potential == "earth" for body in self.body)
+            or self.solved
+            or self.rim is True
+            or (rim is not None and rim.top + rim.bottom > 0)
+        )
+
+    @property
     def even_handed(self) -> bool:
         """Whether both sheets see the same."""
         one, other = (self.in_front_of(electrode) for electrode in ("top", "bottom"))

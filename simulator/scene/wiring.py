@@ -212,7 +212,7 @@ ACROSS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
 """Which side of a rectangle a foil's width is counted along, by its edge."""
 
 
-def _strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
+def strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
     """What a foil covers of a rectangle: its lowest and its highest corner (x, y), m."""
     axis = ACROSS[contact.edge]
     inwards = contact.width if contact.edge in ("left", "bottom") else -contact.width
@@ -221,9 +221,17 @@ def _strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
     return np.sort(ends, axis=0)
 
 
+def under_foil(contact: Contact, skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a foil with a width covers places x of a rectangle, m, shape (2, ...) to (...)."""
+    if not contact.width:
+        return np.zeros(x.shape[1:], dtype=bool)
+    low, high = (corner.reshape(2, *(1,) * (x.ndim - 1)) for corner in strip(contact, skin))
+    return ((low < x) & (x < high)).all(axis=0)
+
+
 def _meet(first: Contact, second: Contact, skin: Skin) -> bool:
     """Whether two foils on a rectangle share a place."""
-    one, other = _strip(first, skin), _strip(second, skin)
+    one, other = strip(first, skin), strip(second, skin)
     gaps = np.maximum(one[0], other[0]) - np.minimum(one[1], other[1])
     return bool((gaps < LEAST_GAP * max(skin.sides)).all())
 

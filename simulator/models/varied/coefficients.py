@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Located = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Places in m and strain there."""
+Fingers = tuple[tuple[float, NDArray[np.float64]], ...]
 ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 
 
@@ -24,13 +25,15 @@ class Coefficients:
     """Of one press on one mesh; x stands for points of all its cells, m, shape (2, cell, point).
 
     factors: c over that at rest by touches with sharp edges, shape (cell,). pressed: by what
-    mechanics spreads, None for nothing of that kind. fields: 1 where both sheets are one.
+    mechanics spreads, None for nothing of that kind. fields: 1 where both sheets are one. fingers:
+    capacitance to earth in F of what touches the skin, and the share of each cell that it covers.
     """
 
     materials: Materials
     factors: NDArray[np.float64]
     pressed: Pressed | None
     fields: int
+    fingers: Fingers = ()
     _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)
 
     def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -56,6 +59,18 @@ class Coefficients:
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c in F/m², shape (cell, point)."""
         return self.materials.capacitance(x) * self.factor(x)
+
+    def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """eps d of the foam where it is, in F, shape (cell, point): c d².
+
+        Without mechanics a factor thins it at constant permittivity.
+        """
+        materials = self.materials
+        if materials.scene.skin.foam.mechanics is None:
+            thinned = 1 / self.factor(x)
+        else:
+            thinned = 1 - self.strain(x)
+        return self.capacitance(x) / materials.area(x) * (materials.depth(x) * thinned) ** 2
 
     def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that at rest, shape (cell, point)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -27,10 +28,11 @@ from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
+from .around import charged_to_earth
 from .coefficients import Coefficients
 from .effect import Course, by_orders, evened
 from .elements import Elements, raising
-from .system import PressedSystem, foam, pressed_system
+from .system import PressedSystem, mass_of, pressed_system
 from .unsure import NEGLIGIBLE, Raised, missed, of_rule
 
 
@@ -49,7 +51,7 @@ class Solved:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
             space = Galerkin(system, circuit, self.elements.order)
             return Solved(space, system, self.elements)
-        mass = foam(circuit, self.elements, coefficients, self.system.unknowns)
+        mass = mass_of(circuit, self.elements, coefficients, self.system.unknowns)
         return replace(self, system=replace(self.system, mass=mass), kept=KeptSteps())
 
 
@@ -121,7 +123,8 @@ class Discretised:
         return missed(self.coarse.elements, self.coefficients)
 
     def coefficients_of(self, solved: Solved, drive: int, s: complex) -> NDArray:
-        """Potentials of 1 V at s in rad/s, real or complex, shape (field, function, cell)."""
+        """Potentials of an excitation at s in rad/s, real or complex, shape (field, function,
+        cell)."""
         with one_blas_thread():
             v = solved.space.potentials(solved.system.mass, self.circuit.drives[drive], s)
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
@@ -139,6 +142,8 @@ class Discretised:
         return [on_cells(solved.system.unknowns, solved.elements.trial, v) for v in V.T]
 
 
+LEAST_LEFT = 0.1
+"""Of the energy of all excitations of an interface: what meshes are refined for at least."""
 KEPT = 0.7
 """Of the whole error: what lies in the cells that are marked."""
 
@@ -151,20 +156,43 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
     the energy in the foam on Cp, and so does what is missed of the foam.
     """
     parts = np.zeros((len(frequency), discretised.fine.elements.cells))
-    s = 2 * np.pi * frequency
-    for drive in range(len(discretised.circuit.drives)):
-        at_each = _potentials(discretised, drive, s)
-        for part, each, (w, added_w) in zip(parts, s.tolist(), at_each, strict=True):
-            added = np.add(*_energies(discretised, each, added_w))
-            heat, stored = _energies(discretised, each, w)
-            part += _over_all(added, heat) + _over_all(added + discretised.missed * stored, stored)
+    combined, s = discretised.circuit.combination, 2 * np.pi * frequency
+    for weights, group in zip(combined.weights, combined.groups, strict=True):
+        at_each = zip(*(_potentials(discretised, drive, s) for drive in group), strict=True)
+        for part, each, of_drives in zip(parts, s.tolist(), at_each, strict=True):
+            part += _of_interface(discretised, each, weights[group], of_drives)
     return parts
 
 
-def _over_all(part: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_interface(
+    discretised: Discretised,
+    s: float,
+    weights: NDArray[np.float64],
+    of_drives: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> NDArray[np.float64]:
+    """Part of each cell in the error of one interface, whose excitations' errors add."""
+    added = [np.add(*_energies(discretised, s, added_w)) for _, added_w in of_drives]
+    heat, stored = zip(*(_energies(discretised, s, w) for w, _ in of_drives), strict=True)
+    missed = [each + discretised.missed * own for each, own in zip(added, stored, strict=True)]
+    return _over_all(weights, added, heat) + _over_all(weights, missed, stored)
+
+
+def _over_all(
+    weights: NDArray[np.float64],
+    part: Sequence[NDArray[np.float64]],
+    whole: Sequence[NDArray[np.float64]],
+) -> NDArray[np.float64]:
     """Over the sum of the whole; 0 where that is 0: behind foils that insulate no sheet is heated
-    by as much as double precision holds, and what is there is none of the error."""
-    return part / whole.sum() if whole.sum() > 0 else np.zeros_like(part)
+    by as much as double precision holds, and what is there is none of the error.
+
+    All of each excitation; LEAST_LEFT of the whole is what their difference is at least.
+    """
+    parts, signed, unsigned = (
+        sum(w * each for w, each in zip(signs, of_each, strict=True))
+        for signs, of_each in ((abs(weights), part), (weights, whole), (abs(weights), whole))
+    )
+    total = max(np.sum(signed), LEAST_LEFT * np.sum(unsigned))
+    return parts / total if total > 0 else np.zeros_like(parts)
 
 
 def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -203,5 +231,6 @@ def _energies(
         xx, yy, xy = coefficients.conductance(field, elements.surface.x)
         heat += xx * dx**2 + yy * dy**2 + 2 * xy * dx * dy
     across = np.einsum("fg,fcp,gcp->cp", discretised.circuit.coupling, u, u)
-    stored = s * coefficients.capacitance(elements.surface.x) * across
+    stored = coefficients.capacitance(elements.surface.x) * across
+    stored = s * (stored + charged_to_earth(coefficients, elements.surface.x, u))
     return (weights * heat).sum(axis=1), (weights * stored).sum(axis=1)

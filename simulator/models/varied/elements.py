@@ -32,6 +32,8 @@ from ...mesh.arcs import mapped
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import PixelMesh
 from ...scene.contacts import Contact
+from ...scene.skin import Skin
+from ...scene.wiring import under_foil
 
 MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
 """Degrees of the rules beyond twice the order: for the coefficients."""
@@ -42,9 +44,11 @@ class Elements:
     """Trial functions on a mesh.
 
     surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
-    and which of its edges that is, shapes (facet,). facets: those under a foil. groups: the cells
-    that are straight, and those that are bent. in_space: of triangles in space their first corners
-    and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
+    and which of its edges that is, shapes (facet,). facets: those under a foil. inside: the cells
+    that a foil with a width covers. outline: the facets along the skin's edges, holes included.
+    groups: the cells that are straight, and those that are bent. in_space: of triangles in space
+    their first corners and the two edges from there, m, each of shape (3, cell, 1); None in the
+    plane.
     """
 
     element: Element
@@ -54,6 +58,8 @@ class Elements:
     surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
     beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
+    inside: Callable[[Contact], NDArray[np.int64]]
+    outline: NDArray[np.int64]
     groups: Sequence[NDArray[np.int64] | slice] = (slice(None),)
     in_space: tuple[NDArray[np.float64], ...] | None = None
 
@@ -81,6 +87,7 @@ class Elements:
 def squares(pixels: PixelMesh, order: int) -> Elements:
     """Quadrilaterals that conform to pixels."""
     element = quadrilateral(order)
+    middles = pixels.cells.p[:, pixels.cells.t].mean(axis=1)
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return _beside(pixels.mesh, facets)
@@ -93,7 +100,19 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
         beside=beside,
         facets=pixels.facets,
+        inside=lambda contact: _covered(contact, pixels.skin, middles),
+        outline=pixels.mesh.boundary_facets(),
     )
+
+
+def _covered(
+    contact: Contact, skin: Skin | None, middles: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """The cells of these middles that a foil with a width covers."""
+    if not contact.width:
+        return np.empty(0, dtype=np.int64)
+    assert skin is not None
+    return np.flatnonzero(under_foil(contact, skin, middles))
 
 
 @cache
@@ -101,8 +120,9 @@ def _rule_on_squares(order: int) -> Rule:
     return gauss_rule(quadrilateral(order), 2 * order + MORE_ON_SQUARES)
 
 
-def triangles(domain: Domain, order: int) -> Elements:
-    """Triangles of a domain in the plane or in space, orders 1 to 4."""
+def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
+    """Triangles of a domain in the plane or in space, orders 1 to 4. skin: what it is a domain of,
+    for foils with a width."""
     element, rule = _triangle(order)
     mesh = domain.flat
 
@@ -117,6 +137,8 @@ def triangles(domain: Domain, order: int) -> Elements:
         surface_at=on_triangles(domain),
         beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
+        inside=lambda contact: _covered(contact, skin, domain.middles),
+        outline=mesh.boundary_facets(),
         groups=_straight_and_bent(domain),
         in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
     )

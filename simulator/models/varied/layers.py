@@ -7,12 +7,32 @@ from dataclasses import replace
 
 from ...fem.circuit import one_field
 from ...mesh.quadrilaterals import Resolution
+from ...press.capacitance import patch
 from ...press.press import Press
-from ...scene.planar import Lines
+from ...press.touch import Rectangle, Touch
+from ...scene.planar import NO_LINES, Lines
 from ...scene.scene import Scene
+from ...scene.wiring import strip
 from ..plain import electrical
 from ..resolution import Ladder, all_lines, felt, strongest
 from .materials import strain_of
+
+
+def jumping(press: Press, scene: Scene) -> Press:
+    """The press as one of factors alone: a finger charges its sheet as a larger one would.
+
+    Meshes are made for it; what is solved on them has the finger apart.
+    """
+    if not press.fingers:
+        return press
+    c = scene.skin.foam.rest_capacitance_per_area
+    return Press(
+        tuple(
+            replace(t, factor=t.factor + t.finger / (c * patch(scene, t).area), finger=0.0)
+            for t in press.touches
+            if isinstance(t, Touch | Rectangle)
+        )
+    )
 
 
 def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: float) -> Resolution:
@@ -41,6 +61,16 @@ def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: flo
         touch_cell=narrow,
         touched=_inner(all_lines(jumps, scene), scene),
     )
+
+
+def beside_foils(scene: Scene, lines: Lines = NO_LINES) -> Lines:
+    """Lines in m across x and y, and the sides of foils that have a width."""
+    found = [list(each) for each in lines]
+    for contact in scene.contacts:
+        if contact.width:
+            for axis, ends in enumerate(strip(contact, scene.skin).T.tolist()):
+                found[axis] += [at for at in ends if 0 < at < scene.skin.sides[axis]]
+    return tuple(sorted(set(found[0]))), tuple(sorted(set(found[1])))
 
 
 def _inner(lines: Lines, scene: Scene) -> Lines:

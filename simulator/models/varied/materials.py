@@ -12,7 +12,7 @@ from ...scene.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene
-from ...scene.skin import Electrode, Sheet, Skin
+from ...scene.skin import VACUUM_PERMITTIVITY, Electrode, Sheet, Skin
 
 
 @dataclass(frozen=True)
@@ -160,6 +160,27 @@ class Materials:
         if self._isometric:
             return c
         return c * metric(self.scene, x).area ** (1 + self._foam_power)
+
+    def area(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Area over that of the flat skin at rest at x of shape (2, ...), shape (...)."""
+        if self._isometric:
+            return np.ones(np.shape(x)[1:])
+        return metric(self.scene, x).area
+
+    def flattened(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """J G^-1, by which grad u . grad v of the skin is that of the flat skin at rest, as (xx,
+        yy, xy), shape (3, ...), at x of shape (2, ...)."""
+        if self._isometric:
+            return ISOTROPIC.reshape(3, *(1,) * (np.ndim(x) - 1)) * np.ones(np.shape(x)[1:])
+        found = metric(self.scene, x)
+        return adjugate(found.G) / found.area
+
+    def depth(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Thickness of the foam at rest in m, shape (...): a map and stretch thin it, at constant
+        permittivity. That of vacuum where the scene tells none: the least it can be."""
+        foam = self.scene.skin.foam
+        thickness = foam.thickness or VACUUM_PERMITTIVITY / foam.rest_capacitance_per_area
+        return thickness / self._factors(foam.map, x) / self.area(x) ** self._foam_power
 
     def line_stretch(
         self, x: NDArray[np.float64], direction: NDArray[np.float64]

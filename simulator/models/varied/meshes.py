@@ -15,6 +15,7 @@ from ...progress import Progress, silent
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
+from .around import check_around
 from .discretised import Discretised
 from .materials import Materials
 from .places import Place
@@ -100,7 +101,7 @@ def indented(
     found = pressed(
         scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), progress, place and place.again
     )
-    return (press.sharp, found) if found.sharp is None else (found.sharp, None)
+    return (press.on_patches, found) if found.sharp is None else (found.sharp, None)
 
 
 def meshes(
@@ -109,8 +110,9 @@ def meshes(
     """Those that a scene and a press need: quadrilaterals first wherever they serve.
 
     press, pressed: as of `indented`. place: where it presses, with the triangles of the press
-    before.
+    before. Raises InputError for surroundings that elements do not take.
     """
+    check_around(scene, press)
     if pressed is not None and place and place.triangles:
         return Spread(place, place.triangles.again(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
@@ -120,7 +122,7 @@ def meshes(
     if rectangular:
         check_grid_fits(scene, circuit)
     triangles = Triangles(scene, circuit, press, rtol)
-    if rectangular and press.plain:
+    if rectangular and press.boxes:
         return InTurn(Squares(scene, circuit, press, rtol), triangles)
     return triangles
 

@@ -44,7 +44,7 @@ class Places:
 
     def of(self, press: Press) -> Place:
         """Where a press presses."""
-        key = press.sharp, tuple(map(place_of, press.indented))
+        key = press.on_patches, tuple(map(place_of, press.indented))
         place = self._known.pop(key, None) or Place()
         while sum(each.again.nodes for each in self._known.values()) > MOST_NODES:
             del self._known[next(iter(self._known))]

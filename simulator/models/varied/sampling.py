@@ -65,7 +65,7 @@ class Sampler:
     def sampled(self, drive: int, s: complex) -> tuple[NDArray, NDArray]:
         """Potential in V, shape (field, cell, corner), and slope in V/m, (field, 2, cell, corner).
 
-        Of 1 V between high and low. s: rad/s.
+        Of one excitation. s: rad/s.
         """
         fields = self._discretised.coefficients_of(self._discretised.fine, drive, s)
         inner = self._elements.surface_at(self._within, slice(None))

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
-from ...press.capacitance import tile_map
+from ...press.capacitance import patch, tile_map
 from ...press.pixels import pixel_lines
 from ...press.press import Press
-from ...scene.planar import SAME_EDGE, Lines
+from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, Ladder
@@ -23,7 +23,7 @@ from .corners import ringed_corners
 from .discretised import Discretised, Solved
 from .effect import Course
 from .elements import squares
-from .layers import layered
+from .layers import beside_foils, jumping, layered
 from .materials import Materials
 from .system import pressed_system
 
@@ -64,9 +64,10 @@ class Squares:
         if not self._course.reaches(self.rtol, FEW):
             raise ToleranceError(f"orders gain too little: {lacks:.1g} times the tolerance is left")
         highest = float(frequency[-1])
-        found = self._ladder.resolution(self._level, self.press, highest)
+        like = jumping(self.press, self.scene)
+        found = self._ladder.resolution(self._level, like, highest)
         self._level += 1
-        found = layered(self._ladder, found, self.press, highest)
+        found = layered(self._ladder, found, like, highest)
         return self._discretised(self._varied(found))
 
     def _discretised(self, resolution: Resolution) -> Discretised:
@@ -74,7 +75,12 @@ class Squares:
         pixels = pixel_mesh(scene, circuit.contacts, resolution)
         x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
         factors = tile_map(scene, self.press, x, y).ravel()[pixels.pixel]
-        coefficients = Coefficients(self.materials, factors, None, circuit.fields)
+        shares = [
+            (touch.finger, patch(scene, touch).share(x, y).ravel()[pixels.pixel])
+            for touch in self.press.touches
+            if touch.finger
+        ]
+        coefficients = Coefficients(self.materials, factors, None, circuit.fields, tuple(shares))
         elements = squares(pixels, resolution.order)
         system = pressed_system(circuit, elements, coefficients)
         fine, coarse, *lower = (
@@ -95,7 +101,7 @@ class Squares:
 
     def _varied(self, resolution: Resolution) -> Resolution:
         """With lines where maps have kinks, and cells that follow the shortest of them."""
-        kinks = self.materials.lines
+        kinks = beside_foils(self.scene, self.materials.lines)
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
         finer = replace(resolution, lines=lines)
         widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
@@ -105,7 +111,16 @@ class Squares:
         unknowns = cells**2 * math.prod(self.scene.pixels.shape) * resolution.order**2
         if cells > resolution.cells and unknowns > MOST_UNKNOWNS:
             raise ToleranceError(f"{cells} x {cells} cells in each pixel are too many")
-        return replace(finer, cells=cells, corners=corners)
+        return self._towards_foils(replace(finer, cells=cells, corners=corners))
+
+    def _towards_foils(self, resolution: Resolution) -> Resolution:
+        """With cells that narrow towards foils that have a width, as they do at edges."""
+        inner = beside_foils(self.scene)
+        if inner == NO_LINES:
+            return resolution
+        touched = (resolution.touched[0] + inner[0], resolution.touched[1] + inner[1])
+        narrow = min(resolution.touch_cell, resolution.edge_cell)
+        return replace(resolution, touched=touched, touch_cell=narrow)
 
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
         """Lines across an axis and those kinks that are apart from them and from pixels' lines."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from copy import copy
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from ...mesh.refining.graded import corner_parts, graded
 from ...mesh.refining.untangled import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
-from ...press.touch import Disc, Touch
+from ...press.touch import Disc, Place, Touch
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
@@ -70,7 +71,7 @@ class Triangles:
         pressed: Pressed | None = None,
     ) -> None:
         """pressed: what the touches do that have no factor."""
-        self.scene, self.circuit, self.press = scene, circuit, press.sharp
+        self.scene, self.circuit, self.press = scene, circuit, press.on_patches
         self.pressed, self.rtol = pressed, rtol
         self.materials = Materials(scene)
         orders = ORDERS if pressed is None else ORDERS_OF_SPREAD
@@ -99,8 +100,8 @@ class Triangles:
             found = self._first(ends)
         else:
             parts = indicators(self._before, ends)
-            drives = len(self.circuit.drives)
-            needed = cells_needed(parts.mean(axis=0) / drives, self.order, self.rtol)
+            interfaces = len(self.scene.interfaces)
+            needed = cells_needed(parts.mean(axis=0) / interfaces, self.order, self.rtol)
             check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)
             _check_beyond_rounding(found)
@@ -210,11 +211,17 @@ class Triangles:
         )
 
     def _coefficients(self, mesh: Domain) -> Coefficients:
-        factors = sharp_factors(self.press, mesh, self.scene.pixels.columns)
-        return Coefficients(self.materials, factors, self.pressed, self.circuit.fields)
+        columns = self.scene.pixels.columns
+        factors = sharp_factors(self.press, mesh, columns)
+        fingers = tuple(
+            (touch.finger, within.astype(float))
+            for touch, within in covering(self.press, mesh, columns)
+            if touch.finger
+        )
+        return Coefficients(self.materials, factors, self.pressed, self.circuit.fields, fingers)
 
     def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
-        elements = triangles(mesh, order)
+        elements = triangles(mesh, order, self.scene.skin)
         system = pressed_system(self.circuit, elements, coefficients)
         return Solved(Galerkin(system, self.circuit, order), system, elements)
 
@@ -225,15 +232,18 @@ def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float6
     Raises InputError where a touch lies beside the skin.
     """
     factors = np.ones(mesh.t.shape[1])
-    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
-    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
-    for touch, within in zip(
-        [*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True
-    ):
+    for touch, within in covering(press, mesh, columns):
         if not within.any():
             raise InputError(f"press {touch}: there is no skin at that place")
         factors[within] *= touch.factor
     return factors
+
+
+def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, NDArray[np.bool_]]]:
+    """Touches of a factor, and whether each covers a triangle, shape (triangle,)."""
+    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
+    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
+    return zip([*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True)
 
 
 def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:

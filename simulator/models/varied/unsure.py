@@ -59,7 +59,12 @@ def of_deflection(known: Coefficients) -> Raised | None:
     if pressed is None or pressed.unsure is None:
         return None
     return Raised(
-        known.materials, known.factors, pressed.deeper(1.0), known.fields, least=pressed.deeper(-1)
+        known.materials,
+        known.factors,
+        pressed.deeper(1.0),
+        known.fields,
+        known.fingers,
+        least=pressed.deeper(-1),
     )
 
 
@@ -70,6 +75,7 @@ def of_rule(known: Coefficients, missed: NDArray[np.float64]) -> Raised:
         known.factors,
         known.pressed,
         known.fields,
+        known.fingers,
         least=known.pressed,
         share=missed,
     )

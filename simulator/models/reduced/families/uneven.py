@@ -39,7 +39,7 @@ class UnevenFamily(Family):
     @cached_property
     def elements(self) -> Elements:
         """On which it is discretised."""
-        return triangles(self.mesh.domain, self.mesh.order)
+        return triangles(self.mesh.domain, self.mesh.order, self.scene.skin)
 
     @cached_property
     def _coefficients(self) -> Coefficients:

@@ -1,0 +1,178 @@
+"""What is around the sheets, as terms of M in K + s M: bodies, fingers, the rim, the foam's depth.
+
+Earth is the reference, 0 V. All terms are real, symmetric and positive semidefinite: with sheets
+at u_t and u_b
+
+    body       c_e (u - U)², u of the sheet that faces it, U its potential
+    finger     (C / A) u² of the touched sheet, over the patch of area A
+    rim        line integrals of m (u_t - u_b)² + t u_t² + b u_b² along the outline and all holes
+    thickness  eps d [[1/3, 1/6], [1/6, 1/3]] x grad u . grad v, with the local eps and d: in foam
+               the potential runs straight from one sheet to the other, so it has a part along them
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.circuit import Circuit
+from ...fem.unknowns import Unknowns
+from ...press.press import Press
+from ...scene.scene import Scene
+from ...scene.surroundings import Body, Rim
+from ...sweeps import InputError
+from .coefficients import ELECTRODES, Coefficients
+from .elements import Elements
+from .forms import add_along, add_at, add_foam, add_sheet
+from .materials import Materials
+
+ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
+"""Integrals over the foam's depth of what its potential takes from either sheet, squared."""
+BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
+Values = NDArray[np.float64]
+
+
+class RimDensities(NamedTuple):
+    """Capacitance along the outline: between the sheets, and of each sheet to earth; F/m."""
+
+    mutual: float
+    top: float
+    bottom: float
+
+
+def check_around(scene: Scene, press: Press) -> None:
+    """Raises InputError for surroundings, and foils with a width, that elements do not take, and
+    for fingers where no current through them finds a way back."""
+    around = scene.surroundings
+    for number, contact in enumerate(scene.contacts):
+        if contact.width and not scene.skin.rectangular:
+            raise InputError(
+                f"{scene.name}: `contact[{number + 1}].width` needs a rectangle; elsewhere "
+                "leave it out and draw the skin without what the foil covers"
+            )
+    if around is not None and around.solved:
+        raise InputError(
+            f"{scene.name}: elements cannot take `surroundings.solved`; give `surroundings.rim` "
+            "and `surroundings.body` in its place"
+        )
+    if around is not None:
+        rim_of(scene)
+        if press.fingers and around.low == "floating" and not around.reaches_earth:
+            raise InputError(
+                f'press {press}: `surroundings.low` = "floating" and nothing but the finger '
+                "reaches earth: give `surroundings.body` or `surroundings.rim`"
+            )
+
+
+def rim_of(scene: Scene) -> RimDensities | None:
+    """The densities along a scene's rim; None where it has none."""
+    around = scene.surroundings
+    if around is None or around.rim is False:
+        return None
+    if isinstance(around.rim, Rim):
+        return RimDensities(around.rim.mutual, around.rim.top, around.rim.bottom)
+    raise InputError(
+        f"{scene.name}: `surroundings.rim = true` is not computed yet; give "
+        "{mutual = , top = , bottom = } in F/m"
+    )
+
+
+def charged_to_earth(
+    coefficients: Coefficients, x: NDArray[np.float64], u: NDArray[np.float64]
+) -> NDArray[np.float64] | float:
+    """c_e u² of earthed bodies in J/m² of sheets at u in V, shape (field, ...), at x, (2, ...)."""
+    around, materials = coefficients.materials.scene.surroundings, coefficients.materials
+    earthed = [b for b in around.body if b.potential == "earth"] if around else []
+    return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
+
+
+def add_around(
+    values: Values,
+    circuit: Circuit,
+    elements: Elements,
+    coefficients: Coefficients,
+    unknowns: Unknowns,
+) -> None:
+    """All of these terms of one press, in the pattern."""
+    materials = coefficients.materials
+    around = materials.scene.surroundings
+    if around is None:
+        return
+    where = elements, unknowns, materials
+    for body in around.body:
+        add_body(values, circuit, body, *where)
+    touched = ELECTRODES.index(around.touched)
+    for farads, share in coefficients.fingers:
+        add_finger(values, circuit.field_alone(touched), farads, share, *where)
+    rim = rim_of(materials.scene)
+    if rim is not None:
+        add_rim(values, rim, *where)
+    if around.thickness:
+        add_thickness(values, coefficients.along(elements.surface.x), *where)
+
+
+def add_body(
+    values: Values,
+    circuit: Circuit,
+    body: Body,
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """c_e (u - U)² of a body. within: the cells that are meant."""
+    at = elements.surface
+    field, c = ELECTRODES.index(body.side), body.per_area * materials.area(at.x)
+    add_foam(values, circuit.field_alone(field), elements, unknowns, c, within)
+    density = at.area * c * elements.rule.weights
+    if within is not None:
+        density = density * within[:, None]
+    to_sheet, to_itself = unknowns.facing
+    for conductor, index in enumerate(circuit.conductors):
+        if circuit.terminals[index].faces == field:
+            for slots in to_sheet[conductor]:
+                add_at(values, slots, -density @ elements.rule.values.T)
+            values[to_itself[conductor]] += density.sum()
+
+
+def add_finger(
+    values: Values,
+    alone: NDArray[np.float64],
+    farads: float,
+    share: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+) -> None:
+    """(C / A) u² of the touched field, which `alone` picks. share: of each cell that is covered."""
+    at = elements.surface
+    c = share[:, None] * materials.area(at.x)
+    c *= farads / ((at.area * c) @ elements.rule.weights).sum()
+    add_foam(values, alone, elements, unknowns, c, share > 0)
+
+
+def add_rim(
+    values: Values,
+    rim: RimDensities,
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+) -> None:
+    """Line integrals along all edges of the skin."""
+    between = rim.mutual * BETWEEN + np.diag([rim.top, rim.bottom])
+    add_along(values, between, elements, unknowns, elements.outline, materials.line_stretch)
+
+
+def add_thickness(
+    values: Values,
+    along: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """grad u . grad v of both sheets. along: eps d in F, shape (cell, point)."""
+    tensor = along * materials.flattened(elements.surface.x)
+    add_sheet(values, ALONG, elements, unknowns, tensor, within)

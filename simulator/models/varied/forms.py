@@ -1,0 +1,118 @@
+"""Quadratic forms on the elements of a varied skin, added up in a system's pattern."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...fem.assembly import add_terms
+from ...fem.dropped import DROPPED
+from ...fem.factors import one_blas_thread
+from ...fem.quadrature import Terms, mass_terms, stiffness_terms
+from ...fem.unknowns import Unknowns
+from .elements import Elements
+
+Density = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+"""Per m of the flat skin, from places on a line and its direction there, both of shape (2, ...)."""
+
+
+def add_sheet(
+    values: NDArray[np.float64],
+    alone: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    S: NDArray[np.float64],
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """K of one field, in the pattern. S: by its xx, yy and xy in S, shape (3, cell, point).
+
+    alone: what picks the field, shape (field, field). within: the cells that are meant.
+    """
+    for cells in _groups(elements, within):
+        terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells])
+        _add_between_fields(values, unknowns.slots[cells], alone, terms)
+
+
+def add_foam(
+    values: NDArray[np.float64],
+    coupling: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    c: NDArray[np.float64],
+    within: NDArray[np.bool_] | None = None,
+) -> None:
+    """M in the pattern. c: F/m², shape (cell, point). within: the cells that are meant."""
+    for cells in _groups(elements, within):
+        terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells])
+        _add_between_fields(values, unknowns.slots[cells], coupling, terms)
+
+
+def _add_between_fields(
+    values: NDArray[np.float64],
+    slots: NDArray[np.int64],
+    fields: NDArray[np.float64],
+    terms: Iterable[Terms],
+) -> None:
+    """Matrices of cells in one field, in the pattern wherever `fields` are not zero, as often.
+
+    slots: shape (cell, pair). fields: shape (field, field).
+    """
+    with one_blas_thread():
+        matrices = sum(weights @ reference for weights, reference in terms)
+    assert isinstance(matrices, np.ndarray)
+    local = math.isqrt(matrices.shape[1])
+    between = slots.reshape(-1, len(fields), local, len(fields), local) - DROPPED
+    for f, g in np.argwhere(fields).tolist():
+        own = between[:, f, :, g].ravel()
+        added = np.bincount(own, matrices.ravel(), len(values) - DROPPED)
+        values += fields[f, g] * added[-DROPPED:]
+
+
+def _groups(
+    elements: Elements, within: NDArray[np.bool_] | None
+) -> Iterable[NDArray[np.int64] | slice]:
+    """Straight cells, then bent ones; those that are meant."""
+    if within is None:
+        return elements.groups
+    every = np.arange(elements.cells)
+    meant = [each[within[each]] for each in (every[group] for group in elements.groups)]
+    return [each for each in meant if len(each)]
+
+
+def add_along(
+    values: NDArray[np.float64],
+    fields: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    facets: NDArray[np.int64],
+    density: Density,
+) -> None:
+    """The form density u v along facets, in the pattern, between `fields`, shape (field, field)."""
+    cells, edges = elements.beside(facets)
+    for edge in np.unique(edges):
+        own = cells[edges == edge]
+        rule, direction = elements.edge_rule(int(edge))
+        at = elements.surface_at(rule, own)
+        tangent = at.along * direction[0] + at.across * direction[1]
+        length = np.linalg.norm(tangent, axis=0)
+        weights = rule.weights * length * density(at.x, tangent)
+        add_terms(values, unknowns.slots[own], [_edge_terms(rule.values, weights, fields)])
+
+
+def add_at(
+    values: NDArray[np.float64], slots: NDArray[np.int64], added: NDArray[np.float64]
+) -> None:
+    """Numbers in the pattern, each at its slot; those of slots that are DROPPED nowhere."""
+    found = np.bincount(slots.ravel() - DROPPED, added.ravel(), len(values) - DROPPED)
+    values += found[-DROPPED:]
+
+
+def _edge_terms(
+    u: NDArray[np.float64], weights: NDArray[np.float64], fields: NDArray[np.float64]
+) -> Terms:
+    """Of the form u v along an edge. u: functions at points of it; weights: (cell, point)."""
+    matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
+    return weights, matrices.reshape(len(matrices), -1)

@@ -1,0 +1,56 @@
+"""Skins with something around them, and the line of three conductors in closed form."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.scene import Scene
+
+
+@pytest.fixture(scope="session")
+def around(make_scene):
+    """A function that builds a scene with surroundings from keywords of `make_scene`.
+
+    given: the table of surroundings, None for none. foam: further keys of the foam.
+    """
+
+    def around(given, foam=(), **scene):
+        told = make_scene(**scene).model_dump(by_alias=True, exclude_none=True)
+        told["skin"]["foam"] |= dict(foam)
+        return Scene.model_validate(told | ({} if given is None else {"surroundings": given}))
+
+    return around
+
+
+@pytest.fixture(scope="session")
+def solve():
+    """A function from a scene, a press and a tolerance to the answer."""
+
+    def solve(scene, press="none", rtol=1e-6):
+        return Solver(scene, rtol).solve(parse_press(press, 2.0, scene))
+
+    return solve
+
+
+@pytest.fixture(scope="session")
+def three_conductors():
+    """A function from a scene to Y in S of both sheets against earth, shape (frequency, 2, 2).
+
+    top, bottom: of each sheet to earth, F/m². along: eps d of foam whose field is not straight, F.
+    W G Gamma tanh(Gamma L) with Gamma² = s G^-1 C.
+    """
+
+    def three_conductors(scene, top, bottom, along=0.0):
+        skin, c = scene.skin, scene.skin.foam.rest_capacitance_per_area
+        G0 = np.diag([1 / R for R in skin.sheet_resistances])
+        C = np.array([[c + top, -c], [-c, c + bottom]])
+        found = []
+        for s in 2j * np.pi * scene.frequencies:
+            G = G0 + s * along * np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
+            squared, V = np.linalg.eig(s * np.linalg.solve(G, C))
+            gamma = np.sqrt(squared)
+            tanh = (V * (gamma * np.tanh(gamma * skin.length))) @ np.linalg.inv(V)
+            found.append(skin.width * G @ tanh)
+        return np.array(found)
+
+    return three_conductors

@@ -1,0 +1,158 @@
+"""Earth beside the sheets: bodies, guards and both kinds of meters, against closed forms."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import meshes
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.sweeps import InputError
+
+FREQUENCIES = np.geomspace(1.0, 1e7, 12).tolist()
+LOST = 1e-9
+"""Of Rs at 1 Hz, what the closed form loses of its digits."""
+BODIES = [(0.0, 1.77e-9), (3e-10, 1.77e-9), (8e-9, 2e-8)]
+"""Capacitance per area of the top and of the bottom sheet to a body, F/m²."""
+
+
+def bodies(top, bottom, **more):
+    sides = {"top": top, "bottom": bottom}
+    return [{"side": side, "capacitance_per_area": c, **more} for side, c in sides.items() if c > 0]
+
+
+def assert_told(answer, exact, rtol=1e-6):
+    """Within the tolerance, and within the error that is told."""
+    off = relative_difference(answer.Z, np.atleast_2d(exact))
+    assert off.max() <= rtol
+    assert (off <= np.stack(answer.relative_errors) + LOST).all()
+
+
+@pytest.mark.parametrize(("top", "bottom"), BODIES)
+def test_current_into_a_virtual_earth(around, solve, three_conductors, top, bottom):
+    scene = around({"body": bodies(top, bottom)}, frequencies=FREQUENCIES)
+    exact = -1 / three_conductors(scene, top, bottom)[:, 0, 1]
+    assert_told(solve(scene), exact)
+
+
+@pytest.mark.parametrize(("top", "bottom"), BODIES)
+def test_a_meter_that_floats_feeds_no_current_to_earth(
+    around, solve, three_conductors, top, bottom
+):
+    given = {"low": "floating", "body": bodies(top, bottom)}
+    scene = around(given, frequencies=FREQUENCIES)
+    Y = three_conductors(scene, top, bottom)
+    high, low = Y[:, 0], Y[:, 1]
+    raised = -(high[:, 0] + low[:, 0]) / (high + low).sum(axis=1)
+    assert_told(solve(scene), 1 / (high[:, 0] + raised * high.sum(axis=1)))
+
+
+def test_a_guard_that_follows_high(around, solve, three_conductors):
+    """All is at the guard's potential but for what low draws."""
+    scene = around({"body": bodies(0.0, 1.77e-9, potential="high")}, frequencies=FREQUENCIES)
+    assert_told(solve(scene), 1 / three_conductors(scene, 0.0, 1.77e-9)[:, 1, 1])
+
+
+def test_a_guard_that_follows_low_is_earth_where_low_is(around, solve):
+    earthed, guard = (
+        solve(around({"body": bodies(0.0, 1.77e-9, potential=potential)}))
+        for potential in ("earth", "low")
+    )
+    np.testing.assert_array_equal(guard.Z, earthed.Z)
+
+
+def test_a_guard_that_follows_low_of_a_meter_that_floats(around, solve, three_conductors):
+    """Nothing else is near: low is the reference, and what the guard takes up is low's."""
+    given = {"low": "floating", "body": bodies(0.0, 1.77e-9, potential="low")}
+    scene = around(given, frequencies=FREQUENCIES)
+    assert_told(solve(scene), 1 / three_conductors(scene, 0.0, 1.77e-9)[:, 0, 0])
+
+
+@pytest.mark.parametrize("low", ["virtual earth", "floating"])
+def test_a_body_that_floats_takes_no_charge(around, low, solve):
+    """A plane is nothing to a sheet that is at one potential, and shorts one that is not."""
+    plane = {"body": bodies(0.0, 1.77e-9, potential="floating")}
+    scene = around({"low": low, **plane}, frequencies=[1.0, 1e6])
+    Z = solve(scene).Z[0]
+    alone = solve(around(None, frequencies=[1.0, 1e6])).Z[0]
+    assert Z[0].imag == pytest.approx(alone[0].imag, rel=1e-6)
+    assert Z[1].real < 0.99 * alone[1].real
+    if low == "floating":
+        virtual = solve(around({"low": "virtual earth", **plane}, frequencies=[1.0, 1e6]))
+        np.testing.assert_allclose(virtual.Z[0], Z, rtol=2e-6)
+
+
+@pytest.mark.parametrize("low", ["virtual earth", "floating"])
+def test_what_is_far_away_changes_nothing(around, solve, low):
+    """The limit of no earth, of a skin in which nothing is even."""
+    foils = {"top-left": {"span": (0.2, 0.9)}, "bottom-bottom": {}}
+    skin = {"contacts": foils, "rows": 2, "columns": 2}
+    far = solve(
+        around({"low": low, "body": {"capacitance_per_area": 1e-15}}, **skin), "1,2:2.0", 1e-5
+    )
+    alone = solve(around(None, **skin), "1,2:2.0", 1e-5)
+    assert relative_difference(far.Z, alone.Z).max() <= 2e-5
+
+
+def test_low_frequency_law(around, solve):
+    """Rs(0) = L/3W [R_t (1 + C_te/C) + R_b (1 + C_be/C)], and no digit is lost at 1 mHz."""
+    scene = around({"body": bodies(3e-10, 1.77e-9)}, frequencies=[1e-3])
+    skin, c = scene.skin, scene.skin.foam.rest_capacitance_per_area
+    Rt, Rb = skin.sheet_resistances
+    law = skin.length / 3 / skin.width * (Rt * (1 + 3e-10 / c) + Rb * (1 + 1.77e-9 / c))
+    answer = solve(scene)
+    assert answer.Z[0, 0].real == pytest.approx(law, rel=1e-6)
+    assert -1 / (2e-3 * np.pi * answer.Z[0, 0].imag) == pytest.approx(
+        c * skin.length * skin.width, rel=1e-9
+    )
+
+
+CROSSED = {"top-left": {"span": (0.3, 1.0)}, "top-right": {}, "bottom-bottom": {}}
+UNEVEN = {"contacts": CROSSED, "rows": 3, "columns": 3}
+SURROUNDED = {
+    "body": bodies(1e-9, 1.77e-9),
+    "rim": {"mutual": 5e-12, "top": 1e-11, "bottom": 6e-12},
+    "thickness": True,
+}
+
+
+def test_reciprocity(around, solve):
+    """What high drives into low is what low would drive into high."""
+    ways = {"there": ("top-left", "bottom-bottom"), "back": ("bottom-bottom", "top-left")}
+    answer = solve(around(SURROUNDED, interfaces=ways, **UNEVEN), "2,2:1.7", 1e-4)
+    assert relative_difference(answer.Z[:1], answer.Z[1:]).max() <= 2e-4
+
+
+@pytest.mark.parametrize("low", ["virtual earth", "floating"])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-3])
+def test_told_errors_bound_the_truth(around, solve, low, rtol):
+    """Ends of foils within an edge, and a guard beside an earthed body."""
+    given = SURROUNDED | {
+        "low": low,
+        "body": [
+            {"side": "top", "capacitance_per_area": 1e-9, "potential": "high"},
+            {"side": "bottom", "capacitance_per_area": 1.77e-9},
+        ],
+    }
+    scene = around(given, interfaces={"m": ("top-left", "bottom-bottom")}, **UNEVEN)
+    truth, answer = solve(scene, "3,1:2.0", 1e-5), solve(scene, "3,1:2.0", rtol)
+    off = relative_difference(answer.Z, truth.Z)
+    assert off.max() <= rtol
+    assert (off <= np.stack(answer.relative_errors) + 1e-5).all()
+
+
+def test_terms_are_symmetric_and_never_negative(around):
+    foils = {"top-left": {"width": 0.01}, "bottom-bottom": {}}
+    scene = around(SURROUNDED, contacts=foils, rows=2, columns=2)
+    press = parse_press("2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene)
+    found = meshes(scene, press, None, 1e-2).finer(scene.frequencies)
+    M = found.coarse.system.mass.toarray()
+    assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
+    assert np.linalg.eigvalsh(M).min() >= -1e-14 * np.abs(M).max()
+    assert np.linalg.eigvalsh(M)[0] > 0, "earth is there: no potential is without charge"
+
+
+@pytest.mark.parametrize("model", ["line", "lumped"])
+def test_smaller_models_refuse(around, model):
+    scene = around({"body": bodies(0.0, 1.77e-9)})
+    with pytest.raises(InputError, match=f"{model}.* cannot take `surroundings`"):
+        Solver(scene, 1e-3, model).solve(parse_press("none", 2.0))
