@@ -95,7 +95,7 @@ def dataset(
     from ...simulator.dataset.plan import Plan
     from ...simulator.models.mechanics.in_depths import foldable
 
-    return in_memory(Plan(foldable(scene_of(scene), "a data set"), sweeps, seed, rtol))
+    return in_memory(Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol))
 
 
 @checked

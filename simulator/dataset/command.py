@@ -52,7 +52,7 @@ def dataset(
     from .store import told as told_of
 
     loaded = asked_scene(scene)
-    plan = Plan(foldable(loaded, "a data set"), sweeps, seed, rtol)
+    plan = Plan(foldable(loaded, "a data set", creeps=True), sweeps, seed, rtol)
     tell_if_noise_free(scene, loaded)
     processes = workers or _cores()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..measure.in_time import OF_NODES, interpolation
 from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
 from ..models.parameters import WAVES, Variation, nominal
@@ -17,13 +18,17 @@ from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
 from ..models.reduced.model import Reduced
-from ..press.batch import PressBatch
+from ..press.batch import PressBatch, TouchedCells
 from ..scene.randomisation import Session
 from ..scene.scene import Scene
+from .creeping import in_states
 from .presses import drawn_presses
 
 TRAINED_TO = 0.5
 """Of the tolerance: a press that training has not met is then still within it."""
+
+BEFORE = 3
+"""Presses of foam that creeps whose traces training meets beside the one that is read."""
 
 
 class SkinModel(Protocol):
@@ -91,11 +96,20 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
 
     def draw(random: np.random.Generator) -> Case:
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
-        press = drawn_presses(scene, random, 1, grid)
-        return Case(skin.variation, *press.batch.one(0))
+        return Case(skin.variation, *_press(scene, random, grid))
 
-    alike = _alike(scene.dataset.session)
-    return reduced_for(divided, TRAINED_TO * rtol, draw, modes=modes, alike=alike)
+    alike, creeps = _alike(scene.dataset.session), scene.skin.foam.in_time
+    trained_to = TRAINED_TO * (OF_NODES if creeps else 1.0) * rtol
+    return reduced_for(divided, trained_to, draw, modes=modes, alike=alike)
+
+
+def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
+    """A press of a data set, of foam that creeps with what those before have left."""
+    if not scene.skin.foam.in_time:
+        return drawn_presses(scene, random, 1, grid).batch.one(0)
+    between, presses = interpolation(scene), drawn_presses(scene, random, BEFORE + 1, grid)
+    pressed = in_states(scene, presses.batch, between)
+    return pressed.one(BEFORE * len(between.nodes) + int(random.integers(len(between.nodes))))
 
 
 def own_skin(scene: Scene, family: Family) -> SkinModel:
@@ -109,7 +123,9 @@ def _divided(scene: Scene) -> Scene:
     if cells == 1 and pixels.groups is not None and not scene.dataset.press.laid:
         return scene
     divided = scene.on_grid(cells * pixels.rows, cells * pixels.columns)
-    return evenly_pressed(divided, "a data set") if scene.dataset.press.laid else divided
+    return (
+        evenly_pressed(divided, "a data set", creeps=True) if scene.dataset.press.laid else divided
+    )
 
 
 def _alike(session: Session) -> bool:

@@ -19,6 +19,7 @@ from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
+from .creeping import check_creep
 from .fingers import check_surroundings
 
 LAYOUT = 6
@@ -54,6 +55,7 @@ class Plan:
         _check_presses(self.scene)
         check_surroundings(self.scene)
         _check_depths(self.scene)
+        check_creep(self.scene)
 
     @property
     def session_sweeps(self) -> int:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fem.estimate import relative_difference
+from ..measure.in_time import OF_NODES, Interpolation, interpolation
 from ..measure.readout import Meter, displayed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError, parallel_capacitance
+from .creeping import in_states
 from .model import Family, SkinModel
 from .plan import Plan
 from .presses import Presses, session_presses
@@ -31,6 +34,11 @@ class Audit:
     sample: int
     fallbacks: int
     bound: float
+
+
+Audited = Callable[
+    [SkinModel, Presses, np.random.Generator, int, float], tuple[NDArray[np.complex128], Audit]
+]
 
 
 def together(audits: Iterable[Audit]) -> Audit:
@@ -61,6 +69,46 @@ def audited(
         raise ToleranceError(f"press {presses.text[press]}: no finite impedance was found")
     kept = max((bounds[press] for press in set(bounds) - set(failed)), default=0.0)
     return Z, Audit(len(bounds), len(failed), kept)
+
+
+def in_time(scene: Scene) -> Audited:
+    """As `audited`, of foam that creeps while each sweep is read, and from one to the next."""
+
+    def read(
+        model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
+    ) -> tuple[NDArray[np.complex128], Audit]:
+        between = interpolation(scene)
+        while True:
+            each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
+            states = replace(
+                presses,
+                batch=in_states(scene, presses.batch, between),
+                text=[presses.text[press] for press in each],
+            )
+            Z, audit = audited(model, states, random, session, OF_NODES * rtol)
+            found, off = _interpolated(Z, between)
+            bound = float(np.abs(between.weights()).sum(axis=0).max()) * audit.bound + sum(off)
+            if bound <= rtol:
+                return found, replace(audit, bound=bound)
+            finer = between.finer(int(np.argmax(off)))
+            if finer is None:
+                raise ToleranceError(
+                    f"session {session}: read while foam creeps, Rs or Cp is off by {bound:.1e}",
+                    bound / rtol,
+                )
+            between = finer
+
+    return read
+
+
+def _interpolated(
+    Z: NDArray[np.complex128], between: Interpolation
+) -> tuple[NDArray[np.complex128], list[float]]:
+    """At the moments of readings, from all states, and what each solid's coarser nodes change."""
+    states = Z.reshape(-1, len(between.nodes), *Z.shape[1:])
+    found = between.of(states, between.weights())
+    coarser = [between.of(states, between.weights(s)) for s in range(len(between.counts))]
+    return found, [float(relative_difference(each, found).max()) for each in coarser]
 
 
 def _sample(random: np.random.Generator, count: int, session: int) -> list[int]:
@@ -108,8 +156,9 @@ def drawn_sessions(plan: Plan, family: Family, numbers: Sequence[int]) -> list[D
     randoms = [stream(seed, number, PRESSES) for number in numbers]
     presses = [session_presses(scene, random, size, family.grid) for random in randoms]
     skins = [drawn_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
+    answer = in_time(scene) if scene.skin.foam.in_time else audited
     answers = [
-        audited(family.skin(skin.variation), own, stream(seed, number, AUDIT), number, plan.rtol)
+        answer(family.skin(skin.variation), own, stream(seed, number, AUDIT), number, plan.rtol)
         for number, skin, own in zip(numbers, skins, presses, strict=True)
     ]
     each = zip(numbers, skins, presses, answers, strict=True)

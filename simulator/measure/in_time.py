@@ -81,6 +81,11 @@ class Interpolation:
             weights = (weights[:, None] * some).reshape(-1, *own.shape)
         return weights
 
+    def of(self, values: NDArray[Number], weights: Array) -> NDArray[Number]:
+        """At the moments of readings, from those of states, shape (..., state, interface,
+        frequency). weights: as of `weights`."""
+        return np.einsum("nif,...nif->...if", weights, values)
+
     def finer(self, solid: int) -> Interpolation | None:
         """With twice as many intervals in the decay of a solid; None beyond MOST nodes."""
         counts = list(self.counts)
@@ -158,21 +163,17 @@ def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float)
 def _interpolated(answers: list[Answer], between: Interpolation) -> tuple[Answer, list[float]]:
     """At the moments of readings, and how much each solid's coarser nodes change, relatively."""
     first, weights = answers[0], between.weights()
-    Z = _summed(weights, np.stack([answer.Z for answer in answers]))
+    states = np.stack([answer.Z for answer in answers])
+    Z = between.of(states, weights)
     Rs, Cp = (
-        _summed(np.abs(weights), np.stack([getattr(answer, name) for answer in answers]))
+        between.of(np.stack([getattr(answer, name) for answer in answers]), np.abs(weights))
         for name in ("Rs_error", "Cp_error")
     )
     by_solid = []
     for solid in range(len(between.counts)):
-        coarse = _summed(between.weights(solid), np.stack([answer.Z for answer in answers]))
+        coarse = between.of(states, between.weights(solid))
         Rs += np.abs((Z - coarse).real)
         Cp += np.abs((1 / Z - 1 / coarse).imag) / (2 * np.pi * first.frequency)
         by_solid.append(float((np.abs(Z - coarse) / np.abs(Z)).max()))
     models = tuple(f"{model}, at {len(answers)} states of the foam" for model in first.models)
     return replace(first, Z=Z, Rs_error=Rs, Cp_error=Cp, models=models), by_solid
-
-
-def _summed(weights: Array, values: NDArray[Number]) -> NDArray[Number]:
-    """Over states, the first dimension of both."""
-    return np.einsum("nif,nif->if", weights, values)

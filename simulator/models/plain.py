@@ -56,21 +56,23 @@ def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> P
     return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
 
 
-def folded(scene: Scene, what: str) -> Scene:
+def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """The scene as it is electrically, for `what` that presses by factors.
 
     Places in m are those of the skin as it is stretched, if that leaves it plain. What a tension
     spreads stays as it is; where none does, a depth is the factor that it leaves. Raises InputError
-    where `what` cannot take how pixels are pressed, as `require_static` too.
+    where `what` cannot take how pixels are pressed, and as `require_static`. creeps: whether `what`
+    takes factors of foam that creeps.
     """
-    mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what)
+    mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what, creeps)
     spread = not scene.press.plain and mechanics is not None and mechanics.tension
     return scene if spread else evenly
 
 
-def evenly_pressed(scene: Scene, what: str) -> Scene:
+def evenly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
-    require_static(scene, what)
+    if not (creeps and scene.press.plain):
+        require_static(scene, f"{what} by `press.depth`" if creeps else what)
     if scene.press.plain:
         return electrical(scene)
     if scene.press.force is not None:

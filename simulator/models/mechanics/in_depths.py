@@ -26,9 +26,9 @@ SHOWN_RTOL = 0.05
 """The same for depths that are shown with three digits: these were off by 2e-5 at most."""
 
 
-def foldable(scene: Scene, what: str) -> Scene:
+def foldable(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """As `folded`, of a scene whose pixels may be pressed by a force too: see `in_depths`."""
-    return folded(in_depths(scene), what)
+    return folded(in_depths(scene), what, creeps)
 
 
 def in_depths(scene: Scene) -> Scene:

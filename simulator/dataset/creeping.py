@@ -1,0 +1,85 @@
+"""Presses of a data set on foam that creeps: how they leave its cells while they are read.
+
+As `measure.foam_state` has single touches, for all cells of a session at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..measure.foam_state import NEGLIGIBLE
+from ..measure.in_time import Interpolation, reading_moments
+from ..press.batch import PressBatch
+from ..press.memory import Array, Creep, let_off
+from ..press.parts import foam_parts
+from ..scene.scene import Scene
+from ..sweeps import InputError
+
+
+def in_states(scene: Scene, batch: PressBatch, between: Interpolation) -> PressBatch:
+    """Presses of a session, one after the other, in each state of the foam that is solved.
+
+    Press k in state n is number k len(between.nodes) + n.
+    """
+    grid = scene.divided(scene.dataset.press.cells).pixels.shape
+    foam, creep, cells = scene.skin.foam, Creep.of(scene.skin.foam), foam_parts(scene, grid)
+    on_foam = batch.cells < cells
+    factor = _factors(batch.where(on_foam), cells)
+    strain = foam.strain_at(factor)
+    beyond = factor / foam.factor_at(strain)
+    at_once, y = _remembered(scene, strain)
+    rises = []
+    for node in between.nodes:
+        now = at_once + creep.loaded(y, at_once, node).sum(axis=0)
+        now = np.where(now > NEGLIGIBLE, now, 0.0)
+        rises.append(np.where(now == strain, factor, beyond * foam.factor_at(now)) - 1)
+    pressed = PressBatch.on_grid(np.stack(rises, axis=1).reshape(-1, cells))
+    return pressed.and_(_repeated(batch.where(~on_foam), len(between.nodes)))
+
+
+def _factors(batch: PressBatch, cells: int) -> Array:
+    """On c of each cell under each press, shape (press, cell)."""
+    factor = np.ones((batch.count, cells))
+    np.add.at(factor, (batch.press, batch.cells), batch.rises)
+    return factor
+
+
+def _remembered(scene: Scene, strain: Array) -> tuple[Array, Array]:
+    """Strain that loads cause at once, shape (press, cell), and what the foam remembers as each
+    comes, shape (solid, press, cell).
+
+    strain: of each load alone, shape (press, cell).
+    """
+    foam, creep, pause = scene.skin.foam, Creep.of(scene.skin.foam), scene.experiment.timed.pause
+    _, whole = reading_moments(scene)
+    at_once, y = np.array(strain), np.zeros((len(creep.share), *strain.shape))
+    now, most = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
+    held, apart = creep.decay(whole), creep.decay(pause)[:, None]
+    for press, x in enumerate(strain):
+        most = x if pause else np.where(x > 0, np.maximum(x, most), 0.0)
+        y[:, press], at_once[press] = now, let_off(x, most, foam.hysteresis or 0.0)
+        now = creep.loaded(now, at_once[press], held) * apart
+    return at_once, y
+
+
+def _repeated(batch: PressBatch, times: int) -> PressBatch:
+    """Each press so many times."""
+    return PressBatch.of([batch.one(k) for k in range(batch.count) for _ in range(times)])
+
+
+def check_creep(scene: Scene) -> None:
+    """Raises InputError where foam that creeps is pressed by depth, or would creep too far."""
+    foam, drawn = scene.skin.foam, scene.dataset.press
+    if not foam.in_time:
+        return
+    over_each_other = 2 if drawn.laid and drawn.most_touches > 1 else 1
+    x = foam.strain_at(np.array(drawn.factor.high**over_each_other))
+    creep = Creep.of(foam)
+    strain = float(creep.greatest(creep.nothing(), x))
+    if strain > foam.greatest_strain:
+        twice = ", where two of them meet" if over_each_other > 1 else ""
+        raise InputError(
+            f"{scene.name}: `dataset.press.factor` must leave foam that creeps compressed by at "
+            f"most {foam.greatest_strain:.3g} of its thickness in every draw, got "
+            f"{drawn.factor.high:g}, which comes to {strain:.3g}{twice}"
+        )

@@ -1,0 +1,90 @@
+"""Data sets of foam that creeps: each sweep is its press, with the traces of those before."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.dataset.memory import in_memory
+from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.mechanics.in_depths import foldable
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import press_on
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError, impedance
+
+ONE = [{"share": 0.15, "time_constant": 0.5}]
+TWO = [*ONE, {"share": 0.05, "time_constant": 20.0}]
+AS_IT_IS = {
+    "readout": {"display_digits": 17},
+    "dataset.session": {
+        "sweeps_per_session": 12,
+        "sheet_resistance": 1.0,
+        "sheet_mismatch": 1.0,
+        "unevenness": 0.0,
+        "capacitance": 1.0,
+        "foam_spread": 0.0,
+        "loss_tangent": 0.0,
+        "contact_resistance": 1.0,
+        "stray_capacitance": 0.0,
+        "lead_resistance": 0.0,
+    },
+}
+FOAM = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3}
+TIMING = {"averaging": 40, "pause": 0.3}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"skin.foam": {"thickness": 4e-3, "mechanics": FOAM, "relaxation": TWO}},
+        {
+            "skin.foam.relaxation": ONE,
+            "skin.foam.hysteresis": 0.2,
+            "experiment.timing.pause": 0.0,
+            "dataset.press.factor": {"distribution": "uniform", "low": 0.6, "high": 2.5},
+        },
+    ],
+    ids=["closing pores", "not let go"],
+)
+def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
+    scene = load_scene("strip-1x5").with_({**AS_IT_IS, "experiment.timing": TIMING, **changes})
+    rtol = 1e-4
+    drawn = in_memory(Plan(scene, 12, 3, rtol))
+    presses = [press_on(scene, str(press)) for press in drawn["press"].values]
+    assert len(set(presses)) > 6
+    solved = simulate(Solver(scene, 1e-5), presses)
+    for name in ("Rs", "Cp"):
+        np.testing.assert_allclose(drawn[name].values, solved[name].values, rtol=rtol)
+    static = scene.with_({f"skin.foam.{key}": None for key in ("relaxation", "hysteresis")})
+    at_once = simulate(Solver(static), presses)
+    assert np.abs(impedance(drawn) / impedance(at_once) - 1).max() > 100 * rtol
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"skin.foam.relaxation": [{"share": 0.5, "time_constant": 1.0}]},
+            "`dataset.press.factor` must leave foam that creeps compressed by at most 0.99 of its "
+            "thickness in every draw, got 3, which comes to 1",
+        ),
+        (
+            {
+                "skin.foam.relaxation": ONE,
+                "dataset.press": {"place": "anywhere", "size": 0.015, "factor": 2.9},
+            },
+            "got 2.9, which comes to 1.01, where two of them meet",
+        ),
+        (
+            {
+                "skin.foam": {"thickness": 4e-3, "mechanics": FOAM, "relaxation": ONE},
+                "press": {"depth": 2e-3},
+            },
+            "strip-1x5: a data set by `press.depth` cannot take `skin.foam.relaxation`",
+        ),
+    ],
+)
+def test_what_data_sets_do_not_take_is_said_in_one_line(changes, told):
+    scene = load_scene("strip-1x5").with_(changes)
+    with pytest.raises(InputError) as refused:
+        Plan(foldable(scene, "a data set", creeps=True), 12, 3, 1e-4)
+    assert told in str(refused.value) and "\n" not in str(refused.value)
