@@ -12,7 +12,7 @@ from ...scene.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene
-from ...scene.skin import VACUUM_PERMITTIVITY, Electrode, Sheet, Skin
+from ...scene.skin import Electrode, Sheet, Skin
 
 
 @dataclass(frozen=True)
@@ -177,10 +177,13 @@ class Materials:
 
     def depth(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Thickness of the foam at rest in m, shape (...): a map and stretch thin it, at constant
-        permittivity. That of vacuum where the scene tells none: the least it can be."""
+        permittivity."""
         foam = self.scene.skin.foam
-        thickness = foam.thickness or VACUUM_PERMITTIVITY / foam.rest_capacitance_per_area
-        return thickness / self._factors(foam.map, x) / self.area(x) ** self._foam_power
+        return (
+            foam.thickness_or_assumed
+            / self._factors(foam.map, x)
+            / self.area(x) ** self._foam_power
+        )
 
     def line_stretch(
         self, x: NDArray[np.float64], direction: NDArray[np.float64]
