@@ -1,0 +1,1 @@
+"""Three-dimensional reference: static solve of foam and air, and skins made of it."""
