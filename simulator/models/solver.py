@@ -183,7 +183,7 @@ class Solver:
         """What a reduced model answers of what is not plain."""
         if pressed:
             return None
-        if not press.by_rods.plain:
+        if not press.boxes:
             return progress.reject(f"reduced: answers pixels and rect by a factor, got {press}")
         try:
             return self._reduced(press, progress)

@@ -13,8 +13,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
 from .batch import PressBatch, TouchedCells
+
+SLOPE_STEP = 1e-5
+"""Of a factor: central differences are then off by 1e-10 of what they tell, and by rounding."""
 
 
 @dataclass(frozen=True)
@@ -23,14 +27,15 @@ class Parts:
 
     foam: see `foam_parts`; they rise by fractions of c at rest. fingers: one on each pixel, or
     none; they rise by F from nothing. thickness: of the field across each part of the foam, or
-    none; they go with 1 over the factor of that part, whoever presses it. fixed: the factor of a
-    `Variation` that each of the others goes with.
+    none; they go with the factor of that part as `across` says, whoever presses it. fixed: the
+    factor of a `Variation` that each of the others goes with. mechanics: of foam that is pressed.
     """
 
     foam: int
     fingers: int = 0
     thickness: int = 0
     fixed: tuple[str, ...] = ()
+    mechanics: Mechanics | None = None
 
     @property
     def touched(self) -> int:
@@ -77,8 +82,21 @@ class Parts:
         np.add.at(found, cells, rises)
         foam, _, thickness = self.kind
         if self.thickness:
-            found[thickness] = 1 / found[foam]
+            found[thickness] = self.across(found[foam])
         return found
+
+    def across(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The field across foam over that at rest, of shape (...), where c is so many times: it
+        goes with c d², and without mechanics foam of constant permittivity is thinner by as much.
+        """
+        if self.mechanics is None:
+            return 1 / factor
+        return factor * (1 - np.asarray(self.mechanics.strain_at(factor))) ** 2
+
+    def across_slope(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of `across` by the factor, to six digits."""
+        step = SLOPE_STEP * factor
+        return (self.across(factor + step) - self.across(factor - step)) / (2 * step)
 
     def with_thickness(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
         """One press with what it does to the field across the foam."""
@@ -90,18 +108,14 @@ class Parts:
         """The same presses with what they do to the field across the foam."""
         if not self.thickness:
             return batch
-        press = np.repeat(np.arange(batch.count), np.diff(batch.starts))
-        on_foam = batch.cells < self.foam
+        on_foam, press = batch.cells < self.foam, batch.press
         keys, place = np.unique(
             press[on_foam] * self.foam + batch.cells[on_foam], return_inverse=True
         )
-        factor = 1 + np.bincount(place, batch.rises[on_foam], len(keys))
-        of = np.concatenate([press, keys // self.foam])
-        cells = np.concatenate([batch.cells, self.kind[2].start + keys % self.foam])
-        rises = np.concatenate([batch.rises, 1 / factor - 1])
-        order = np.argsort(of, kind="stable")
-        starts = np.searchsorted(of[order], np.arange(batch.count + 1))
-        return PressBatch(cells[order], rises[order], starts)
+        factor = 1.0 + np.bincount(place, batch.rises[on_foam], len(keys)).astype(np.float64)
+        starts = np.searchsorted(keys // self.foam, np.arange(batch.count + 1))
+        across = self.kind[2].start + keys % self.foam
+        return batch.and_(PressBatch(across, self.across(factor) - 1, starts))
 
 
 def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
@@ -121,5 +135,6 @@ def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
         foam,
         fingers=0 if around.rods_alone else rows * columns,
         thickness=foam if around.thickness else 0,
+        mechanics=scene.skin.foam.mechanics,
         fixed=(*("body" for _ in around.body), *(("rim",) if around.rim else ())),
     )

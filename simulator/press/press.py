@@ -56,11 +56,6 @@ class Press:
         return any(touch.finger for touch in self.touches)
 
     @property
-    def by_rods(self) -> Press:
-        """The same touches by what has no capacitance to earth."""
-        return Press(tuple(replace(touch, finger=0.0) for touch in self.touches))
-
-    @property
     def boxes(self) -> bool:
         """Whether it is nothing but factors of pixels and rectangles, by whatever touches there."""
         return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)

@@ -143,6 +143,16 @@ class Surroundings(Table):
     @property
     def rods_alone(self) -> str | None:
         """Why no finger can touch the skin, None where one can."""
+        if self.low == "floating" and not self.reaches_earth:
+            return (
+                'finds no way back: `surroundings.low` = "floating" and nothing else reaches '
+                "earth; give `surroundings.body` or `surroundings.rim`"
+            )
+        return self.shielded
+
+    @property
+    def shielded(self) -> str | None:
+        """What is in front of the sheet that fingers touch, None where nothing is."""
         if any(each.side == self.touched for each in self.body):
             return (
                 f"cannot touch the {self.touched} sheet, which has surroundings.body in front of "
@@ -190,8 +200,8 @@ class Surroundings(Table):
             raise ValueError(f"takes one body on each side, got two on the {self.body[0].side}")
         if self.solved and self.rim is not False:
             raise ValueError("takes solved or rim, got both: what is solved has the rim in it")
-        if self.cover is not None and self.rods_alone:
-            raise ValueError(f"has a cover where a finger {self.rods_alone}")
+        if self.cover is not None and self.shielded:
+            raise ValueError(f"has a cover where a finger {self.shielded}")
         return self
 
     @model_serializer(mode="wrap")

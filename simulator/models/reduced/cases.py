@@ -76,6 +76,13 @@ LARGEST_FINGER = 10e-12
 a model is trained for as much, or for what its scene names beyond it."""
 
 
+BEYOND_NAMED = 1.25
+"""Of the strongest finger: what a scene names is then well within what is drawn."""
+AT_ENDS = 0.25
+"""Of what is drawn of fingers, over their range: as much beside either end is taken for that end,
+and so many of the touches do not press. A finger of the scene that only touches is both."""
+
+
 def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
     """One or several pixels pressed at random on the scene's own skin, factors within a range; by
     fingers of any capacitance up to the `strongest_finger` where the scene has an earth."""
@@ -88,7 +95,9 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
         rises = random.uniform(*factor, touches) - 1
         if not parts.fingers:
             return Case(None, cells, rises)
-        fingers = random.uniform(0.0, strongest, touches)
+        ends = random.uniform(-AT_ENDS, 1 + AT_ENDS, touches)
+        fingers = strongest * np.clip(ends, 0.0, 1.0)
+        rises[random.random(touches) < AT_ENDS] = 0.0
         both = np.concatenate([cells, parts.finger(cells)])
         return Case(None, both, np.concatenate([rises, fingers]))
 
@@ -96,9 +105,11 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
 
 
 def strongest_finger(scene: Scene) -> float:
-    """The largest capacitance of a finger that a scene names or LARGEST_FINGER, F."""
+    """More than any finger that a scene names, or LARGEST_FINGER, F."""
+    drawn = scene.dataset.press.finger
     pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene))
-    return max(LARGEST_FINGER, *(finger_of(pixel, None, scene) for pixel in pixels))
+    named = [0.0 if drawn is None else drawn.high, *(finger_of(p, None, scene) for p in pixels)]
+    return max(LARGEST_FINGER, BEYOND_NAMED * max(named))
 
 
 def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> list[Case]:

@@ -93,7 +93,7 @@ def _read(path: Path) -> Reduced:
         drives = tuple(Drive.read(own) for own in told["drives"])
         circuit = replace(circuit, drives=drives)
     arrays["frequency"] = scene.frequencies if frequency is None else frequency
-    _check_sizes(arrays, circuit.fields)
+    _check_sizes(arrays, max(terminal.field for terminal in circuit.terminals) + 1)
     model = Reduced(
         scene=scene,
         circuit=circuit,
@@ -113,7 +113,8 @@ def _check_finite(arrays: Mapping[str, NDArray]) -> None:
 
 
 def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
-    """Raises ValueError where arrays are not of the sizes that `Reduced` says."""
+    """Raises ValueError where arrays are not of the sizes that `Reduced` says. fields: those of the
+    sheets and of the conductors beside them."""
     N, n = len(arrays["conductance"]), arrays["basis"].shape[1]
     sizes = {
         "frequency": (arrays["frequency"].size,),
@@ -123,6 +124,7 @@ def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
         "stiffness": (len(arrays["stiffness"]), N + n, N + n),
         "factors": (*arrays["factors"].shape[:2], N + n),
     }
+    sizes |= {FIXED: (len(arrays[FIXED]), N + n, N + n)} if FIXED in arrays else {}
     for name, size in sizes.items():
         if arrays[name].shape != size:
             raise ValueError(f"`{name}` has shape {arrays[name].shape}, where {size} belongs")

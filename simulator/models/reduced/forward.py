@@ -36,7 +36,7 @@ from ..slow.sheets import Terms, drawn_waves, uneven_sheets
 from ..slow.waves import amplitudes
 from ..varied.materials import gauge_slopes, gauged, gauges
 from ..varied.meshes import single_field
-from .cases import Case, Draw, pixel_touches, touched
+from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
 from .indented.draws import require_whole_pixels
 from .model import Reduced
@@ -216,14 +216,26 @@ class Forward:
             mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
             drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
             drawn |= drawn_waves(random) if self.modes > 1 else {}
+            around = [name for name in dict.fromkeys(self._parts.fixed) if name in own]
+            factors = random.uniform(-1, 1, len(around)) * math.log(REACH)
+            drawn |= dict(zip(around, factors.tolist(), strict=True))
             varied = self._resistive or self._two_fields
             variation = self._even(drawn) if varied else None
             if self.cells_per_pixel == 1:
                 return replace(on_pixels(random), variation=variation)
             press = random_presses(self.divided, random, 2)[int(random.integers(2))]
-            return Case(variation, *self.cells(press))
+            return Case(variation, *self.cells(self._by_fingers(press, random)))
 
         return draw
+
+    def _by_fingers(self, press: Press, random: np.random.Generator) -> Press:
+        """The same touches by fingers, where the scene has an earth that they reach."""
+        if not self._parts.fingers:
+            return press
+        strongest = strongest_finger(self.scene)
+        fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()
+        touches = zip(press.touches, fingers, strict=True)
+        return Press(tuple(replace(touch, finger=finger) for touch, finger in touches))
 
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """The last one is kept: many presses of one skin are asked for in a row."""
@@ -257,9 +269,11 @@ class Forward:
         pixels, first = parts.pixels(np.atleast_2d(cells))
         each = finger / self.cells_per_pixel**2
         added = parts.finger(pixels), np.where(first, each, 0.0)
-        both = (np.atleast_2d(cells), np.atleast_2d(rises)), added
-        found = [np.hstack(own) for own in zip(*both, strict=True)]
-        return tuple(own if cells.ndim == 2 else own[0] for own in found)
+        both = [np.atleast_2d(cells), added[0]], [np.atleast_2d(rises), added[1]]
+        all_cells, all_rises = (np.hstack(own) for own in both)
+        if cells.ndim == 1:
+            return all_cells[0], all_rises[0]
+        return all_cells, all_rises
 
     def _by_surroundings(
         self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float]

@@ -62,6 +62,10 @@ DROPPED_SHARE = 0.1
 ESSENCE_SHARE = 1e-4
 """Of what may be dropped of a snapshot: what is, before those of all skins are put together."""
 
+NOTHING_CHARGED = 1e-24
+"""Energy of a snapshot over that of 1 V in a sheet: less is rounding, of an excitation that charges
+nothing, such as both terminals against an earth that nothing has a capacitance to."""
+
 Shared = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Vectors in the inner unknowns, shape (inner, k), and snapshots as sums of them, (k, snapshot)."""
 
@@ -88,7 +92,6 @@ def reduce(
     pixels are pressed by depth or force; as the scene presses them for None. Raises ToleranceError
     where mesh or basis do not get there, InputError where the pixels do not fit in memory.
     """
-    scene.require_sheets_alone("a reduced model")
     applied = spreading(scene, by_depth)
     scene = scene if applied else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)
@@ -193,11 +196,18 @@ class Basis:
         found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]
         energies = [(each * (self._K @ each)).sum(axis=0) for each in found]
         self._most = max(self._most, *(math.sqrt(energy.max()) for energy in energies))
-        unit = [each / np.sqrt(energy) for each, energy in zip(found, energies, strict=True)]
+        none = NOTHING_CHARGED * max(family.circuit.conductance)
+        charged = [energy > none for energy in energies]
+        unit = [
+            each[:, some] / np.sqrt(energy[some])
+            for each, energy, some in zip(found, energies, charged, strict=True)
+        ]
         if space is family.space:
             return np.hstack(unit)
         for k, drive in enumerate(drives):
-            driven, least = space.driven(drive), min(e.max() for e in energies[k :: len(drives)])
+            most = (energy.max() for energy in energies[k :: len(drives)])
+            least = min((energy for energy in most if energy > none), default=np.inf)
+            driven = space.driven(drive)
             at_zero = self._deviation(np.column_stack([driven.potential, driven.floating]))
             unit.append(at_zero / np.sqrt(least))
         return np.hstack(unit)

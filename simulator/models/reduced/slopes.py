@@ -86,7 +86,8 @@ def _alone(
         held = cells >= parts.foam
         of_foam = whole - squares[:, cells[held]] @ rises[held] - fixed @ skin.fixed_factors
     if parts.thickness:
-        foam = foam - across / parts.pressed(cells, rises)[parts.kind[0]] ** 2
+        pressed = parts.pressed(cells, rises)[parts.kind[0]]
+        foam = foam + across * parts.across_slope(pressed)
     pixels, first = parts.pixels(cells[None])
     by_finger = s * fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
     return Y, each * foam, by_weight, whole, of_foam, by_finger, each * fixed
@@ -126,7 +127,7 @@ def _with_thickness(
     if not parts.thickness:
         return cells, rises
     across = parts.kind[2].start + parts.pixels(cells)[0]
-    follow = 1 / (1 + np.where(cells < parts.foam, rises, 0.0)) - 1
+    follow = parts.across(1 + np.where(cells < parts.foam, rises, 0.0)) - 1
     return np.hstack([cells, across]), np.hstack([rises, follow])
 
 
@@ -147,7 +148,8 @@ def _of_touched(
     beyond = np.where(on_foam, 0.0, by_cell * rises[:, None]).sum(axis=2)
     if parts.thickness:
         factor = np.where(on_foam, 1 + rises[:, None], 1.0)
-        by_cell = np.where(on_foam, by_cell - squares[:, :, count:] / factor**2, by_cell)
+        followed = by_cell + squares[:, :, count:] * parts.across_slope(factor)
+        by_cell = np.where(on_foam, followed, by_cell)
     if not parts.fingers:
         return by_cell, beyond, none
     pixels, first = parts.pixels(cells)

@@ -25,10 +25,16 @@ def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
 
 
 def check_even_foam(scene: Scene) -> None:
-    """Raises InputError where waves of the foam cannot be told apart from what the scene has."""
+    """Raises InputError where waves of the foam cannot be told apart from what the scene has, or
+    change more than its capacitance."""
     if scene.skin.foam.map is not None:
         raise InputError(
             f"{scene.name}: slow waves of the foam are fitted to foam without `skin.foam.map` alone"
+        )
+    if scene.surroundings is not None and scene.surroundings.thickness:
+        raise InputError(
+            f"{scene.name}: slow waves of the foam are fitted without `surroundings.thickness`, as "
+            "they would change the field across the foam, too; leave it out"
         )
     if not scene.press.plain:
         raise InputError(

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
-from ...press.press import Press
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Rim
 from ...sweeps import InputError
@@ -42,9 +41,8 @@ class RimDensities(NamedTuple):
     bottom: float
 
 
-def check_around(scene: Scene, press: Press) -> None:
-    """Raises InputError for surroundings, and foils with a width, that elements do not take, and
-    for fingers where no current through them finds a way back."""
+def check_around(scene: Scene) -> None:
+    """Raises InputError for surroundings, and foils with a width, that elements do not take."""
     around = scene.surroundings
     for number, contact in enumerate(scene.contacts):
         if contact.width and not scene.skin.rectangular:
@@ -59,11 +57,6 @@ def check_around(scene: Scene, press: Press) -> None:
         )
     if around is not None:
         rim_of(scene)
-        if press.fingers and around.low == "floating" and not around.reaches_earth:
-            raise InputError(
-                f'press {press}: `surroundings.low` = "floating" and nothing but the finger '
-                "reaches earth: give `surroundings.body` or `surroundings.rim`"
-            )
 
 
 def rim_of(scene: Scene) -> RimDensities | None:

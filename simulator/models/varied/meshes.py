@@ -112,7 +112,7 @@ def meshes(
     press, pressed: as of `indented`. place: where it presses, with the triangles of the press
     before. Raises InputError for surroundings that elements do not take.
     """
-    check_around(scene, press)
+    check_around(scene)
     if pressed is not None and place and place.triangles:
         return Spread(place, place.triangles.again(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None

@@ -14,12 +14,12 @@ from ....fem.estimate import both
 from ....fem.safety import SINGULAR
 from ....fem.system import Films, System, films
 from ....press.parts import foam_parts, parts_of
-from ....scene.skin import Electrode
 from ...parameters import mode_values
-from ...varied.coefficients import ELECTRODES, Coefficients
+from ...varied.coefficients import Coefficients
 from ...varied.elements import Elements, triangles
 from ...varied.materials import Materials, gauged
 from ...varied.system import add_foam, add_sheet, film_of, pressed_system
+from .around import around
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
 
@@ -105,23 +105,12 @@ class UnevenFamily(Family):
         return [part_of == part for part in range(foam_parts(self.scene))]
 
     def _around(self, mode: int) -> Iterator[Part]:
-        """Of what is around the foam, see `Parts`; nothing of it goes with waves of the foam."""
+        """Of what is around the foam; nothing of it goes with waves of the foam."""
+        parts, unknowns = parts_of(self.scene), self.system.unknowns
         if mode:
-            yield from repeat(NOTHING, parts_of(self.scene).count - foam_parts(self.scene))
-        elif self.scene.surroundings is not None:
-            yield from self._fingers(self.scene.surroundings.touched)
-
-    def _fingers(self, electrode: Electrode) -> Iterator[Part]:
-        """M of the touched sheet for each F that is spread evenly over the skin of a pixel."""
-        elements, slots = self.elements, self.system.unknowns.slots
-        alone = self.circuit.field_alone(ELECTRODES.index(electrode))
-        area = elements.surface.area * elements.rule.weights
-        values = np.zeros(len(self.system.pattern.indices))
-        for within in self._cells_of_parts[: parts_of(self.scene).fingers]:
-            if within.any():
-                c = np.full(area.shape, 1 / area[within].sum())
-                add_foam(values, alone, elements, self.system.unknowns, c, within)
-            yield taken(values, slots[within])
+            return repeat(NOTHING, parts.count - parts.foam)
+        where = self.circuit, self.elements, unknowns, self._coefficients
+        return around(parts, self._cells_of_parts, *where)
 
     def _parts(self, wave: NDArray[np.float64]) -> Iterator[Part]:
         elements, unknowns = self.elements, self.system.unknowns

@@ -19,7 +19,7 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     """Whether pixels are pressed by depth or force, and that is felt beside them.
 
     by_depth: whether they are so pressed; as the scene presses them for None. Raises InputError
-    where this changes a sheet's resistance, too.
+    where this changes a sheet's resistance, too, and where the scene has surroundings.
     """
     by_depth = not scene.press.plain if by_depth is None else by_depth
     if not (by_depth and spreads(scene)):
@@ -28,6 +28,11 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
         raise InputError(
             f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
             "press; give `press.capacitance_factor`, or sweep without --model reduced"
+        )
+    if scene.surroundings is not None:
+        raise InputError(
+            f"{scene.name}: skins with `surroundings` do not reduce where tension spreads a press; "
+            "give `press.capacitance_factor`, or sweep without --model reduced"
         )
     return True
 

@@ -1,0 +1,67 @@
+"""M of what is around a skin, part by part and in the order of `Parts`: fingers on each pixel, the
+field across each part of the foam, bodies, the rim."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....fem.circuit import Circuit
+from ....fem.unknowns import Unknowns
+from ....press.parts import Parts
+from ...varied.around import add_body, add_finger, add_rim, add_thickness, rim_of
+from ...varied.coefficients import ELECTRODES, Coefficients
+from ...varied.elements import Elements
+from .masses import Part
+
+Cells = Sequence[NDArray[np.bool_]]
+"""Of each part of the foam, shape (cell,)."""
+
+
+def around(
+    parts: Parts,
+    cells: Cells,
+    circuit: Circuit,
+    elements: Elements,
+    unknowns: Unknowns,
+    coefficients: Coefficients,
+) -> Iterator[Part]:
+    """Of a skin at rest: for each F of a finger, and for the scene's own of all others."""
+    values = np.zeros(len(unknowns.pattern.indices))
+    for add in _each(parts, cells, circuit, elements, unknowns, coefficients):
+        add(values)
+        slots = np.flatnonzero(values)
+        yield slots, values[slots]
+        values[slots] = 0.0
+
+
+def _each(
+    parts: Parts,
+    cells: Cells,
+    circuit: Circuit,
+    elements: Elements,
+    unknowns: Unknowns,
+    coefficients: Coefficients,
+) -> Iterator[Callable[[NDArray[np.float64]], None]]:
+    """What adds each part to values in the pattern."""
+    materials = coefficients.materials
+    scene, where = materials.scene, (elements, unknowns, materials)
+    surroundings = scene.surroundings
+    if surroundings is None:
+        return
+    touched = circuit.field_alone(ELECTRODES.index(surroundings.touched))
+    for share in (within.astype(float) for within in cells[: parts.fingers]):
+        if share.any():
+            yield lambda M, share=share: add_finger(M, touched, 1.0, share, *where)
+        else:
+            yield lambda M: None
+    along = coefficients.along(elements.surface.x)
+    for within in cells[: parts.thickness]:
+        yield lambda M, within=within: add_thickness(M, along, *where, within)
+    for body in surroundings.body:
+        yield lambda M, body=body: add_body(M, circuit, body, *where)
+    rim = rim_of(scene)
+    if rim is not None:
+        yield lambda M: add_rim(M, rim, *where)
