@@ -141,9 +141,10 @@ def sweep(
         list[str] | None,
         typer.Option(
             help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR], "
-            "both around their centre X,Y, or poly(X1,Y1,X2,Y2,...)[:FACTOR], in m, a depth (2mm) "
-            "or a force (5N) in place of FACTOR, touches joined by '+', or 'none'; may be "
-            "repeated. Without it: nothing pressed, then every pixel."
+            "both around their centre X,Y, or poly(X1,Y1,X2,Y2,...)[:FACTOR], in m, a depth (2mm), "
+            "a force (5N) or 'touch' in place of FACTOR, behind it what touches (:finger, :rod, "
+            ":5.3pF), touches joined by '+', or 'none'; may be repeated. Without it: nothing "
+            "pressed, then every pixel."
         ),
     ] = None,
     rtol: Annotated[

@@ -83,6 +83,15 @@ class Solver:
         self._places = Places()
 
     @cached_property
+    def _without_earth(self) -> Solver | None:
+        """Of presses by rods, where earth makes no difference to them; None where it does."""
+        around = self.scene.surroundings
+        if around is None or not around.idle:
+            return None
+        alone = self.scene.model_copy(update={"surroundings": None})
+        return Solver(alone, self.rtol, self.model, self.frequency)
+
+    @cached_property
     def _first_level(self) -> int:
         return self._ladder.first(self.rtol)
 
@@ -118,6 +127,8 @@ class Solver:
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
         """The answer at the skin's own contacts."""
         check_fingers(press, self.scene)
+        if self._without_earth is not None and not press.fingers:
+            return self._without_earth._of_skin(press, frequency)
         on_error = self._outlook.of(str(press))
         progress = Progress(len(self.scene.interfaces), frequency, self.rtol, on_error)
         if self._applicators_reduce(press):

@@ -176,6 +176,14 @@ class Surroundings(Table):
         return next((each for each in self.body if each.side == electrode), None)
 
     @property
+    def idle(self) -> bool:
+        """Whether a meter reads the same without it, unless a finger touches.
+
+        Earth alone makes no difference where nothing is charged against it.
+        """
+        return not (self.body or self.rim or self.thickness or self.solved)
+
+    @property
     def reaches_earth(self) -> bool:
         """Whether anything of it but a finger charges the sheets against earth."""
         rim = self.rim if isinstance(self.rim, Rim) else None

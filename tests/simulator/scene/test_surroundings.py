@@ -1,13 +1,14 @@
 """What a scene says of its surroundings, and what it is refused."""
 
+import numpy as np
 import pytest
 from rcskin.simulator.measure.symmetry import representative
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.press import Press, press_on
 from rcskin.simulator.scene.files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.surroundings import Rim
-from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps import InputError, read
 
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
 BELOW = {"distance": 5e-3}
@@ -155,7 +156,7 @@ def test_wide_foils_of_one_sheet_do_not_overlap_unless_they_are_one(make_scene, 
 @pytest.mark.parametrize(
     ("changes", "key"),
     [
-        ({"surroundings": {}}, "surroundings"),
+        ({"surroundings.thickness": True}, "surroundings"),
         ({"contact.top-left.width": 1e-3}, "contact[1].width"),
     ],
 )
@@ -190,3 +191,29 @@ def test_crossed_sheets_are_alike_where_their_surroundings_are(changes, exchange
     """Pixels (1, 2) and (2, 1) of two equal sheets, one fed at the left, one at the bottom edge."""
     of = representative(load_scene("sheet-5x5-crossed").with_(changes))
     assert (of((2, 1)) == (1, 2)) == exchanged
+
+
+def test_earth_alone_changes_nothing_until_a_finger_touches():
+    """The first is to the last bit; by another solver, a finger of almost nothing is none."""
+    scene = load_scene("sheet-3x3")
+    earthed = scene.with_({"surroundings": {}})
+    rod, finger = (press_on(earthed, f"2,3:2:{by}") for by in ("rod", "1e-20pF"))
+    expected = Solver(scene, 1e-4).solve(rod).Z
+    np.testing.assert_array_equal(Solver(earthed, 1e-4).solve(rod).Z, expected)
+    np.testing.assert_allclose(Solver(earthed, 1e-4).solve(finger).Z, expected, rtol=2e-4)
+
+
+def test_the_press_of_a_scene_is_told_with_its_finger(run, tmp_path):
+    path = tmp_path / "touched.toml"
+    path.write_text(scene_text(around(cover=COVER).with_({"sweep.frequencies": [1e4]})))
+    asked = ("--press", "2,3:touch", "--press", "2,3:2:5.3pF", "-o", tmp_path / "out.nc")
+    code, out, err = run("sweep", path, *asked)
+    assert (code, err) == (0, "")
+    assert list(read(tmp_path / "out.nc")["press"].values) == [
+        f"2,3:1.0:{finger_of_a_pixel()!r}F",
+        "2,3:2.0:5.3e-12F",
+    ]
+
+
+def finger_of_a_pixel():
+    return VACUUM_PERMITTIVITY / (1e-3 / 3.0) * (0.024 * 0.024)

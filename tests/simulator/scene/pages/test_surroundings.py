@@ -1,0 +1,125 @@
+"""Formulas of what is around a skin, and of its sizes."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.models import stray
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.finger import finger_capacitance
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle, Touch
+from rcskin.simulator.scene.surroundings import Body
+
+EPS0 = 8.8541878128e-12
+LOW = [1e-3]
+"""Hz: each sheet is at one potential."""
+
+
+@pytest.fixture
+def drawn(rng, make_scene):
+    """A skin of random numbers with all around it, and those numbers by name."""
+    f, t, b = rng.uniform(1e-10, 1e-9), *rng.uniform(1e-12, 1e-11, 2)
+    given = {
+        "m": rng.uniform(1e-12, 1e-11),
+        "t": t,
+        "b": b,
+        "top": {"side": "top", "capacitance_per_area": f},
+        "bottom": {"side": "bottom", "distance": rng.uniform(1e-3, 1e-1)},
+    }
+    scene = make_scene(length=0.1, width=0.06, frequencies=LOW)
+    return scene, given
+
+
+def cp(scene, press=None):
+    """Cp in F of a press at the lowest frequency."""
+    found = Solver(scene, 1e-6).solve(press or Press())
+    return float((1 / found.Z).imag[0, 0] / (2 * np.pi * LOW[0]))
+
+
+def test_charges_of_a_meter_that_floats(drawn):
+    """
+    c_e (V_s - V_e)^2 / 2
+    (m (V_t - V_b)^2 + t V_t^2 + b V_b^2) / 2
+
+    Sheets of one potential each: C_m between them, beside C_t and C_b to earth in series.
+    """
+    scene, n = drawn
+    rim = {"mutual": n["m"], "top": n["t"], "bottom": n["b"]}
+    near = {"low": "floating", "rim": rim, "body": [n["top"], n["bottom"]]}
+    A, P = 0.1 * 0.06, 2 * (0.1 + 0.06)
+    C_t = n["top"]["capacitance_per_area"] * A + n["t"] * P
+    C_b = EPS0 / n["bottom"]["distance"] * A + n["b"] * P
+    expected = 5e-9 * A + n["m"] * P + 1 / (1 / C_t + 1 / C_b)
+    assert cp(scene.with_({"surroundings": near})) == pytest.approx(expected, rel=1e-6)
+
+
+def test_charge_of_a_finger(drawn):
+    """
+    C_f / A V_s^2 / 2
+
+    On the top sheet, over an eighth of the skin, and a body at the bottom one.
+    """
+    scene, n = drawn
+    near = {"low": "floating", "body": n["bottom"]}
+    A, C_f = 0.1 * 0.06, 4e-12
+    C_b = EPS0 / n["bottom"]["distance"] * A
+    pressed = Press((Rectangle(0.03, 0.03, 0.05, 0.015, 1.0, C_f),))
+    expected = 5e-9 * A + 1 / (1 / C_f + 1 / C_b)
+    assert cp(scene.with_({"surroundings": near}), pressed) == pytest.approx(expected, rel=1e-6)
+
+
+def test_current_into_a_virtual_earth(drawn):
+    """
+    Z = U_high / I_low
+
+    What goes from the high side to earth does not reach the low one.
+    """
+    scene, n = drawn
+    near = {"rim": {"mutual": n["m"], "top": n["t"]}, "body": [n["top"], n["bottom"]]}
+    expected = 5e-9 * 0.1 * 0.06 + n["m"] * 2 * (0.1 + 0.06)
+    assert cp(scene.with_({"surroundings": near})) == pytest.approx(expected, rel=1e-6)
+
+
+def test_fingers(rng, make_scene):
+    """
+    C_f = 8.8541878128e-12 A / (t_c / eps_c + a)
+    C_f' = C_f 150e-12 / (C_f + 150e-12)
+    """
+    t_c, eps_c, a = rng.uniform(1e-4, 1e-3), rng.uniform(1, 5), rng.uniform(0, 1e-2)
+    scene = make_scene(length=0.1, width=0.06).with_(
+        {"surroundings": {"air": a, "cover": {"thickness": t_c, "relative_permittivity": eps_c}}}
+    )
+    earthed, floating = (
+        finger_capacitance(scene, Touch(1, 1, 1.0), how) for how in ("earthed", "floating")
+    )
+    C_f = 8.8541878128e-12 * 0.1 * 0.06 / (t_c / eps_c + a)
+    assert earthed == pytest.approx(C_f)
+    assert floating == pytest.approx(C_f * 150e-12 / (C_f + 150e-12))
+
+
+def test_sizes(rng, make_scene):
+    """
+    P gamma / C
+    gamma = 8.8541878128e-12 / (2 pi) (1 + ln(2 pi (w_m / d + 1 / 2))),  w_m = (L^-1.5 + W^-1.5)^(-2 / 3)
+    (d / delta)^2 / 6
+    C_p / (2 C)
+    R_s / (R_t + R_b) c_e / c + C_p / (2 C)
+    3 / 2 R_s / (R_t + R_b) C_f / C
+    1 - (1 - w / L)^3
+    """  # noqa: E501
+    L, W, d, delta = 0.1, 0.06, rng.uniform(1e-3, 5e-3), rng.uniform(1e-2, 1e-1)
+    scene = make_scene(length=L, width=W).with_({"skin.foam.thickness": d})
+    R_t, R_b = scene.skin.sheet_resistances
+    C, P, pi = 5e-9 * L * W, 2 * (L + W), np.pi
+    w_m = (L**-1.5 + W**-1.5) ** (-2 / 3)
+    gamma = 8.8541878128e-12 / (2 * pi) * (1 + np.log(2 * pi * (w_m / d + 1 / 2)))
+    assert stray.rim_share(scene) == pytest.approx(P * gamma / C)
+    assert stray.straight_share(d, delta) == pytest.approx((d / delta) ** 2 / 6)
+    C_p = stray.plate_capacitance(L, W)
+    assert stray.open_share(scene) == pytest.approx(C_p / (2 * C))
+    body = Body(capacitance_per_area=rng.uniform(1e-10, 1e-8))
+    behind = R_b / (R_t + R_b) * body.per_area / 5e-9 + C_p / (2 * C)
+    assert stray.body_share(scene, body) == pytest.approx(behind)
+    C_f = rng.uniform(1e-12, 1e-11)
+    assert stray.finger_share(scene, C_f) == pytest.approx(3 / 2 * R_t / (R_t + R_b) * C_f / C)
+    w = rng.uniform(0, 0.02)
+    assert stray.overlap_share(L, w) == pytest.approx(1 - (1 - w / L) ** 3)
