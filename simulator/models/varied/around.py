@@ -12,15 +12,14 @@ at u_t and u_b
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
 from ...scene.scene import Scene
-from ...scene.surroundings import Body, Rim
+from ...scene.surroundings import Body
+from ...surroundings.rim import RimDensities, rim_densities
 from ...sweeps import InputError
 from .coefficients import ELECTRODES, Coefficients
 from .elements import Elements
@@ -31,14 +30,6 @@ ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 """Integrals over the foam's depth of what its potential takes from either sheet, squared."""
 BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
 Values = NDArray[np.float64]
-
-
-class RimDensities(NamedTuple):
-    """Capacitance along the outline: between the sheets, and of each sheet to earth; F/m."""
-
-    mutual: float
-    top: float
-    bottom: float
 
 
 def check_around(scene: Scene) -> None:
@@ -56,20 +47,7 @@ def check_around(scene: Scene) -> None:
             "and `surroundings.body` in its place"
         )
     if around is not None:
-        rim_of(scene)
-
-
-def rim_of(scene: Scene) -> RimDensities | None:
-    """The densities along a scene's rim; None where it has none."""
-    around = scene.surroundings
-    if around is None or around.rim is False:
-        return None
-    if isinstance(around.rim, Rim):
-        return RimDensities(around.rim.mutual, around.rim.top, around.rim.bottom)
-    raise InputError(
-        f"{scene.name}: `surroundings.rim = true` is not computed yet; give "
-        "{mutual = , top = , bottom = } in F/m"
-    )
+        rim_densities(scene)
 
 
 def charged_to_earth(
@@ -99,9 +77,8 @@ def add_around(
     touched = ELECTRODES.index(around.touched)
     for farads, share in coefficients.fingers:
         add_finger(values, circuit.field_alone(touched), farads, share, *where)
-    rim = rim_of(materials.scene)
-    if rim is not None:
-        add_rim(values, rim, *where)
+    if around.rim is not False:
+        add_rim(values, rim_densities(materials.scene), *where)
     if around.thickness:
         add_thickness(values, coefficients.along(elements.surface.x), *where)
 

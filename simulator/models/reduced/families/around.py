@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ....fem.circuit import Circuit
 from ....fem.unknowns import Unknowns
 from ....press.parts import Parts
-from ...varied.around import add_body, add_finger, add_rim, add_thickness, rim_of
+from ....surroundings.rim import rim_densities
+from ...varied.around import add_body, add_finger, add_rim, add_thickness
 from ...varied.coefficients import ELECTRODES, Coefficients
 from ...varied.elements import Elements
 from .masses import Part
@@ -62,6 +63,6 @@ def _each(
         yield lambda M, within=within: add_thickness(M, along, *where, within)
     for body in surroundings.body:
         yield lambda M, body=body: add_body(M, circuit, body, *where)
-    rim = rim_of(scene)
-    if rim is not None:
+    if surroundings.rim is not False:
+        rim = rim_densities(scene)
         yield lambda M: add_rim(M, rim, *where)

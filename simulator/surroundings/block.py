@@ -1,0 +1,116 @@
+"""The foam and its two sheets as panels, narrower towards the edges, where charges gather."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+SIGNS = 1.0, -1.0
+ITSELF = np.array([[1.0, 1.0, 0.0, 0.0]])
+
+
+@dataclass(frozen=True)
+class Block:
+    """Panels of each sheet and of the foam's side faces; the bottom sheet lies at z = 0.
+
+    panels: of either sheet, in the plane, m, shape (panel, 4, 2), of triangles with one corner
+    twice. edges: of the outline and of holes, anticlockwise around the foam, m, shape (edge, end,
+    2). thickness: of the foam, m. slices: of the side faces, from each sheet to the middle between
+    them. mirrors: signs and shifts in m, of x and of y, of the symmetric parts that the foam
+    consists of, shape (part, 4).
+    """
+
+    panels: Points
+    edges: Points
+    thickness: float
+    slices: int
+    mirrors: Points = field(default_factory=lambda: ITSELF)
+
+    @property
+    def perimeter(self) -> float:
+        """Length of all edges of the foam, m."""
+        own = np.linalg.norm(self.edges[:, 1] - self.edges[:, 0], axis=-1).sum()
+        return len(self.mirrors) * float(own)
+
+    @property
+    def area(self) -> float:
+        """Of a whole sheet, m²."""
+        return len(self.mirrors) * float(self.areas[: len(self.panels)].sum())
+
+    @cached_property
+    def corners(self) -> Points:
+        """Of the panels of the bottom sheet, of the top one and of the side faces, (panel, 4, 3).
+
+        In m; seen from outside they run anticlockwise on side faces.
+        """
+        return np.concatenate([self._sheet(0.0), self._sheet(self.thickness), self._sides])
+
+    @cached_property
+    def areas(self) -> NDArray[np.float64]:
+        """Of all panels, m², shape (panel,)."""
+        return self._halves[0].sum(axis=0)
+
+    @property
+    def points(self) -> Points:
+        """The centroids of all panels, m, shape (panel, 3)."""
+        areas, middles = self._halves
+        return (areas[..., None] * middles).sum(axis=0) / self.areas[:, None]
+
+    @property
+    def _halves(self) -> tuple[NDArray[np.float64], Points]:
+        """Areas and middles of the triangles on both sides of a diagonal, (2, panel), (..., 3)."""
+        a, b, c, d = np.moveaxis(self.corners, 1, 0)
+        twice = [np.cross(u - a, v - a) for u, v in ((b, c), (c, d))]
+        middles = np.stack([(a + b + c) / 3, (a + c + d) / 3])
+        return np.linalg.norm(twice, axis=-1) / 2, middles
+
+    @property
+    def normals(self) -> Points:
+        """Unit vectors off the side faces, zero on sheets, shape (panel, 3)."""
+        sides = self._sides
+        along = sides[:, 1, :2] - sides[:, 0, :2]
+        across = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        found = np.zeros((2 * len(self.panels) + len(sides), 3))
+        found[2 * len(self.panels) :, :2] = across / np.linalg.norm(across, axis=1)[:, None]
+        return found
+
+    def _sheet(self, height: float) -> Points:
+        z = np.full((*self.panels.shape[:2], 1), height)
+        return np.concatenate([self.panels, z], axis=-1)
+
+    @property
+    def _sides(self) -> Points:
+        z = lines(self.thickness, self.thickness, self.slices)
+        low, high = z[:-1], z[1:]
+        found = np.empty((len(self.edges), len(low), 4, 3))
+        found[..., :2] = self.edges[:, None, [0, 1, 1, 0]]
+        found[..., 2] = np.stack([low, low, high, high], axis=-1)
+        return found.reshape(-1, 4, 3)
+
+
+def quarter(length: float, width: float, thickness: float, count: int) -> Block:
+    """A quarter of a rectangular skin, all in m, and its mirrors. count: panels along each side."""
+    x, y = (lines(side, thickness, count)[: count + 1] for side in (length, width))
+    left, bottom = (each.ravel() for each in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
+    right, top = (each.ravel() for each in np.meshgrid(x[1:], y[1:], indexing="ij"))
+    corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
+    panels = np.stack([np.stack(each, axis=-1) for each in corners], axis=1)
+    around = np.concatenate([np.stack([0 * y, y])[:, ::-1], np.stack([x, 0 * x])[:, 1:]], axis=1).T
+    mirrors = np.array([[a, b, (a < 0) * length, (b < 0) * width] for a in SIGNS for b in SIGNS])
+    slices = max(2, count // 2)
+    return Block(panels, np.stack([around[:-1], around[1:]], axis=1), thickness, slices, mirrors)
+
+
+def lines(side: float, thickness: float, count: int) -> NDArray[np.float64]:
+    """Where panels along a side end, m, shape (2 * count + 1,), symmetric.
+
+    They grow with the square of their number within the foam's thickness of an end, as a charge
+    that goes by one over the root of the distance asks for, and by a constant factor beyond.
+    """
+    a = np.arcsinh(np.sqrt(side / (2 * thickness)))
+    half = side / 2 * (np.sinh(a * np.linspace(0, 1, count + 1)) / np.sinh(a)) ** 2
+    return np.concatenate([half, (side - half)[-2::-1]])

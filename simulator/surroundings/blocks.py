@@ -1,0 +1,153 @@
+"""The blocks of panels of a scene's skin: a rectangle's quarter, or triangles of an outline or
+mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.domain import Domain
+from ..mesh.refining.refinement import refined
+from ..mesh.skin_mesh import domain
+from ..mesh.triangles import edges_of
+from ..press.press import Press
+from ..scene.scene import Pressing, Scene
+from ..scene.skin import VACUUM_PERMITTIVITY, Foam, Sheet
+from ..sweeps import InputError
+from .block import Block, Points, quarter
+
+PANELS = (6, 10)
+"""From the edge of a rectangle to its middle, of a coarse and of a fine block."""
+LAYERS = (2, 4)
+"""Of triangles at an outline, coarse and fine."""
+LONGEST, FEWEST = 2.0, 100
+"""Edges of triangles along outlines: the longest over the foam's thickness, unless those are more
+than so many around a skin."""
+ACROSS = 4
+"""Triangles across the shorter side of a skin away from its outline, at least."""
+SLICES = 3
+PAIRS = [0, 1], [1, 2], [2, 0]
+PLAIN_SHEET = Sheet(sheet_resistance=1.0)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What a block is made of: sides in m as the skin is stretched, foam, and what else bounds it.
+
+    drawn: a scene of the same outline or mesh, as it is before it is stretched by `ratios`, with
+    sheets and foam of no account; None for a rectangle.
+    """
+
+    length: float
+    width: float
+    thickness: float
+    permittivity: float
+    ratios: tuple[float, float] = (1.0, 1.0)
+    drawn: Scene | None = None
+
+
+def shape_of(scene: Scene, key: str) -> Shape:
+    """That of a scene's skin.
+
+    key: the key that needs it. Raises InputError for a mesh that is not flat.
+    """
+    skin, foam = scene.skin, scene.skin.foam
+    thickness = foam.thickness_or_assumed
+    if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
+        raise InputError(f"{scene.name}: `{key}` needs a flat skin; `skin.mesh` lies in space")
+    permittivity = foam.rest_capacitance_per_area * thickness / VACUUM_PERMITTIVITY
+    ratios, thinner = (1.0, 1.0), 1.0
+    if skin.stretch is not None:
+        ratios, power = skin.stretch.ratios, skin.stretch.thinning[1]
+        thinner = (ratios[0] * ratios[1]) ** power
+    drawn = None if skin.rectangular else _outlined(scene)
+    return Shape(*skin.stretched_sides, thickness / thinner, permittivity, ratios, drawn)
+
+
+def blocks(shape: Shape) -> list[tuple[Block, float]]:
+    """A coarse block and a fine one, each with the size of its panels, in any unit."""
+    if shape.drawn is None:
+        sides = shape.length, shape.width, shape.thickness
+        return [(quarter(*sides, count), 1 / count) for count in PANELS]
+    size = min(shape.drawn.skin.sides) / ACROSS
+    mesh = domain(shape.drawn, Press(), size, between=False)
+    return [(_of_triangles(mesh, shape, layers), 1 / layers) for layers in LAYERS]
+
+
+def _outlined(scene: Scene) -> Scene:
+    """The same skin of other sheets and foam, so that all with one outline share their blocks."""
+    foam = Foam(thickness=1e-3, relative_permittivity=1.0)
+    skin = scene.skin.model_copy(
+        update={"top": PLAIN_SHEET, "bottom": PLAIN_SHEET, "foam": foam, "stretch": None}
+    )
+    return scene.model_copy(update={"skin": skin, "surroundings": None, "press": Pressing()})
+
+
+def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> Block:
+    """Of a mesh, refined as LONGEST says. layers: as of `layered`."""
+    scale = np.array(shape.ratios)[:, None]
+    longest = LONGEST * shape.thickness
+    while True:
+        p = mesh.p * scale
+        edges, of_triangle = edges_of(mesh.t)
+        outer = np.bincount(of_triangle.ravel()) == 1
+        lengths = outer * np.linalg.norm(p[:, edges[1]] - p[:, edges[0]], axis=0)
+        coarse = (lengths > max(longest, lengths.sum() / FEWEST))[of_triangle].any(axis=0)
+        if not coarse.any():
+            break
+        mesh = refined(mesh, np.flatnonzero(coarse))
+    rim = np.zeros(p.shape[1], dtype=bool)
+    rim[edges[:, outer]] = True
+    panels = layered(p[:, mesh.t].transpose(2, 1, 0), rim[mesh.t].T, layers)
+    return Block(panels, _around(mesh, p), shape.thickness, SLICES)
+
+
+def _around(mesh: Domain, p: Points) -> Points:
+    """The edges of just one triangle, anticlockwise around the skin, m, shape (edge, end, 2)."""
+    edges, of_triangle = edges_of(mesh.t)
+    outer = np.bincount(of_triangle.ravel()) == 1
+    side, triangle = np.nonzero(outer[of_triangle])
+    ends = p[:, edges[:, of_triangle[side, triangle]]].transpose(2, 1, 0)
+    across = p[:, mesh.t[:, triangle]].mean(axis=1).T - ends[:, 0]
+    along = ends[:, 1] - ends[:, 0]
+    right = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0] < 0
+    ends[right] = ends[right, ::-1]
+    return ends
+
+
+def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
+    """Those at an outline cut along it, thinner and thinner towards it, shape (panel, 4, 2).
+
+    triangles: m, shape (triangle, 3, 2). rim: which of their corners are on the outline, shape
+    (triangle, 3). Cuts are where a function that is linear in each triangle, 0 on the outline and 1
+    at all other corners, has the squares of n / layers. A triangle with all corners on the outline
+    is cut in three first.
+    """
+    triangles, rim = _cut_in_three(triangles, rim)
+    count = rim.sum(axis=1)
+    inner = triangles[count == 0]
+    found = [inner[:, [0, 1, 2, 2]]]
+    levels = np.linspace(0, 1, layers + 1) ** 2
+    for number, start, stop in ((1, (0, 0), (1, 2)), (2, (0, 1), (2, 2))):
+        own = count == number
+        turned = np.argsort(~rim[own], axis=1, kind="stable")
+        corners = np.take_along_axis(triangles[own], turned[..., None], axis=1)
+        low, high = corners[:, start], corners[:, stop]
+        for at, to in pairwise(levels):
+            one, other = (low + level * (high - low) for level in (at, to))
+            found.append(np.stack([one[:, 0], one[:, 1], other[:, 1], other[:, 0]], axis=1))
+    return np.concatenate(found)
+
+
+def _cut_in_three(triangles: Points, rim: NDArray[np.bool_]) -> tuple[Points, NDArray[np.bool_]]:
+    """Those with all corners on an outline, about their middles."""
+    whole = rim.all(axis=1)
+    middle = triangles[whole].mean(axis=1)
+    thirds = [
+        np.stack([*triangles[whole][:, pair].swapaxes(0, 1), middle], axis=1) for pair in PAIRS
+    ]
+    on = np.tile([True, True, False], (3 * len(middle), 1))
+    return np.concatenate([triangles[~whole], *thirds]), np.concatenate([rim[~whole], on])

@@ -1,0 +1,79 @@
+"""Charges on both sheets of a block of foam by their potentials: collocation at panels' middles.
+
+Unknown is the whole charge of each panel over eps0, sigma, from which the potential follows as if
+there were no foam. On the foam's side faces, with the mean field E off them and foam of relative
+permittivity e, the displacement is continuous where (e + 1) sigma / 2 = (e - 1) E.
+
+The free charge is not sigma: on the sheets' inner sides there is the foam's own charge, too. With
+psi any continuation of a potential u_i from the sheets into the foam and phi_j the potential of
+u_j, Green's identity makes the sum of u_i times the free charge of u_j
+
+    eps0 * sum over all panels of psi_i sigma_j + eps0 (e - 1) * integral of grad psi_i . grad phi_j
+
+over the foam. For even potentials psi is straight from sheet to sheet and the last integral is that
+of straight fields, exactly. So what is left to the panels is as accurate for any permittivity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve
+
+from ..scene.skin import VACUUM_PERMITTIVITY
+from .block import Block
+from .kernel import fill_influence
+from .reflections import Layer, images
+
+Array = NDArray[np.float64]
+
+
+def capacitances(block: Block, layer: Layer | None, permittivity: float) -> Array:
+    """Charge of each sheet by the potential of each, F, shape (2, 2), the bottom sheet first.
+
+    layer: towards a plane below. permittivity: of the foam, relative.
+    """
+    height = block.points[:, 2] / block.thickness
+    psi = np.stack([1 - height, height], axis=1)
+    charge = block.areas[:, None] * sigma(block, layer, permittivity, psi)
+    local = block.area / block.thickness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    whole = len(block.mirrors) * psi.T @ charge + (permittivity - 1) * local
+    return VACUUM_PERMITTIVITY * (whole + whole.T) / 2
+
+
+def sigma(block: Block, layer: Layer | None, permittivity: float, potentials: Array) -> Array:
+    """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count."""
+    potential, field = influence(block, layer)
+    sheets = 2 * len(block.panels)
+    system = np.concatenate([potential[:sheets], (1 - permittivity) * field[sheets:]])
+    side = np.arange(sheets, len(system))
+    system[side, side] += (permittivity + 1) / 2
+    driven = potentials.copy()
+    driven[sheets:] = 0.0
+    return solve(system, driven, overwrite_a=True, overwrite_b=True)
+
+
+def influence(block: Block, layer: Layer | None) -> tuple[Array, Array]:
+    """Of each panel's sigma: potentials in m, and fields off the foam, both (panel, panel).
+
+    At the middles of the panels of the bottom sheet, of the top one and of the side faces. Fields
+    are the mean of both sides; on sheets they are none.
+    """
+    points = block.points
+    potential, slope = np.zeros((2, len(points), len(points)))  # by panel, then by point
+    fill_influence(
+        points, block.normals, block.corners, _images(block, layer), potential.T, slope.T
+    )
+    return potential.T / (4 * np.pi), slope.T / (-4 * np.pi)
+
+
+def _images(block: Block, layer: Layer | None) -> Array:
+    """Those in a plane of each part of the foam, shape (image, 7)."""
+    across = images(layer)
+    return np.array(
+        [
+            (sx, sy, sz, dx, dy, dz, weight)
+            for sx, sy, dx, dy in block.mirrors
+            for sz, dz, weight in across
+        ]
+    )
