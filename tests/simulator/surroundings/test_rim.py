@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.stray import rim_per_length
+from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 from rcskin.simulator.surroundings import blocks, rim
 from rcskin.simulator.surroundings.rim import RimDensities, rim_densities
@@ -114,6 +116,16 @@ def test_given_densities_are_taken_as_they_are(skin):
     given = skin("sheet-5x5", rim={"mutual": 1e-12, "top": 2e-12, "bottom": 3e-12})
     assert rim_densities(given) == RimDensities(1e-12, 2e-12, 3e-12)
     assert rim_densities(skin("sheet-5x5", rim=False)) == RimDensities(0.0)
+
+
+def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
+    scene, found = skin("strip-1x5"), rim_densities(skin("strip-1x5"))
+    given = {"mutual": found.mutual, "top": found.top, "bottom": found.bottom}
+    one, other = (
+        Solver(each, 1e-4).solve(Press()).Z
+        for each in (scene, scene.with_({"surroundings.rim": given}))
+    )
+    assert one == pytest.approx(other, rel=1e-12)
 
 
 @pytest.mark.parametrize(
