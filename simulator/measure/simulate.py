@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import version
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..models.answer import Answer
 from ..models.solver import Solver
-from ..press.press import Press, check_press, press_on
+from ..press.press import Press, check_press, recorded_press
 from ..scene.files import scene_text
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
@@ -96,19 +96,40 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> Table:
 def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]) -> xr.Dataset:
     """The presses of sweeps on a scene, noise-free, at their interfaces.
 
-    frequency: Hz; where they are those of the sweeps, the same readings are taken as of these, else
-    all.
-    Raises as `parse_press` and `Solver.solve`.
+    Of foam that creeps, one after the other as they stand, session by session. frequency: Hz; where
+    they are those of the sweeps, the same readings are taken as of these, else all.
+    Raises as `recorded_press` and `Solver.solve`.
     """
     scene = reading_at(scene, frequency.tolist())
-    presses, which = np.unique(
-        sweeps["press"].values.astype(object).astype(str), return_inverse=True
-    )
-    found = simulate(Solver(scene), [press_on(scene, str(press)) for press in presses])
-    again = found.isel(sweep=which).sel(interface=sweeps["interface"].values)
+    found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
+    again = found.sel(interface=sweeps["interface"].values)
     again = again.assign_coords(session=("sweep", sweeps["session"].values))
     alike = np.array_equal(frequency, sweeps["frequency"].values)
     return restricted(again, all_of(sweeps)) if alike else again
+
+
+def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
+    """The press of each sweep; one that comes again is solved once."""
+    presses, which = np.unique(
+        sweeps["press"].values.astype(object).astype(str), return_inverse=True
+    )
+    found = simulate(Solver(scene), [recorded_press(scene, str(press)) for press in presses])
+    return found.isel(sweep=which)
+
+
+def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
+    """The press of each sweep as it comes in its session."""
+    presses = [recorded_press(scene, str(press)) for press in sweeps["press"].values]
+    return _by_session(
+        sweeps["session"].values,
+        lambda own: simulate(Solver(scene), [presses[k] for k in np.flatnonzero(own)]),
+    )
+
+
+def _by_session(session: NDArray, part: Callable[[NDArray[np.bool_]], xr.Dataset]) -> xr.Dataset:
+    """Parts of sweeps, put together in the order of these. session: of each sweep."""
+    order = np.argsort(np.argsort(session, kind="stable"))
+    return concatenate([part(session == each) for each in np.unique(session)]).isel(sweep=order)
 
 
 def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
@@ -117,12 +138,10 @@ def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
     if not sweeps.sizes["sweep"]:
         return sweeps
     session = sweeps["session"].values
-    order = np.argsort(np.argsort(session, kind="stable"))
-    parts = [
-        read_out(sweeps.isel(sweep=session == each), meter, random, int(each))
-        for each in np.unique(session)
-    ]
-    return concatenate(parts).isel(sweep=order)
+    return _by_session(
+        session,
+        lambda own: read_out(sweeps.isel(sweep=own), meter, random, int(session[own][0])),
+    )
 
 
 class ReadingError(NamedTuple):

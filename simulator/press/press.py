@@ -190,6 +190,20 @@ def press_on(scene: Scene, text: str) -> Press:
     return check_press(press, scene)
 
 
+def recorded_press(scene: Scene, text: str) -> Press:
+    """The press that the label of a sweep names.
+
+    As `press_on`, but where the text says how strongly and not by what, it was pressed by a rod:
+    labels as `Press` writes them name every finger. Raises as `press_on`.
+    """
+    default = strength_of(scene.press)
+    touches = [
+        _touch(each._replace(finger=each.finger or 0.0) if each.strength else each, default, scene)
+        for each in parse_touches(text)
+    ]
+    return check_press(Press(tuple(sorted(touches, key=order))), scene)
+
+
 def check_press(press: Press, scene: Scene) -> Press:
     """The same press, if it lies on the scene's skin; raises InputError."""
     for place in map(place_of, press.touches):

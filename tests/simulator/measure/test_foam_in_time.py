@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from rcskin.simulator.measure.foam_state import FoamState
 from rcskin.simulator.measure.in_time import reading_moments
-from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on
 from rcskin.simulator.scene.files import load_scene
-from rcskin.simulator.sweeps import InputError, impedance
+from rcskin.simulator.sweeps import InputError, concatenate, impedance
 
 ONE = [{"share": 0.1, "time_constant": 1.0}]
 TWO = [*ONE, {"share": 0.05, "time_constant": 20.0}]
@@ -208,3 +208,20 @@ def test_presses_that_creep_too_far_are_refused(strip, changes, texts, told):
     with pytest.raises(InputError) as refused:
         simulate(Solver(scene, 1e-2), presses)
     assert told in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
+    """As a recording of two sessions has them: traces go from one sweep to the next of its own."""
+    first, second = ["1,1:2.0", "none"], ["none", "1,3:1.5"]
+    parts = [
+        simulate(Solver(creeping), [press_on(creeping, text) for text in texts])
+        for texts in (first, second)
+    ]
+    both = concatenate(
+        [part.assign_coords(session=("sweep", [k, k])) for k, part in enumerate(parts)]
+    )
+    mixed = both.isel(sweep=[0, 2, 1, 3])
+    again = resimulated(mixed, creeping, creeping.frequencies)
+    np.testing.assert_allclose(impedance(again), impedance(mixed), rtol=1e-12)
+    assert list(again["press"].values) == list(mixed["press"].values)
+    assert np.abs(impedance(again)[1] / impedance(again)[2] - 1).max() > 1e-3
