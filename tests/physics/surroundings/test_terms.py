@@ -225,7 +225,7 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     ("given", "press", "wrong"),
     [
         ({"solved": True}, "none", "surroundings.solved"),
-        ({"low": "floating"}, "1,1:touch:2pF", "nothing but the finger"),
+        ({"low": "floating"}, "1,1:touch:2pF", "finds no way back"),
     ],
 )
 def test_what_is_not_taken_is_refused(around, solve, given, press, wrong):
