@@ -37,9 +37,10 @@ AROUND = {
     "virtual earth": EVERYTHING,
     "floating": EVERYTHING | {"low": "floating"},
     "guard": GUARD,
+    "finger alone": {"cover": EVERYTHING["cover"]},
     "hexagon": EVERYTHING | {"thickness": False, "low": "floating"},
 }
-PRESSES = ("2,2:2", "1,2:touch", "2,1:1.6:3pF+1,2:1.3:rod")
+PRESSES = ("none", "2,2:2", "1,2:touch", "2,1:1.6:3pF+1,2:1.3:rod")
 
 
 @pytest.fixture(scope="module")

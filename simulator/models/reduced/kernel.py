@@ -245,8 +245,10 @@ def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cov
 
 @compiled()
 def _difference(Y: complex, other: complex) -> float:  # pragma: no cover
-    """Of Rs and of Cp, relative to the other's."""
+    """Of Rs and of Cp, relative to the other's; nothing where neither has any."""
     own, others = _square(Y), _square(other)
+    if own * other.real == 0.0:
+        return 0.0 if Y == other else np.inf
     Rs = abs(Y.real * others / (other.real * own) - 1.0)
     B = max(abs(other.imag), LOST_SUSCEPTANCE * np.sqrt(others))
     return max(Rs, abs(Y.imag - other.imag) / B)
