@@ -63,7 +63,7 @@ class Ladder:
         """
         order, cells = self.levels[level]
         factor = strongest(press, self.scene)
-        depth = self.scene.skin.depth(frequency)
+        depth = depth_of(self.scene, frequency)
         reached = self._reached(press, depth)
         layer = depth / math.sqrt(factor if reached.touches else 1.0) * self.followed(order)
         if self.halved(layer) == math.inf:
@@ -115,6 +115,18 @@ class Ladder:
                 if touch.factor > 1 and felt(touch, self.scene, depth)
             )
         )
+
+
+def depth_of(scene: Scene, frequency: float) -> float:
+    """How far from a foil the field reaches at a frequency in Hz, m, where bodies charge the sheets
+    as well: at least, since s G^-1 C of both sheets has no eigenvalue above its trace."""
+    skin, around = scene.skin, scene.surroundings
+    if around is None or not around.body:
+        return skin.depth(frequency)
+    R = {"top": skin.top.sheet_resistance, "bottom": skin.bottom.sheet_resistance}
+    c = skin.foam.rest_capacitance_per_area
+    charged = sum(R[body.side] * body.per_area for body in around.body)
+    return skin.depth(frequency, 1 + charged / (skin.both_sheets * c))
 
 
 def felt(touch: AnyTouch, scene: Scene, depth: float) -> bool:

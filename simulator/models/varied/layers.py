@@ -14,7 +14,7 @@ from ...scene.planar import NO_LINES, Lines
 from ...scene.scene import Scene
 from ...scene.wiring import strip
 from ..plain import electrical
-from ..resolution import Ladder, all_lines, felt, strongest
+from ..resolution import Ladder, all_lines, depth_of, felt, strongest
 from .materials import strain_of
 
 
@@ -42,7 +42,7 @@ def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: flo
     current along the sheets at any frequency, and where it passes from one sheet to the other, at
     each change of what a sheet carries, the foam charges.
     """
-    scene, depth = ladder.scene, ladder.scene.skin.depth(frequency)
+    scene, depth = ladder.scene, depth_of(ladder.scene, frequency)
     in_pairs = one_field(electrical(scene)) is not None
     jumps = Press(
         tuple(

@@ -23,6 +23,7 @@ from ...press.touch import Disc, Place, Touch
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
+from ..resolution import depth_of
 from .coefficients import Coefficients
 from .conducting import crossed, sheets
 from .discretised import Discretised, Solved, indicators
@@ -173,12 +174,12 @@ class Triangles:
         if skin.rectangular:
             _check_width(*skin.sides, size)
         found = domain(scene, self.press, size, [*creases, *self._kinks()], between)
-        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * skin.depth(frequency))
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth_of(scene, frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:
         """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
         radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
-        depths = max(radii, default=0.0) / self.scene.skin.depth(frequency)
+        depths = max(radii, default=0.0) / depth_of(self.scene, frequency)
         by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 

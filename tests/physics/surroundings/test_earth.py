@@ -34,6 +34,14 @@ def test_current_into_a_virtual_earth(around, solve, three_conductors, top, bott
     assert_told(solve(scene), exact)
 
 
+def test_a_body_behind_a_thin_film(around, solve, three_conductors):
+    """0.1 mm of plastic: the field ends far nearer to the foils than the foam's capacitance says."""
+    scene = around({"body": bodies(0.0, 3e-7)}, frequencies=FREQUENCIES[3:-2])
+    answer = solve(scene, rtol=1e-4)
+    assert "triangles" not in answer.model
+    assert_told(answer, -1 / three_conductors(scene, 0.0, 3e-7)[:, 0, 1], 1e-4)
+
+
 @pytest.mark.parametrize(("top", "bottom"), BODIES)
 def test_a_meter_that_floats_feeds_no_current_to_earth(
     around, solve, three_conductors, top, bottom
