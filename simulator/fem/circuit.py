@@ -144,11 +144,10 @@ def one_field(scene: Scene) -> Circuit | None:
 
 
 def _conductors(around: Surroundings | None) -> list[Terminal]:
-    """Bodies that are not at earth's potential, as what follows a virtual earth is."""
+    """Bodies that are not at earth's potential."""
     found = []
     for body in around.body if around else ():
-        at_earth = body.potential == "low" and around and around.low == "virtual earth"
-        if body.potential != "earth" and not at_earth:
+        if around and not around.at_earth(body):
             wired = None if body.potential == "floating" else body.potential
             found.append(Terminal(2 + len(found), (), ("top", "bottom").index(body.side), wired))
     return found

@@ -120,7 +120,8 @@ class Surroundings(Table):
     the potential of earth and reads the current into it; "floating" is that of a meter without
     earth. rim: the capacitance of the field around the outline: true computes it, a number [F/m] is
     that between the sheets, a table gives that to earth, too. thickness: whether the field across
-    the foam may be other than straight. solved: the charges of both sheets come from a
+    the foam may be other than straight. edges: what walls add around touches of a factor; it needs
+    thickness, and is for elements alone. solved: the charges of both sheets come from a
     three-dimensional solve, in place of the rim and of what each sheet has towards a body. air [m]:
     between the cover and a finger that hovers. body: one, or a list of two, one a side.
     """
@@ -128,6 +129,7 @@ class Surroundings(Table):
     low: Literal["virtual earth", "floating"] = "virtual earth"
     rim: Annotated[bool | Rim, BeforeValidator(_rim), OrText("number")] = False
     thickness: Annotated[bool, Strict()] = False
+    edges: Annotated[bool, Strict()] = False
     solved: Annotated[bool, Strict()] = False
     air: Air = 0.0
     body: Annotated[
@@ -183,14 +185,22 @@ class Surroundings(Table):
         """
         return not (self.body or self.rim or self.thickness or self.solved)
 
+    def at_earth(self, body: Body) -> bool:
+        """Whether a body is at earth's potential, as what follows a virtual earth is."""
+        return body.potential == "earth" or (
+            body.potential == "low" and self.low == "virtual earth"
+        )
+
     @property
     def reaches_earth(self) -> bool:
-        """Whether anything of it but a finger charges the sheets against earth."""
+        """Whether anything of it but a finger charges the sheets against earth.
+
+        A rim that is computed for a meter that floats is one between the sheets alone.
+        """
         rim = self.rim if isinstance(self.rim, Rim) else None
         return (
             any(body.potential == "earth" for body in self.body)
             or self.solved
-            or self.rim is True
             or (rim is not None and rim.top + rim.bottom > 0)
         )
 
@@ -206,6 +216,8 @@ class Surroundings(Table):
     def _parts_go_together(self) -> Self:
         if len(self.body) == 2 and self.body[0].side == self.body[1].side:
             raise ValueError(f"takes one body on each side, got two on the {self.body[0].side}")
+        if self.edges and not self.thickness:
+            raise ValueError("takes edges with thickness = true only")
         if self.solved and self.rim is not False:
             raise ValueError("takes solved or rim, got both: what is solved has the rim in it")
         if self.cover is not None and self.shielded:

@@ -6,11 +6,15 @@ at u_t and u_b
     body       c_e (u - U)², u of the sheet that faces it, U its potential
     finger     (C / A) u² of the touched sheet, over the patch of area A
     rim        line integrals of m (u_t - u_b)² + t u_t² + b u_b² along the outline and all holes
+    edges      line integrals of eps E (u_t - u_b)² around touches of a factor, see `of_step`
     thickness  eps d [[1/3, 1/6], [1/6, 1/3]] x grad u . grad v, with the local eps and d: in foam
                the potential runs straight from one sheet to the other, so it has a part along them
 """
 
 from __future__ import annotations
+
+import math
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +22,7 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
 from ...scene.scene import Scene
-from ...scene.surroundings import Body
+from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
 from ...sweeps import InputError
 from .coefficients import ELECTRODES, Coefficients
@@ -47,7 +51,18 @@ def check_around(scene: Scene) -> None:
             "and `surroundings.body` in its place"
         )
     if around is not None:
-        rim_densities(scene)
+        _check_rim(scene, around)
+
+
+def _check_rim(scene: Scene, around: Surroundings) -> None:
+    """Raises InputError for one that is computed towards a body that is not earth."""
+    rim_densities(scene)
+    for body in around.body if around.rim is True else ():
+        if not around.at_earth(body):
+            raise InputError(
+                f"{scene.name}: `surroundings.rim = true` is computed towards a body at earth, got "
+                f"`potential` = {body.potential!r}; give the rim in F/m"
+            )
 
 
 def charged_to_earth(
@@ -55,7 +70,7 @@ def charged_to_earth(
 ) -> NDArray[np.float64] | float:
     """c_e u² of earthed bodies in J/m² of sheets at u in V, shape (field, ...), at x, (2, ...)."""
     around, materials = coefficients.materials.scene.surroundings, coefficients.materials
-    earthed = [b for b in around.body if b.potential == "earth"] if around else []
+    earthed = [body for body in around.body if around.at_earth(body)] if around else []
     return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
 
 
@@ -81,6 +96,8 @@ def add_around(
         add_rim(values, rim_densities(materials.scene), *where)
     if around.thickness:
         add_thickness(values, coefficients.along(elements.surface.x), *where)
+    if around.edges:
+        add_edges(values, coefficients.thinned, *where)
 
 
 def add_body(
@@ -146,3 +163,42 @@ def add_thickness(
     """grad u . grad v of both sheets. along: eps d in F, shape (cell, point)."""
     tensor = along * materials.flattened(elements.surface.x)
     add_sheet(values, ALONG, elements, unknowns, tensor, within)
+
+
+def add_edges(
+    values: Values,
+    thinned: NDArray[np.float64],
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+) -> None:
+    """Line integrals where the foam's thickness jumps. thinned: over that at rest, shape (cell,).
+
+    Walls are taken as vertical, and farther apart than the foam is thick; the permittivity is that
+    at rest. What mechanics spreads has no wall.
+    """
+    facets, one, other = elements.across(thinned)
+    ratio = np.minimum(one, other) / np.maximum(one, other)
+    for each in np.unique(ratio).tolist():
+        own, excess = facets[ratio == each], of_step(each)
+        add_along(values, BETWEEN, elements, unknowns, own, partial(_wall, materials, excess))
+
+
+def of_step(ratio: float) -> float:
+    """Capacitance of a step in the gap between two plates beyond that of straight fields, over eps
+    and for each metre. ratio: of the smaller gap to the larger one, below 1.
+
+    E = 1/pi [(1 + a²)/a ln((1 + a)/(1 - a)) - 2 ln(4 a / (1 - a²))]: 0.2498 for a = 1/2. Source: by
+    a conformal map, J. R. Whinnery and H. W. Jamieson, Proc. IRE 32 (1944) 98.
+    """
+    a = ratio
+    walls = (1 + a**2) / a * math.log((1 + a) / (1 - a))
+    return (walls - 2 * math.log(4 * a / (1 - a**2))) / math.pi
+
+
+def _wall(
+    materials: Materials, excess: float, x: NDArray[np.float64], direction: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Capacitance of a wall, F per m of the flat skin."""
+    permittivity = materials.capacitance(x) / materials.area(x) * materials.depth(x)
+    return permittivity * excess * materials.line_stretch(x, direction)

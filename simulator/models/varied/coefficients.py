@@ -65,12 +65,15 @@ class Coefficients:
 
         Without mechanics a factor thins it at constant permittivity.
         """
-        materials = self.materials
-        if materials.scene.skin.foam.mechanics is None:
-            thinned = 1 / self.factor(x)
-        else:
-            thinned = 1 - self.strain(x)
+        materials, mechanics = self.materials, self.materials.scene.skin.foam.mechanics
+        thinned = 1 / self.factor(x) if mechanics is None else 1 - self.strain(x)
         return self.capacitance(x) / materials.area(x) * (materials.depth(x) * thinned) ** 2
+
+    @property
+    def thinned(self) -> NDArray[np.float64]:
+        """Thickness of the foam under touches with sharp edges over that at rest, shape (cell,)."""
+        mechanics = self.materials.scene.skin.foam.mechanics
+        return 1 / self.factors if mechanics is None else 1 - mechanics.strain_at(self.factors)
 
     def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that at rest, shape (cell, point)."""

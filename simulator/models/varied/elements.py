@@ -45,10 +45,9 @@ class Elements:
 
     surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
     and which of its edges that is, shapes (facet,). facets: those under a foil. inside: the cells
-    that a foil with a width covers. outline: the facets along the skin's edges, holes included.
-    groups: the cells that are straight, and those that are bent. in_space: of triangles in space
-    their first corners and the two edges from there, m, each of shape (3, cell, 1); None in the
-    plane.
+    that a foil with a width covers. mesh: as scikit-fem numbers it, seen along z. groups: the cells
+    that are straight, and those that are bent. in_space: of triangles in space their first corners
+    and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
     """
 
     element: Element
@@ -59,7 +58,7 @@ class Elements:
     beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
     inside: Callable[[Contact], NDArray[np.int64]]
-    outline: NDArray[np.int64]
+    mesh: Mesh2D
     groups: Sequence[NDArray[np.int64] | slice] = (slice(None),)
     in_space: tuple[NDArray[np.float64], ...] | None = None
 
@@ -67,6 +66,20 @@ class Elements:
     def cells(self) -> int:
         """How many there are."""
         return self.trial.dofs.element_dofs.shape[1]
+
+    @property
+    def outline(self) -> NDArray[np.int64]:
+        """The facets along the skin's edges, holes included."""
+        return self.mesh.boundary_facets()
+
+    def across(self, of_cell: NDArray) -> tuple[NDArray[np.int64], NDArray, NDArray]:
+        """Facets at which something of each cell jumps, and what it is on either side.
+
+        of_cell: shape (cell,). The others are of shape (facet,).
+        """
+        one, other = np.asarray(self.mesh.f2t, dtype=np.int64)
+        facets = np.flatnonzero((other >= 0) & (of_cell[one] != of_cell[other]))
+        return facets, of_cell[one[facets]], of_cell[other[facets]]
 
     @cached_property
     def surface(self) -> Surface:
@@ -101,7 +114,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         beside=beside,
         facets=pixels.facets,
         inside=lambda contact: _covered(contact, pixels.skin, middles),
-        outline=pixels.mesh.boundary_facets(),
+        mesh=pixels.mesh,
     )
 
 
@@ -138,7 +151,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
         beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         inside=lambda contact: _covered(contact, skin, domain.middles),
-        outline=mesh.boundary_facets(),
+        mesh=mesh,
         groups=_straight_and_bent(domain),
         in_space=_edges(domain.p, domain.t) if len(domain.p) == 3 else None,
     )

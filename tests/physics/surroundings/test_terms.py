@@ -8,6 +8,7 @@ from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.around import of_step
 from rcskin.simulator.models.varied.meshes import circuit_of
 from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press, parse_press
@@ -139,6 +140,26 @@ def test_a_law_for_equal_sheets(around, solve):
     q = np.sqrt(s * R * 5e-9) * 0.1
     exact = R * 0.1 / 0.08 / q / np.tanh(q)
     assert relative_difference(solve(scene).Z[0], np.array([exact])).max() <= 1e-6
+
+
+@pytest.mark.parametrize(("ratio", "excess"), [(0.5, 0.2498), (0.999999, 0.0)])
+def test_a_step_of_the_gap(ratio, excess):
+    """From 4 to 2 mm, and no step at all."""
+    assert of_step(ratio) == pytest.approx(excess, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    "press", ["rect(0.02,0.04,0.04,0.08):2.0:rod", "disc(0.05,0.04,0.02):0.5:rod"]
+)
+def test_walls_around_a_touch(around, solve, press):
+    """Cp(0) = c0 (A + (f - 1) A_touched) + eps E times the length of walls within the skin."""
+    given = {"thickness": True, "edges": True}
+    scene = around(given, {"thickness": 4e-3}, frequencies=[LOW], columns=5)
+    disc = press.startswith("disc")
+    wall, touched = (0.04 * math.pi, 4e-4 * math.pi) if disc else (0.08, 0.04 * 0.08)
+    exact = 5e-9 * (0.008 + touched * (-0.5 if disc else 1.0)) + 5e-9 * 4e-3 * of_step(0.5) * wall
+    Cp = parallel_capacitance(solve(scene, press, 1e-4).Z, scene.frequencies).item()
+    assert Cp == pytest.approx(exact, rel=1e-6)
 
 
 RIM = {"mutual": 8e-12, "top": 2e-11, "bottom": 5e-12}
