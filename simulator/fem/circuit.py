@@ -148,7 +148,7 @@ def _conductors(around: Surroundings | None) -> list[Terminal]:
     found = []
     for body in around.body if around else ():
         if around and not around.at_earth(body):
-            wired = None if body.potential == "floating" else body.potential
+            wired = body.potential if body.potential in ("high", "low") else None
             found.append(Terminal(2 + len(found), (), ("top", "bottom").index(body.side), wired))
     return found
 

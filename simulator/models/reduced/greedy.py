@@ -114,8 +114,8 @@ def _check_reduces(scene: Scene) -> None:
     check_around(scene)
     if scene.surroundings is not None and scene.surroundings.edges:
         raise InputError(
-            f"{scene.name}: a reduced model cannot take `surroundings.edges`; leave it out here, or "
-            "sweep without --model reduced"
+            f"{scene.name}: a reduced model cannot take `surroundings.edges`; leave it out here, "
+            "or sweep without --model reduced"
         )
 
 

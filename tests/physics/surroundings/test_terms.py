@@ -7,6 +7,7 @@ import pytest
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.varied.around import of_step
 from rcskin.simulator.models.varied.meshes import circuit_of
@@ -246,6 +247,11 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     ("given", "press", "wrong"),
     [
         ({"solved": True}, "none", "surroundings.solved"),
+        (
+            {"rim": True, "body": {"distance": 5e-3, "potential": "high"}},
+            "none",
+            "rim = true` is computed towards a body at earth",
+        ),
         ({"low": "floating"}, "1,1:touch:2pF", "finds no way back"),
     ],
 )
@@ -258,3 +264,8 @@ def test_width_needs_a_rectangle(around, solve):
     scene, *_ = hole(around({}, contacts={"top-left": {"width": 0.01}, "bottom-left": {}}))
     with pytest.raises(InputError, match=r"contact\[1\].width` needs a rectangle"):
         solve(scene)
+
+
+def test_walls_do_not_reduce(around):
+    with pytest.raises(InputError, match=r"reduced model cannot take `surroundings.edges`"):
+        reduce(around({"thickness": True, "edges": True}), 1e-2)
