@@ -187,7 +187,7 @@ def sweep(
         for one_terminal in loaded.driven_by_touch:
             say(f"wiring: {one_terminal}")
         for asked, answer in found:
-            say(solver.explain(asked, answer))
+            say(*solver.explain(asked, answer).splitlines())
     for line in depths_in_words(loaded, presses):
         note(line)
     written(counted(sweeps.sizes), output)

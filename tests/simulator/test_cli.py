@@ -98,7 +98,8 @@ def test_presses_are_written_as_they_were_asked(run, tmp_path):
 
 def test_explain_tells_what_was_chosen_and_what_was_rejected(run, tmp_path):
     _, out, _ = run("sweep", "strip-1x3", "--press", "1,2", "--explain", "-o", tmp_path / "a.csv")
-    assert "chosen    exact line" in out
+    assert "chosen    exact line" in out and "\\n" not in out
+    assert len([each for each in out.splitlines() if "estimated error" in each]) == 3
     _, out, _ = run("sweep", "sheet-3x3", "--press", "1,2", "--explain", "-o", tmp_path / "b.csv")
     assert "rejected  line" in out
     assert "rejected  one R and one C: at rest leaves out" in out
