@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..measure.readout import observed
 from ..models.mechanics.in_depths import settled
-from ..press.press import Press, pressed_factor, recorded_press
+from ..press.press import Press, press_on, pressed_factor
 from ..press.touch import Touch, place_of
 from ..scene.meter import Readout
 from ..scene.reading import reading_at
@@ -171,7 +171,7 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
 
 
 def _whole_pixels(scene: Scene, text: str) -> Press:
-    press = settled(scene, recorded_press(scene, text))
+    press = settled(scene, press_on(scene, text))
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
     if bool(press.touches) and bool(press.indented) == scene.press.plain:
