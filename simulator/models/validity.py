@@ -9,6 +9,7 @@ takes a part of the current. Sizes: `stray`.
 
 from __future__ import annotations
 
+from ..scene.frequency import LOSSLESS
 from ..scene.scene import Scene
 from ..scene.skin import ASSUMED_PERMITTIVITY
 from ..sweeps.units import prefixed
@@ -38,6 +39,7 @@ def warnings(scene: Scene) -> list[str]:
         None if around and around.thickness else _lateral(scene),
         None if around and (around.rim is not False or around.solved) else _fringe(scene),
         _pixels(scene),
+        _loss(scene),
     ]
     return [told for told in checks if told is not None]
 
@@ -88,6 +90,16 @@ def _pixels(scene: Scene) -> str | None:
     return (
         f"pixels of {1e3 * pixel:.2g} mm are less than {PIXEL_LIMIT:g} times the foam's "
         f"{thickness_told(scene)}: the edge of a press is not as sharp as modelled"
+    )
+
+
+def _loss(scene: Scene) -> str | None:
+    """One s multiplies all capacitance: the loss of the foam cannot be told from that around it."""
+    if scene.surroundings is None or scene.skin.foam.loss == LOSSLESS:
+        return None
+    return (
+        "the loss of the foam is taken for [surroundings], too: air, bodies and fingers are lossy "
+        "alike"
     )
 
 

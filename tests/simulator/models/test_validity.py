@@ -82,3 +82,13 @@ def test_earth_is_warned_of_where_nothing_is_said_of_it(changes, warned):
     if told is not None:
         assert "5 mm behind the bottom sheet would raise Rs by about 22 %" in told
         assert "a finger of 5.31 pF by up to 5.7 %" in told
+
+
+@pytest.mark.parametrize(
+    "changes", [{"skin.foam.loss_tangent": 0.01}, {"skin.foam.phase_exponent": 0.95}]
+)
+def test_loss_is_taken_for_the_surroundings_too(changes):
+    lossy = load_scene("sheet-5x5").with_(changes)
+    assert warnings(lossy) == []
+    (warning,) = warnings(lossy.with_({"surroundings": {}}))
+    assert "loss of the foam is taken for [surroundings], too" in warning

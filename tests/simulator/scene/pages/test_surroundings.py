@@ -67,6 +67,41 @@ def test_charge_of_a_finger(drawn):
     assert cp(scene.with_({"surroundings": near}), pressed) == pytest.approx(expected, rel=1e-6)
 
 
+def test_field_across_the_foam(rng, drawn):
+    """
+    eps d / 6 (G_t^2 + G_t . G_b + G_b^2)
+
+    Of equal sheets, V_t = -V_b: a conductance beside that of the sheets in series.
+    """
+    scene, _ = drawn
+    d, R, s = rng.uniform(2e-3, 6e-3), 2 * scene.skin.top.sheet_resistance, 2j * np.pi * 3e6
+    changes = {"skin.bottom.sheet_resistance": R / 2, "skin.foam.thickness": d}
+    thick = scene.with_(
+        {**changes, "surroundings": {"thickness": True}, "sweep.frequencies": [3e6]}
+    )
+    G_t, G_b, eps = 1 / 2, -1 / 2, 5e-9 * d
+    along = 2 * eps * d / 6 * (G_t**2 + G_t * G_b + G_b**2)
+    series = 1 / (1 / R + s * along)
+    q = np.sqrt(s * series * 5e-9) * 0.1
+    found = Solver(thick, 1e-6).solve(Press()).Z.item()
+    assert found == pytest.approx(series * 0.1 / 0.06 / q / np.tanh(q), rel=1e-5)
+
+
+def test_walls_of_a_touch(drawn):
+    """
+    eps E (V_t - V_b)^2 / 2
+    E = 1 / pi ((1 + a^2) / a ln((1 + a) / (1 - a)) - 2 ln(4 a / (1 - a^2)))
+
+    Around a half of the skin: its width is all the wall that there is.
+    """
+    scene, _ = drawn
+    changes = {"skin.foam.thickness": 4e-3, "surroundings": {"thickness": True, "edges": True}}
+    pressed, a = Press((Rectangle(0.025, 0.03, 0.05, 0.06, 3.0),)), 1 / 3
+    E = 1 / np.pi * ((1 + a**2) / a * np.log((1 + a) / (1 - a)) - 2 * np.log(4 * a / (1 - a**2)))
+    expected = 5e-9 * 0.1 * 0.06 * 2 + 5e-9 * 4e-3 * E * 0.06
+    assert cp(scene.with_(changes), pressed) == pytest.approx(expected, rel=1e-6)
+
+
 def test_current_into_a_virtual_earth(drawn):
     """
     Z = U_high / I_low
