@@ -144,9 +144,11 @@ def judge(
 
 def _unread(scene: Scene) -> Scene:
     """The scene without what its family of skins does not depend on."""
-    plain = {"press": Pressing(capacitance_factor=2.0)} if scene.press.plain else {}
-    press = {"press": DrawnPress(place="pixel", touches=scene.dataset.press.touches)}
-    same = scene.dataset.press.place == "pixel" and scene.dataset.press.offset == 0
+    pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
+    plain = {"press": pressing} if scene.press.plain else {}
+    kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}
+    press = {"press": DrawnPress(place="pixel", **kept)}
+    same = own.place == "pixel" and own.offset == 0
     drawn = scene.dataset.model_copy(update=press if plain and same else {})
     rest = {"name": "", "description": "", "readout": Readout(), "experiment": Experiment()}
     return scene.model_copy(update={**rest, **plain, "dataset": drawn})
