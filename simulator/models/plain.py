@@ -78,7 +78,7 @@ def evenly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
     if scene.press.force is not None:
         return _by_depth_alone(scene, what)
     factor, spread = scene.pressed_factor, scene.press.factor_spread
-    pressing = Pressing(capacitance_factor=factor, factor_spread=spread)
+    pressing = Pressing(capacitance_factor=factor, factor_spread=spread, finger=scene.press.finger)
     return scene.model_copy(update={"press": pressing, "skin": form(scene.skin)})
 
 

@@ -41,6 +41,7 @@ def document(data: Mapping[str, Any], link: Link | None = None) -> str:
             modules=_within_script({"imports": modules}),
             data=_within_script(data),
             link=link,
+            fingers=data.get("finger") is not None,
         )
     )
 

@@ -52,6 +52,24 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         "conductance": _conductance(skin).tolist(),
         "top": exactly(_of_top(skin)) if reduced.circuit.fields == 2 else None,
         "gauges": _gauges(skin) if gauged(reduced.scene.skin) else None,
+        **_of_surroundings(skin),
+    }
+
+
+def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
+    """How interfaces are sums of drives, where parts of M beyond the foam's begin, see `Parts`, and
+    M of what no press changes in F, shape (m, m); nothing where there is only foam."""
+    parts, combination, fixed = skin.parts, skin.combination, skin.reduced.fixed
+    if not parts.around:
+        return {}
+    whole = skin.turn.T @ fixed.sum(axis=0) @ skin.turn if len(fixed) else None
+    return {
+        "combined": None
+        if combination.alone
+        else [[[int(k), row[k]] for k in np.flatnonzero(row)] for row in combination.weights],
+        "parts": {"fingers": parts.kind[1].start, "thickness": parts.kind[2].start},
+        "across": bool(parts.thickness),
+        "fixed": None if whole is None else exactly(whole),
     }
 
 

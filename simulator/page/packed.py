@@ -8,14 +8,19 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
+from ..mesh.held import held
 from ..models.parameters import Variation
-from ..models.reduced.cases import Case
+from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
 from ..models.varied.materials import gauged
 from ..models.varied.meshes import circuit_of
+from ..press.finger import PERSON, touched_area
+from ..press.parts import Parts, parts_of
+from ..press.touch import Touch
 from ..progress import Progress, silent
 from ..scene.files import scene_text
 from ..scene.scene import Scene
@@ -42,31 +47,50 @@ def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator]
     Where both sheets are fields of their own each has a resistance of its own.
     """
     shape, apart = scene.pixels.shape, circuit_of(scene).fields == 2
+    parts = parts_of(scene)
+    strongest = strongest_finger(scene) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
-        rises = np.zeros(shape)
+        rises, fingers = np.zeros((2, *shape))
         for _ in range(random.integers(0, MOST_TOUCHES, endpoint=True)):
             first = [int(random.integers(count)) for count in shape]
             size = random.integers(1, 2 * cells, 2, endpoint=True)
             here = tuple(slice(a, a + n) for a, n in zip(first, size, strict=True))
             rises[here] = random.uniform(*RISES)
-        touched = np.flatnonzero(rises)
-        variation = _apart(scene, random) if apart else None
-        return Case(variation, touched, rises.ravel()[touched])
+            if strongest:
+                fingers[here] += random.uniform(0.0, strongest) / fingers[here].size
+        variation = _apart(scene, random, parts.around) if apart else None
+        return Case(variation, *_touched(parts, rises, fingers))
 
     return draw
 
 
-def _apart(scene: Scene, random: np.random.Generator) -> Variation:
-    """A skin whose sheets differ as far as sliders can make them, with their foils' contacts."""
+def _touched(
+    parts: Parts, rises: NDArray[np.float64], fingers: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Parts of M that are touched, and by how much they rise. rises, fingers [F]: of each cell."""
+    raised, fingered = np.flatnonzero(rises), np.flatnonzero(fingers)
+    return (
+        np.concatenate([raised, parts.finger(fingered)]),
+        np.concatenate([rises.ravel()[raised], fingers.ravel()[fingered]]),
+    )
+
+
+def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation:
+    """A skin whose sheets differ as far as sliders can make them, with their foils' contacts.
+
+    around: whether there is more than foam, so that capacitance of the foam is no scale.
+    """
+    foam = random.uniform(*CAPACITANCE) if around else 1.0
     half = random.uniform(-0.5, 0.5) * math.log(APART)
     conductance = {"top": math.exp(-half), "bottom": math.exp(half)}
     return Variation(
         top=np.array([conductance["top"]]),
         bottom=np.array([conductance["bottom"]]),
         films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
-        capacitance=np.ones(scene.pixels.shape),
+        capacitance=np.full(scene.pixels.shape, foam),
         loss=scene.skin.foam.loss,
+        beside=foam,
     )
 
 
@@ -133,6 +157,29 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "model": packed_model(skin),
         "basis": base64_arrays.pictured(picture.potential.transpose(0, 2, 1)),
         "scene": _tables(scene),
+        **({"finger": _finger(scene)} if scene.surroundings else {}),
+    }
+
+
+def _finger(scene: Scene) -> dict[str, Any] | None:
+    """What a finger of the scene has to earth, F: on any touch, or by its area in m2; null where
+    nothing tells it.
+
+    areas: of the skin in each pixel that has any. series: capacitance that it is in series with.
+    earthed: whether presses are by fingers from the start.
+    """
+    around, how = scene.surroundings, scene.press.finger or "earthed"
+    assert around is not None
+    if around.rods_alone or (isinstance(how, str) and around.finger_per_area is None):
+        return None
+    places = np.unravel_index(held(scene).numbers, scene.pixels.shape)
+    pixels = (Touch(int(i) + 1, int(j) + 1, 1.0) for i, j in zip(*places, strict=True))
+    return {
+        "whole": None if isinstance(how, str) else how,
+        "perArea": around.finger_per_area,
+        "series": PERSON if how == "floating" else None,
+        "areas": [touched_area(scene, pixel) for pixel in pixels],
+        "earthed": scene.press.finger is not None,
     }
 
 

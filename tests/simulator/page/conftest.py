@@ -90,6 +90,25 @@ def crossed():
     return paged(parse_scene(CROSSED, "crossed"), rtol=1e-2)
 
 
+EARTHED = {
+    "sweep.frequencies": [1e3, 1e4, 2e5],
+    "skin.foam": {"thickness": 4e-3, "relative_permittivity": 2.2},
+    "surroundings": {
+        "body": {"distance": 5e-3},
+        "rim": {"mutual": 5e-12, "top": 6e-12, "bottom": 4e-12},
+        "cover": {"thickness": 1e-3, "relative_permittivity": 3.0},
+        "thickness": True,
+    },
+    "press.finger": "floating",
+}
+
+
+@pytest.fixture(scope="session")
+def earthed():
+    """A body, a rim, fingers, a field across the foam, and a meter whose low terminal is earth."""
+    return paged(load_scene("strip-1x3").with_(EARTHED), rtol=1e-2, cells=1)
+
+
 @pytest.fixture(scope="session")
 def own_frequencies():
     """The same with each interface read at frequencies of its own, and a meter that errs."""

@@ -5,10 +5,12 @@ import pytest
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.reduced.kernel import swept
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, pictured
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import grid_map
-from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.capacitance import touched_cells
+from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import Loss, laplace_variable
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -21,7 +23,10 @@ KINDS = ("hexagon", "l with a hole", "uneven", "piezoresistive", "mesh", "draped
 
 
 def drawn(scene, random):
-    """A press: pixels, or rectangles anywhere, up to two at once; as Python and as JavaScript."""
+    """A press: pixels, or rectangles anywhere, up to two at once; as Python and as JavaScript.
+
+    By fingers where the scene has earth, of which some touch without a press.
+    """
     skin, pixels, grouped = scene.skin, scene.pixels, scene.pixels.groups is not None
     touches, shown = [], []
     cells = random.permutation(pixels.rows * pixels.columns)[:2]
@@ -33,10 +38,14 @@ def drawn(scene, random):
         pixel = grouped or random.random() < 0.5
         if not pixel:
             width, height = width * random.uniform(0.2, 1), height * random.uniform(0.2, 1)
+        earth = scene.surroundings is not None
+        finger = {"finger": float(random.uniform(0, 9e-12))} if earth else {}
+        factor = 1.0 if earth and random.random() < 0.3 else factor
+        own = {"factor": factor, **finger}
         touches.append(
-            Touch(row, column, factor) if pixel else Rectangle(x, y, width, height, factor)
+            Touch(row, column, **own) if pixel else Rectangle(x, y, width, height, **own)
         )
-        place = {"x": x, "y": y, "width": width, "height": height, "factor": factor}
+        place = {"x": x, "y": y, "width": width, "height": height, **own}
         shown.append(place | ({"row": row, "column": column} if pixel else {}))
     return Press(tuple(touches)), shown
 
@@ -44,9 +53,10 @@ def drawn(scene, random):
 def by_python(paged, press, cast):
     """Z in ohm at the meter's end, by the kernel, of a skin as it is cast."""
     scene, reduced = paged.scene, paged.reduced
-    above = grid_map(scene, press, *reduced.grid).ravel() - 1
-    cells = np.flatnonzero(above)
-    rises = above[cells]
+    cells, rises = touched_cells(scene, press, reduced.grid)
+    foam, scale = 1.0, cast["capacitance"]
+    if scene.surroundings is not None:
+        foam, scale = scale, foam
     conductance = {name: 1 / cast[name] for name in ("top", "bottom")}
     common = 1.0
     if reduced.circuit.fields == 1:
@@ -57,13 +67,15 @@ def by_python(paged, press, cast):
         top=np.array([conductance["top"]]),
         bottom=np.array([conductance["bottom"]]),
         films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
-        capacitance=np.ones(reduced.grid),
+        capacitance=np.full(reduced.grid, foam),
         loss=Loss(cast["loss"], scene.skin.foam.phase_exponent),
+        beside=foam,
     )
-    s = laplace_variable(scene.frequencies, variation.loss) * common * cast["capacitance"]
-    batch = PressBatch.of([(cells, rises)])
+    s = laplace_variable(scene.frequencies, variation.loss) * common * scale
     skin = reduced.skin(variation).under(cells, rises)
-    Y = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
+    batch = skin.parts.followed(PressBatch.of([(cells, rises)])).weighted(skin.rest_factors)
+    Q = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
+    Y = skin.combination.admittance(Q)
     return scene.leads.seen_through(common / Y, scene.frequencies)
 
 
@@ -78,7 +90,7 @@ def cast_at_random(ranges, random):
     }
 
 
-@pytest.mark.parametrize("which", ["glove", "crossed"])
+@pytest.mark.parametrize("which", ["glove", "crossed", "earthed"])
 def test_sweeps_are_those_of_python(which, request, in_node):
     agrees(request.getfixturevalue(which), in_node)
 
@@ -146,6 +158,51 @@ def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node
     expected = LinearNDInterpolator(exact.x.T, across)(raster.points.T)[on_skin]
     shown = (np.array(found["across"]["re"]) + 1j * np.array(found["across"]["im"]))[on_skin]
     assert np.abs(shown - expected).max() < 2e-2
+
+
+def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(earthed, in_node):
+    """Both drives of the interface at once: 1 V at the top sheet's foil, a virtual earth at the
+    bottom's."""
+    scene, told = earthed.scene, earthed.data["finger"]
+    width, height = scene.skin.length / 3, scene.skin.width
+    own = told["perArea"] * width * height
+    finger = own * told["series"] / (own + told["series"])
+    touch = {"x": 1.5 * width, "y": height / 2, "width": width, "height": height, "factor": 2.0}
+    case = {
+        "touches": [touch | {"row": 1, "column": 2}],
+        "cast": {"top": 1.0, "bottom": 1.0, "capacitance": 1.0, "loss": 0.0},
+        "at": 2,
+        "byFinger": True,
+    }
+    (found,) = in_node(earthed.data, [case])
+    Z = np.array([[z["re"] + 1j * z["im"] for z in of] for of in found["Z"]])
+    press = press_on(scene, "1,2:2.0")
+    assert press.touches[0].finger == pytest.approx(finger, rel=1e-12)
+    assert found["fingers"] == [pytest.approx(finger, rel=1e-5)]
+    assert np.abs(Z / Solver(scene, 1e-4).solve(press).Z - 1).max() < 1e-2
+    skin = earthed.reduced.skin(None)
+    s = laplace_variable(scene.frequencies[2:], skin.loss)
+    drives = skin.solved(*touched_cells(scene, press), s)
+    own = np.linalg.solve(skin.turn, sum(u[:, 0] for u, _ in drives))
+    raster = Raster(
+        *scene.skin.sides, **{k: earthed.data["raster"][k] for k in ("rows", "columns")}
+    )
+    top, bottom = pictured(skin, raster).potential
+    shown = np.array(found["across"]["re"]) + 1j * np.array(found["across"]["im"])
+    assert np.abs(shown - (top - bottom) @ own).max() < 1e-4
+    assert np.abs(shown).max() == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_skin_without_surroundings_has_a_page_without_earth(crossed):
+    assert "finger" not in crossed.data
+    assert not {"combined", "parts", "fixed"} & crossed.data["model"].keys()
+    assert "Finger earthed" not in document(crossed.data)
+
+
+def test_the_switch_is_on_the_page_of_a_skin_that_fingers_touch(earthed):
+    assert "Finger earthed" in document(earthed.data)
+    without = earthed.data | {"finger": None}
+    assert "Finger earthed" not in document(without)
 
 
 def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):

@@ -65,7 +65,8 @@ export class Measured {
     const unpressed = station.exact([]);
     const rest = measured.rest ? complex(measured.rest) : unpressed;
     const found = fitted(station.localizer, Z, rest);
-    const touches = found.row ? [skin.pixel(found.row, found.column, 1 + found.rise)] : [];
+    const nearest = () => skin.pixel(found.row, found.column, 1 + found.rise);
+    const touches = found.row ? [station.pressed(nearest())] : [];
     const simulated = { Z: station.exact(touches), rest: unpressed };
     const left = residual({ Z, rest }, simulated, this.#error(measured.rests));
     const { drive, at } = state();

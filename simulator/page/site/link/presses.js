@@ -3,8 +3,8 @@
 /** @typedef {import("rcskin/skin").Touch} Touch */
 
 const MOST = 2; // touches that a page has at once
-const PIXEL = /^(\d+),(\d+)(?::([\d.]+))?$/;
-const RECTANGLE = /^rect\(([^()]*)\)(?::([\d.]+))?$/;
+const PIXEL = /^(\d+),(\d+)(?::([\d.]+))?(?::([\d.e-]+)F)?$/;
+const RECTANGLE = /^rect\(([^()]*)\)(?::([\d.]+))?(?::([\d.e-]+)F)?$/;
 
 /** The touches; null where they are none of a page's. @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch[] | null} */
 export function parsed(text, skin) {
@@ -21,15 +21,17 @@ function touch(text, skin) {
   const pixel = PIXEL.exec(text);
   const rectangle = RECTANGLE.exec(text);
   const strength = factor((pixel ?? [])[3] ?? (rectangle ?? [])[2]);
+  const capacitance = (pixel ?? [])[4] ?? (rectangle ?? [])[3];
+  const finger = capacitance === undefined ? {} : { finger: Number(capacitance) };
   if (!(strength > 0 && strength <= 1 + range.rise[1])) return null;
   if (pixel) {
     const [row, column] = [Number(pixel[1]), Number(pixel[2])];
     const there = skin.outline.holds(row, column);
-    return there ? skin.pixel(row, column, strength) : null;
+    return there ? { ...skin.pixel(row, column, strength), ...finger } : null;
   }
   if (!rectangle) return null;
   const sides = rectangle[1].split(",").map(Number);
   if (sides.length !== 4 || !sides.every(Number.isFinite)) return null;
   const [x, y, width, height] = sides;
-  return { x, y, width, height, factor: strength };
+  return { x, y, width, height, factor: strength, ...finger };
 }

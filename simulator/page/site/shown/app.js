@@ -47,16 +47,24 @@ function fieldNow() {
 
 /** @param {Touch[]} touches */
 function press(touches) {
-  if (pressText(touches) !== pressText(state.touches)) {
+  const pressed = touches.map((touch) => (touch.finger ? touch : station.pressed(touch)));
+  if (pressText(pressed) !== pressText(state.touches)) {
     if (state.touches.length) last = state.touches;
-    state.touches = touches;
+    state.touches = pressed;
   }
   refresh(false);
+}
+
+/** What touches stays, by a finger or a rod as the switch says. */
+function touchAnew() {
+  state.touches = state.touches.map(({ finger: _, ...rod }) => station.pressed(rod));
+  gestures.touches = state.touches;
 }
 
 /** @param {Partial<State>} values @param {boolean} cast */
 function set(values, cast) {
   Object.assign(state, values);
+  if (values.earthed !== undefined) touchAnew();
   controls.tell();
   if (values.running) requestAnimationFrame(run);
   refresh(cast);

@@ -7,7 +7,7 @@ import { near, reads } from "rcskin/state";
 
 const BY_DECADE = /** @type {const} */ (["top", "bottom", "capacitance", "noise"]);
 const AS_IT_IS = /** @type {const} */ (["loss", "factor"]);
-const TICKED = /** @type {const} */ (["whole", "arrows", "running", "together"]);
+const TICKED = /** @type {const} */ (["whole", "arrows", "running", "together", "earthed"]);
 
 /** @param {string} id @returns {any} */
 export const element = (id) => document.getElementById(id);
@@ -44,8 +44,9 @@ export class Controls {
       });
     for (const name of AS_IT_IS)
       this.#on(name, "input", (box) => set({ [name]: Number(box.value) }, true));
-    for (const name of TICKED)
-      this.#on(name, "change", (box) => set({ [name]: box.checked }, false));
+    this.ticked = TICKED.filter((name) => element(name));
+    for (const name of this.ticked)
+      this.#on(name, "change", (box) => set({ [name]: box.checked }, name === "earthed"));
   }
 
   /** Puts every control where the state is. */
@@ -56,7 +57,7 @@ export class Controls {
     element("drive").value = state.drive;
     for (const name of BY_DECADE) element(name).value = Math.log10(state[name]);
     for (const name of AS_IT_IS) element(name).value = state[name];
-    for (const name of TICKED) element(name).checked = state[name];
+    for (const name of this.ticked) element(name).checked = state[name];
     for (const name of /** @type {const} */ (["frequencies", "drives"])) {
       const boxes = /** @type {NodeListOf<HTMLInputElement>} */ (
         document.querySelectorAll(`input[data-of="${name}"]`)

@@ -6,9 +6,9 @@ import { readAt } from "rcskin/skin";
 /**
  * top, bottom: factors on each sheet's resistance, together: both changed at once. capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
  * next touch. drive: shown. at: the frequency shown, its number. used: which interfaces and frequencies
- * are read. seed: of the meter's errors, 0 for a meter without.
+ * are read. seed: of the meter's errors, 0 for a meter without. earthed: whether touches are by fingers.
  * @typedef {{top: number, bottom: number, together: boolean, capacitance: number, loss: number, noise: number, factor: number, strength: number,
- *   drive: number, at: number, seed: number, whole: boolean, arrows: boolean, running: boolean,
+ *   drive: number, at: number, seed: number, whole: boolean, arrows: boolean, running: boolean, earthed: boolean,
  *   drives: number[], frequencies: number[], touches: Touch[]}} State
  */
 
@@ -30,6 +30,7 @@ export function initial(data) {
     whole: true,
     arrows: true,
     running: false,
+    earthed: data.finger?.earthed ?? false,
     drives: data.interfaces.map((/** @type {any} */ _, /** @type {number} */ k) => k),
     frequencies: data.frequencies.map((/** @type {any} */ _, /** @type {number} */ k) => k),
     touches: [],
@@ -99,6 +100,8 @@ function fits(name, value, first, data) {
 /** @param {any} touch */
 function isTouch(touch) {
   return (
-    touch && ["x", "y", "width", "height", "factor"].every((name) => Number.isFinite(touch[name]))
+    touch &&
+    Number.isFinite(touch.finger ?? 0) &&
+    ["x", "y", "width", "height", "factor"].every((name) => Number.isFinite(touch[name]))
   );
 }

@@ -28,6 +28,11 @@ export class Station {
     return { top, bottom, capacitance, loss };
   }
 
+  /** A touch by what presses here. @param {Touch} touch @returns {Touch} */
+  pressed(touch) {
+    return this.state().earthed ? this.skin.byFinger(touch) : touch;
+  }
+
   /** Of one reading, |Z| as a fraction and the phase in rad. */
   get noise() {
     const { magnitude_noise, phase_noise } = this.skin.data.readout;
@@ -72,11 +77,11 @@ export class Station {
   }
 
   #localizer() {
-    const { drives, frequencies, factor } = this.state();
+    const { drives, frequencies, factor, earthed } = this.state();
     const magnitude = this.noise.magnitude || LEAST_NOISE;
     const phase = this.noise.phase || LEAST_NOISE;
     const readings = { drives, frequencies, magnitude, phase };
-    return new Localizer(this.skin, this.cast, readings, factor, this.few);
+    return new Localizer(this.skin, this.cast, readings, factor, this.few, earthed);
   }
 }
 

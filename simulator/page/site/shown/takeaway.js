@@ -10,11 +10,12 @@ const HEADER = "sweep,press,row,column,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F"
 
 /** A press as rcskin's commands take it. @param {Touch[]} touches */
 export function pressText(touches) {
-  const each = touches.map((touch) =>
-    touch.row
-      ? `${touch.row},${touch.column}:${short(touch.factor)}`
-      : `rect(${[touch.x, touch.y, touch.width, touch.height].map(short).join(",")}):${short(touch.factor)}`,
-  );
+  const each = touches.map((touch) => {
+    const where = touch.row
+      ? `${touch.row},${touch.column}`
+      : `rect(${[touch.x, touch.y, touch.width, touch.height].map(short).join(",")})`;
+    return `${where}:${short(touch.factor)}${touch.finger ? `:${short(touch.finger)}F` : ""}`;
+  });
   return each.join("+") || "none";
 }
 
@@ -55,6 +56,8 @@ export function toml(data, state) {
   scene.skin.foam.capacitance_per_area *= state.capacitance;
   scene.skin.foam.loss_tangent = state.loss;
   scene.press = { ...scene.press, capacitance_factor: state.factor };
+  if (!state.earthed) delete scene.press.finger;
+  else scene.press.finger ??= "earthed";
   const read = state.drives.map((drive) => readAt(data, drive, state.frequencies));
   const asked = state.frequencies.filter((k) => read.some((own) => own.includes(k)));
   const hertz = (/** @type {number[]} */ numbers) => numbers.map((k) => data.frequencies[k]);

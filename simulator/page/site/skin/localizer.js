@@ -20,20 +20,24 @@ const QUANTILES = [-1.28, -0.52, 0, 0.52, 1.28]; // of a normal distribution: 10
 const ENOUGH = 0.9;
 
 export class Localizer {
-  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance @param {boolean} few whether a few strengths do */
-  constructor(skin, cast, readings, factor, few) {
+  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance @param {boolean} few whether a few strengths do @param {boolean} earthed whether fingers press, which may touch without pressing */
+  constructor(skin, cast, readings, factor, few, earthed) {
     this.skin = skin;
     this.cast = cast;
     this.readings = readings;
     const most = skin.data.range.rise[1];
     const rise = factor - 1;
-    this.strengths = (few ? FEW_STRENGTHS : STRENGTHS).filter((part) => part * rise <= most);
+    const strengths = [...(earthed ? [0] : []), ...(few ? FEW_STRENGTHS : STRENGTHS)];
+    this.strengths = strengths.filter((part) => part * rise <= most);
     this.rises = this.strengths.map((part) => part * rise);
     this.rest = this.curve([]);
     /** @type {Class[]} */
     this.classes = [{ row: 0, column: 0, curve: [new Float64Array(this.rest.length)] }];
     for (const { row, column } of skin.outline.held) {
-      const curve = this.rises.map((each) => this.changed([skin.pixel(row, column, 1 + each)]));
+      const curve = this.rises.map((each) => {
+        const touch = skin.pixel(row, column, 1 + each);
+        return this.changed([earthed ? skin.byFinger(touch) : touch]);
+      });
       this.classes.push({ row, column, curve });
     }
   }

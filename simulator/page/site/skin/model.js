@@ -12,10 +12,14 @@ import { fedAtRest } from "rcskin/sheets";
  * @typedef {{grid: {rows: number, columns: number},
  *   steps: {fewest: number, most: number, rtol: number}, terminals: number, size: number,
  *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[],
- *   combined?: [number, number][][], fields: number[], conductance: number[][], top: Packed | null,
+ *   combined?: [number, number][][] | null, parts?: {fingers: number, thickness: number}, across?: boolean,
+ *   fixed?: Packed | null, fields: number[], conductance: number[][], top: Packed | null,
  *   gauges: {piezoresistance: number[], ranks: number[], factors: Packed} | null}} PackedModel
  */
-/** @typedef {{cells: number[], rises: number[]}} Touched parts of M, cells of the grid first, and by how much each rises */
+/**
+ * Parts of M, cells of the grid first, and by how much each rises; and by how much what is fixed does.
+ * @typedef {{cells: number[], rises: number[], fixed: number}} Touched
+ */
 /** @typedef {import("rcskin/forms").Complex} Complex */
 /** @typedef {import("rcskin/forms").Shown} Shown */
 
@@ -36,6 +40,8 @@ export class Model {
     this.starts = startsOf(packed.ranks);
     /** Of each interface the drives that it combines, and their weights; null where each drive is one. */
     this.combined = packed.combined ?? null;
+    /** M of what no press changes, row after row; null where there is only foam. */
+    this.fixed = packed.fixed ? unpacked(packed.fixed) : null;
   }
 
   /** What interfaces show. @param {Response[]} forms of every drive @returns {Shown[]} */
@@ -70,6 +76,12 @@ export class Model {
         part *= touched.rises[n];
         for (let k = 0; k < size; k++) charge[k] += part * factors[from + k];
       }
+    }
+    if (!this.fixed || touched.fixed === 0) return;
+    for (let i = 0; i < size; i++) {
+      let own = 0;
+      for (let k = 0; k < size; k++) own += this.fixed[i * size + k] * v[k];
+      charge[i] += touched.fixed * own;
     }
   }
 
@@ -189,6 +201,8 @@ export class Model {
         }
       }
     }
+    if (this.fixed)
+      for (let k = 0; k < M.length; k++) M[k] += touched.fixed * this.fixed[k];
     return M;
   }
 

@@ -1,6 +1,7 @@
 // The skin as it would be cast and read: what the sliders change, and what a meter then shows.
 
 import { unpacked } from "rcskin/arrays";
+import { Finger } from "rcskin/finger";
 import { Model } from "rcskin/model";
 import { Outline } from "rcskin/outline";
 import { Sheets } from "rcskin/sheets";
@@ -9,8 +10,8 @@ import { Sheets } from "rcskin/sheets";
 /** @typedef {import("rcskin/model").Touched} Touched */
 /** @typedef {import("rcskin/model").Shown} Shown */
 /**
- * A touch over a rectangle about x, y in m; a pixel has its row and column, from 1.
- * @typedef {{x: number, y: number, width: number, height: number, factor: number, row?: number, column?: number}} Touch
+ * A touch over a rectangle about x, y in m; a pixel has its row and column, from 1. finger: capacitance to earth, F; a rod has none.
+ * @typedef {{x: number, y: number, width: number, height: number, factor: number, finger?: number, row?: number, column?: number}} Touch
  */
 /**
  * Factors on the resistance of each sheet and of its foils' contacts, and on all capacitance; loss tangent.
@@ -28,6 +29,7 @@ export class Skin {
     this.model = new Model(data.model);
     this.sheets = new Sheets(data.model);
     this.outline = new Outline(data);
+    this.finger = new Finger(data, this.outline);
     this.basis = unpacked(data.basis);
     /** @type {number[]} */
     this.frequencies = data.frequencies;
@@ -42,27 +44,41 @@ export class Skin {
     return { ...this.outline.box(row, column), factor, row, column };
   }
 
-  /** Cells of which c rises; touches enter by the area that they cover of each. @param {Touch[]} touches @returns {Touched} */
-  touched(touches) {
+  /** The same touch by a finger. @param {Touch} touch @returns {Touch} */
+  byFinger(touch) {
+    const finger = this.finger.of(touch);
+    return finger ? { ...touch, finger } : touch;
+  }
+
+  /** Parts of M that rise; touches enter by the area that they cover of each cell. @param {Touch[]} touches @param {Cast} cast @returns {Touched} */
+  touched(touches, cast) {
     const { rows, columns } = this.model.grid;
-    const { length, width } = this.data.skin;
     const factors = new Float64Array(rows * columns).fill(1);
+    const fingers = new Float64Array(rows * columns);
     for (const touch of touches) {
-      if (this.outline.groups) {
-        factors[((touch.row ?? 1) - 1) * columns + (touch.column ?? 1) - 1] *= touch.factor;
-        continue;
-      }
-      const across = shares(touch.x, touch.width, length, columns);
-      const up = shares(touch.y, touch.height, width, rows);
-      for (let i = 0; i < rows; i++) {
-        for (let j = 0; j < columns; j++) {
-          const covered = up[i] * across[j];
-          if (covered > 0) factors[i * columns + j] *= 1 - covered + touch.factor * covered;
-        }
+      const covered = this.#covered(touch);
+      const whole = covered.reduce((sum, [, part]) => sum + part, 0);
+      for (const [cell, part] of covered) {
+        factors[cell] *= 1 - part + touch.factor * part;
+        fingers[cell] += ((touch.finger ?? 0) * part) / whole;
       }
     }
-    const cells = [...factors.keys()].filter((cell) => factors[cell] !== 1);
-    return { cells, rises: cells.map((cell) => factors[cell] - 1) };
+    return this.finger.withAround(factors, fingers, cast.capacitance);
+  }
+
+  /** Cells that a touch covers, and what part of each. @param {Touch} touch @returns {[number, number][]} */
+  #covered(touch) {
+    const { rows, columns } = this.model.grid;
+    const { length, width } = this.data.skin;
+    if (this.outline.groups)
+      return [[((touch.row ?? 1) - 1) * columns + (touch.column ?? 1) - 1, 1]];
+    const across = shares(touch.x, touch.width, length, columns);
+    return shares(touch.y, touch.height, width, rows).flatMap((up, i) =>
+      across.flatMap((along, j) => {
+        const part = up * along;
+        return part > 0 ? [/** @type {[number, number]} */ ([i * columns + j, part])] : [];
+      }),
+    );
   }
 
   /** The factor that stands for those of both sheets. @param {Cast} cast */
@@ -82,7 +98,9 @@ export class Skin {
 
   /** Whether this cast changes every curve, and not by scale alone. @param {Cast} cast */
   anew(cast) {
-    return this.sheets.gauges !== null || this.conductances(cast)[0] !== 1;
+    const { sheets, finger } = this;
+    const scaled = !finger.around || cast.capacitance === 1;
+    return sheets.gauges !== null || this.conductances(cast)[0] !== 1 || !scaled;
   }
 
   /** Every drive of the skin as it is cast and pressed. @param {Cast} cast @param {Touched} touched */
@@ -100,7 +118,8 @@ export class Skin {
 
   /** Of every interface, good for all capacitance and loss that may be cast. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Shown[]} */
   responses(touches, cast, roughly = false) {
-    const key = JSON.stringify([touches, this.conductances(cast)[0], roughly]);
+    const foam = this.finger.around ? cast.capacitance : 1;
+    const key = JSON.stringify([touches, this.conductances(cast)[0], foam, roughly]);
     const known = this.known.get(key);
     if (known) return known;
     const { range } = this.data;
@@ -111,7 +130,7 @@ export class Skin {
       capacitance: range.capacitance[1],
       loss: 0,
     });
-    const touched = this.touched(touches);
+    const touched = this.touched(touches, cast);
     const rtol = roughly ? ROUGHLY : undefined;
     const found = this.model.interfaces(
       this.fed(cast, touched).map((fed) => this.model.response(fed, touched, farthest, rtol)),
@@ -147,7 +166,7 @@ export class Skin {
    * @param {number} drive @param {Touch[]} touches @param {number} frequency Hz @param {Cast} cast
    */
   field(drive, touches, frequency, cast) {
-    const touched = this.touched(touches);
+    const touched = this.touched(touches, cast);
     const fed = this.fed(cast, touched);
     const s = this.variable(frequency, cast);
     const found = this.model.drivesOf(drive).map((k) => this.model.potentials(fed[k], touched, s));
