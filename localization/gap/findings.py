@@ -164,9 +164,16 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
 def _causes(trial: Trial) -> tuple[Sequence[Explained], list[str]]:
     from ...simulator.calibration.explained import gap_by_parameter
 
+    notes: list[str] = []
+
+    def remark(work: str, done: float | None = None, total: float = 1.0, /) -> None:
+        if done is None:
+            notes.append(f"{work[0].upper()}{work[1:]}.")
+
     if trial.pair.scene is None:
-        return (), []
+        return (), notes
+    sweeps = _one_of_each(trial.pair.other)
     try:
-        return gap_by_parameter(trial.pair.scene, _one_of_each(trial.pair.other)), []
+        return gap_by_parameter(trial.pair.scene, sweeps, progress=remark), notes
     except (InputError, ToleranceError) as error:
         return (), [f"No causes: {error}."]

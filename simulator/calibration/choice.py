@@ -67,7 +67,7 @@ class Options:
     band: lowest and highest frequency, Hz. session: the only one that counts. strengths: whether
     those of presses are unknown too, about what is said of them, with the scene's spread. prior:
     see `prior`. uneven, uneven_sheets: whether slow waves of the foam, and of both sheets, are
-    parameters, too.
+    parameters, too. also: those of EFFECTS that are, though the scene does not have them.
     """
 
     fit: tuple[str, ...] = ()
@@ -78,3 +78,4 @@ class Options:
     prior: Kind = "wide"
     uneven: bool = False
     uneven_sheets: bool = False
+    also: tuple[str, ...] = ()

@@ -62,6 +62,13 @@ def calibrate(
             "bottom_y, bottom_xy. Of sheets that one field sees their sum is told.",
         ),
     ] = False,
+    also: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Fit body (its distance), rim or finger too, of a scene that says nothing of it; "
+            "may be repeated."
+        ),
+    ] = None,
     charts: Charts = "png",
     anyway: Annotated[
         bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
@@ -71,7 +78,8 @@ def calibrate(
 
     Parameters: sheet_resistance, sheet_mismatch, capacitance,
     contact_resistance (factors), loss_tangent, phase_exponent,
-    lead_resistance, lead_inductance, stray_capacitance.
+    lead_resistance, lead_inductance, stray_capacitance; with
+    [surroundings] body and rim (factors) and finger (F).
 
     Sweeps may have other frequencies than the scene, and some of its
     interfaces. The meter's errors are those of the scene's readout; where it
@@ -105,6 +113,7 @@ def calibrate(
         checked_kind(prior),
         uneven,
         uneven_sheets,
+        tuple(also or ()),
     )
     asked, sweeps = asked_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)
@@ -119,4 +128,5 @@ def calibrate(
     if len(calibration.intervals) > 1:
         console.print(correlations(calibration, console))
     say(*explanations(calibration), f"{folder}: {', '.join(written)}")
-    warn_of_earth(scene, asked)
+    if not also:
+        warn_of_earth(scene, asked)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from .fit import Fit
 from .information import Information
 from .likelihood.law import CONFIDENCE, cut_normal
 from .likelihood.laws import Laws
-from .prior import limits
+from .products import products
 from .sheets import (
     COMMON,
     MISMATCH,
@@ -93,7 +93,7 @@ def intervals(
         elif laws and (law := laws.of_parameter(name)):
             found[name] = _about(value, law.interval(width))
         else:
-            found[name] = cut_normal(value, deviation, width, limits(name))
+            found[name] = cut_normal(value, deviation, width, (prior.low, prior.high))
     return found
 
 
@@ -133,7 +133,7 @@ def quantities(
     series = _series(scene, fit, information, width, laws) if hanging else {}
     factors = [
         _factor(each, fit, information, width, series.get(each.name), laws)
-        for each in _products(scene, fit.values)
+        for each in products(scene, fit.values)
         if {*fitted, MISMATCH} & set(information.names) & set(each.slopes)
     ]
     values = [
@@ -158,19 +158,6 @@ def _sum_of_waves(pair: Pair, fit: Fit, information: Information, width: float) 
     spread = width * math.sqrt(weights @ information.covariance @ weights)
     told = information.narrows(weights)
     return Quantity(pair.name, "", 0.0, value, value - spread, value + spread, told, names)
-
-
-def _products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
-    """values: of all parameters."""
-    yield from sheets(scene, values)
-    c, factor = scene.skin.foam.rest_capacitance_per_area, math.exp(values["capacitance"])
-    yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
-    film = math.exp(values["contact_resistance"])
-    for contact in scene.contacts:
-        if not contact.ideal:
-            name, resistance = f"contact {contact.name}", contact.resistance
-            slopes = {"contact_resistance": 1.0}
-            yield Product(name, "ohm m", resistance, resistance * film, slopes)
 
 
 def _factor(
@@ -239,7 +226,7 @@ def _in_series(pair: Pair) -> str:
 def _direction(fit: Fit, information: Information, direction: NDArray[np.float64]) -> str:
     parts = information.parts(direction)
     if len(parts) == 1:
-        return f"{parts[0]}: the data say nothing of it; what is told is its prior"
+        return f"{parts[0]}: not identified by the data; prior kept"
     steps = {
         name: prior.deviation * float(step)
         for (name, prior), step in zip(fit.asked.fitted.items(), direction, strict=True)

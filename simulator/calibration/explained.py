@@ -10,16 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.factors import one_blas_thread
+from ..models.effects import EFFECTS, effects_of
 from ..models.parameters import own_values
 from ..progress import Progress, silent
 from ..scene.scene import Scene
+from ..sweeps import InputError, ToleranceError
 from .choice import Options, candidates
 from .estimates import changed
-from .fit import Fit, fitted, model_tolerance, solved
+from .fit import EXPLAINED, Fit, fitted, model_tolerance, solved
 from .measured import measured
 from .model import Around, Model, checked_model, model_of
 from .prior import Prior, noise_of, priors
 from .problem import Asked, Problem, difference
+from .tried import Trials, in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +33,7 @@ class Explained:
     """What one parameter alone does for the misfit.
 
     value: as `Forward` counts it, at its best. before, after: chi-squared with the scene as it
-    stands and with that value. told: the change in words.
+    stands and with that value. told: the change in words, of one of EFFECTS what it then is.
     """
 
     name: str
@@ -56,11 +59,13 @@ def gap_by_parameter(
     """Of every parameter of the scene, the one that removes most first.
 
     All is counted after the strengths of presses and the meter's fixed errors were fitted within
-    their own spreads. Factors are looked for within the model's reach. Arguments, errors: as of
+    their own spreads. Factors are looked for within the model's reach. Where none of them explains
+    the readings, those of EFFECTS that the scene has not are tried, too. Arguments, errors: as of
     `calibrate`; of `options.fit`, where given, only those.
     """
     data = measured(scene, sweeps, options.band, options.session)
-    readout, known = noise_of(data).readout, priors(data, options.prior)
+    effects = effects_of(data.scene) if options.prior == "wide" else ()
+    readout, known = noise_of(data).readout, priors(data, options.prior, effects=effects)
     asked = Asked(data, readout, {}, own_values(data.scene), options.strengths)
     own = checked_model(model, data.scene) if model else None
     ready = Around(own or model_of(data.scene, model_tolerance(readout), progress), {})
@@ -69,15 +74,35 @@ def gap_by_parameter(
     with one_blas_thread():
         before = solved(Problem(asked, ready), asked.fixed).chi_squared
         found = [_alone(asked, ready, name, known[name], before) for name in names]
+        least = min(each.after for each in found)
+        if not options.fit and least > EXPLAINED * data.numbers:
+            found += _tried(asked, before, progress)
     return tuple(sorted(found, key=lambda each: each.after))
+
+
+def _tried(asked: Asked, before: float, progress: Progress) -> list[Explained]:
+    """What each of EFFECTS alone does that the scene has not."""
+    try:
+        trials = Trials(asked, {}, progress)
+        fits = {name: trials.fit(name) for name in trials.names}
+    except (InputError, ToleranceError) as error:
+        progress(f"what surrounds the skin was not tried: {error}")
+        return []
+    return [
+        Explained(name, fit.values[name], before, fit.chi_squared, trials.in_words(fit, name))
+        for name, fit in fits.items()
+    ]
 
 
 def _alone(asked: Asked, ready: Around, name: str, prior: Prior, before: float) -> Explained:
     alone = replace(asked, fitted={name: prior})
     fit = solved(Problem(alone, ready), asked.fixed)
     value = fit.values[name]
-    step = value - asked.fixed[name]
-    return Explained(name, value, before, fit.chi_squared, changed(name, step))
+    if name in EFFECTS:
+        told = in_words(asked.measured.scene, name, value)
+    else:
+        told = changed(name, value - asked.fixed[name])
+    return Explained(name, value, before, fit.chi_squared, told)
 
 
 IDEAL = {"phase_exponent": 1.0, "loss_tangent": 0.0}

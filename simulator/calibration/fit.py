@@ -188,7 +188,7 @@ def held(fit: Fit) -> list[str]:
         name
         for name in movable(fit.asked.measured.scene)
         if name in fit.asked.names
-        and abs(fit.values[name] - around.about[name]) > around.reach - EDGE
+        and abs(fit.values[name] - around.about[name]) > around.reach(name) - EDGE
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 
 from ..measure.readout import observed
 from ..models.mechanics.in_depths import settled
-from ..press.press import Press, press_on, pressed_factor
+from ..press.press import (
+    Press,
+    check_press,
+    parse_press,
+    pressed_factor,
+    recorded_press,
+    strength_of,
+)
 from ..press.touch import Touch, place_of
 from ..scene.meter import Readout
 from ..scene.reading import reading_at
@@ -163,15 +170,27 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
     left_out: dict[str, None] = {}
     for text in texts:
         try:
-            presses.append(_whole_pixels(scene, str(text)))
+            press, rods = _recorded(scene, str(text))
+            presses.append(_whole_pixels(scene, press))
+            left_out |= dict.fromkeys(rods)
         except InputError as reason:
             presses.append(None)
             left_out[str(reason)] = None
     return presses, tuple(left_out)
 
 
-def _whole_pixels(scene: Scene, text: str) -> Press:
-    press = settled(scene, press_on(scene, text))
+def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
+    """The press, without its fingers where the scene has no earth, and a line that says so."""
+    if scene.surroundings is not None:
+        return recorded_press(scene, text), []
+    press = parse_press(text, strength_of(scene.press), scene)
+    rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
+    told = f"what presses say of fingers, for {scene.name} has no [surroundings]"
+    return check_press(rods, scene), [told] if press.fingers else []
+
+
+def _whole_pixels(scene: Scene, press: Press) -> Press:
+    press = settled(scene, press)
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
     if bool(press.touches) and bool(press.indented) == scene.press.plain:

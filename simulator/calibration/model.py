@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.effects import EFFECTS
 from ..models.line_slopes import LineModel
 from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, own_values, scene_with
@@ -20,6 +21,8 @@ from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
+FAR = 30.0
+"""Times a body or a rim: M knows any factor of them, and what it then leaves out is certified."""
 ANYWHERE = 50.0
 """Logarithm of the largest factor of a model that knows no reach."""
 
@@ -54,10 +57,11 @@ class Around:
         own = own_values(model.scene)
         self.about = {name: about.get(name, 0.0) for name in FACTORS if name in own}
 
-    @property
-    def reach(self) -> float:
+    def reach(self, name: str) -> float:
         """How far the logarithm of a factor may be from `about`."""
-        return ANYWHERE if isinstance(self.model, LineModel) else math.log(REACH)
+        if isinstance(self.model, LineModel):
+            return ANYWHERE
+        return math.log(FAR if name in EFFECTS else REACH)
 
     def own(self, values: Mapping[str, float]) -> dict[str, float]:
         """Values of the scene's parameters as the model counts them."""
@@ -122,12 +126,12 @@ def movable(scene: Scene) -> list[str]:
 
 
 def checked_model(model: Model, scene: Scene, uneven: Uneven = EVEN) -> Model:
-    """The same model, if it is of the pixels, interfaces and frequencies of a scene, and has slow
-    waves where they are asked for.
+    """The same model, if it is of the pixels, interfaces, frequencies and surroundings of a scene,
+    and has slow waves where they are asked for.
 
     Raises InputError where it is not.
     """
-    for name in ("sweep", "interfaces", "pixels"):
+    for name in ("sweep", "interfaces", "pixels", "surroundings"):
         if getattr(model.scene, name) != getattr(scene, name):
             raise InputError(f"the model has other {name} than were measured")
     if isinstance(model, Forward) and model.cells_per_pixel != 1:

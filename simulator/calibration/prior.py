@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -32,6 +33,8 @@ LOSS = 0.3
 EXPONENT = 0.3
 UNEVEN = 0.1
 """Of slow waves over the mean."""
+FINGER = 10e-12
+"""F: of a finger's pad on a millimetre of cover, twice."""
 LEAST_EXPONENT = 0.5 + 1e-6
 
 
@@ -53,17 +56,33 @@ def checked_kind(name: str) -> Kind:
     raise InputError(f"`prior` must be one of {', '.join(get_args(Kind))}, got {name!r}")
 
 
-def priors(measured: Measured, kind: Kind, uneven: Uneven = EVEN) -> dict[str, Prior]:
-    """Of every parameter that is not known. uneven: what slow waves are among them."""
+def priors(
+    measured: Measured, kind: Kind, uneven: Uneven = EVEN, effects: Sequence[str] = ()
+) -> dict[str, Prior]:
+    """Of every parameter that is not known. uneven: what slow waves are among them. effects: those
+    of EFFECTS that are, though nothing draws them."""
     own = own_values(measured.scene) | dict.fromkeys(SLOW_WAVES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
     waves = of_waves(measured.scene, kind)
     spreads = spreads | {name: Spread(0.0, waves[name]) for name in uneven.names}
-    return {
+    found = {
         name: Prior(own[name] + shift, deviation, *limits(name))
         for name, (shift, deviation) in spreads.items()
         if deviation > 0
     }
+    return found | {name: effect_prior(measured, name) for name in effects}
+
+
+def effect_prior(measured: Measured, name: str) -> Prior:
+    """Of one of EFFECTS, where nothing else is known.
+
+    No touch has less to earth than nothing, so that the least that its press says is the limit.
+    """
+    if name != "finger":
+        return Prior(0.0, WIDE, *limits(name))
+    touches = [touch for reading in measured.readings for touch in reading.press.touches]
+    least = min((touch.finger for touch in touches), default=0.0)
+    return Prior(0.0, FINGER, -least)
 
 
 def of_waves(scene: Scene, kind: Kind) -> dict[str, float]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel, observed, observed_slope
-from ..models.parameters import FACTORS, KNOWN
+from ..models.parameters import FACTORS, KNOWN, foam_parts
 from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from .likelihood.condensed import Block, Condensed, condensed
@@ -86,10 +86,9 @@ class Asked:
         relative = scene.press.factor_spread
         if not (self.strengths and relative > 0):
             return [[] for _ in self.measured.readings]
-        return [
-            [relative * max(abs(pressed_factor(scene, touch) - 1), 1e-3) for touch in press.touches]
-            for press in (reading.press for reading in self.measured.readings)
-        ]
+        pressed = [reading.press.touches for reading in self.measured.readings]
+        rises = [[pressed_factor(scene, touch) - 1 for touch in each] for each in pressed]
+        return [[relative * max(abs(own), 1e-3) for own in each if own] for each in rises]
 
 
 class Problem:
@@ -127,11 +126,11 @@ class Problem:
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Of the unknowns: what makes sense, and what the model reaches."""
         low = np.full(len(self.asked.unknowns(self._centers)), -np.inf)
-        high, reach = -low, self.around.reach
+        high = -low
         for k, (name, prior) in enumerate(self.asked.fitted.items()):
             limits = prior.low, prior.high
             if name in FACTORS:
-                about = self.around.about[name]
+                about, reach = self.around.about[name], self.around.reach(name)
                 limits = about - reach, about + reach
             low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
         rises, spreads = self._all_rises()
@@ -141,11 +140,16 @@ class Problem:
         return low, high
 
     def rises(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
-        """Of the touches of one reading."""
-        rises, spreads = self.cells[k][1], self.asked.spreads[k]
-        if not spreads:
-            return rises
-        return rises + np.array(spreads) * u[self._firsts[k] : self._firsts[k] + len(spreads)]
+        """Of what the touches of one reading change: of c by their strengths first, then fingers,
+        F."""
+        rises, spreads = self.cells[k][1].copy(), self.asked.spreads[k]
+        unknown = u[self._firsts[k] : self._firsts[k] + len(spreads)]
+        rises[: len(spreads)] += np.array(spreads) * unknown
+        return rises
+
+    def strengths(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
+        """Rises of c under the touches of one reading."""
+        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.asked.measured.scene)]
 
     def fitted(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of each reading without the meter's errors, (reading, interface, frequency)."""
@@ -160,7 +164,7 @@ class Problem:
 
     def _all_rises(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Of the touches of unknown strength, and their spreads."""
-        known = [self.cells[k][1] for k, own in enumerate(self.asked.spreads) if own]
+        known = [self.cells[k][1][: len(own)] for k, own in enumerate(self.asked.spreads)]
         rises = np.concatenate([np.zeros(0), *known])
         return rises, np.array([each for own in self.asked.spreads for each in own])
 

@@ -8,6 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
 from ..report.terminal import table as in_columns
@@ -190,7 +192,8 @@ def _ties(calibration: Calibration) -> list[str]:
 
 
 def _strengths_told(calibration: Calibration) -> str:
-    stated = [cells[1] for cells in calibration.fit.problem.cells]
+    problem, nothing = calibration.fit.problem, np.zeros_like(calibration.fit.u)
+    stated = [problem.strengths(nothing, k) for k in range(len(problem.cells))]
     pairs = zip(calibration.strengths, stated, strict=True)
     over = [
         float(own / said) for rises, saids in pairs for own, said in zip(rises, saids, strict=True)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.effects import effects_of
 from ..models.line_slopes import LineModel
 from ..models.mechanics.in_depths import in_depths
 from ..models.parameters import own_values, scene_with
@@ -32,6 +33,7 @@ from .prior import Noise, Prior, drawn_uneven, noise_of, priors, with_noise
 from .problem import Asked
 from .sheets import MISMATCH
 from .starts import capacitance_off
+from .tried import gains, surrounded
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,7 +85,7 @@ class Calibration(Tabular):
     def strengths(self) -> list[NDArray[np.float64]]:
         """Rise of capacitance (factor - 1) of each touch of each reading."""
         readings = range(len(self.fit.asked.measured.readings))
-        return [self.fit.problem.rises(self.fit.u, k) for k in readings]
+        return [self.fit.problem.strengths(self.fit.u, k) for k in readings]
 
 
 def calibrate(
@@ -101,14 +103,18 @@ def calibrate(
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
     scene = in_depths(scene)
+    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
+    scene = surrounded(scene, options.also)
     folded(scene, "a calibration")
-    job = _Job(measured(scene, sweeps, options.band, options.session), options, model, progress)
+    data = measured(scene, sweeps, options.band, options.session)
+    job = _Job(data, options, unknown_effects, model, progress)
     fit, noise = job.done()
     told = information(fit, job.held)
     degrees = told.freedom if noise.guessed else noise.freedom
     unknown = with_unknown(fit, job.held)
     laws = _laws(scene, unknown, told, degrees, job.held)
     bounds = intervals(scene, unknown, told, degrees, laws)
+    gained = [] if noise.guessed else gains(fit, told.freedom, progress)
     names = fit.asked.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
@@ -121,7 +127,7 @@ def calibrate(
         fit=fit,
         noise=noise,
         unclear=tuple(told_together(scene, unknown, told)),
-        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit)])),
+        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *gained])),
         held=tuple(job.held),
         ideal=compared(fit, progress) if beaten else None,
     )
@@ -145,16 +151,23 @@ class _Job:
     """A calibration under way: the model at hand, and what is to be remarked."""
 
     def __init__(
-        self, measured: Measured, options: Options, model: Model | None, progress: Progress
+        self,
+        measured: Measured,
+        options: Options,
+        effects: Sequence[str],
+        model: Model | None,
+        progress: Progress,
     ) -> None:
+        """effects: as of `priors`."""
         self.measured, self.options, self._progress = measured, options, progress
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
         self._uneven = _checked_uneven(measured.scene, options, model)
-        self.priors = priors(measured, options.prior, self._uneven)
+        self.priors = priors(measured, options.prior, self._uneven, effects)
         at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
-        asked = candidates(measured, free, self.priors, options.fit, options.fix)
+        fit = (*options.fit, *options.also) if options.fit else ()
+        asked = candidates(measured, free, self.priors, fit, options.fix)
         self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None

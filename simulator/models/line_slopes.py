@@ -57,8 +57,9 @@ class LineModel:
         touches = [touch for touch in press.touches if isinstance(touch, Touch)]
         if len(touches) < len(press.touches):
             raise InputError(f"press {press}: all touches must be whole pixels here")
-        cells = [max(touch.row, touch.column) - 1 for touch in touches]
-        return np.array(cells, dtype=np.int64), np.array([touch.factor - 1 for touch in touches])
+        raised = [touch for touch in touches if touch.factor != 1]
+        cells = [max(touch.row, touch.column) - 1 for touch in raised]
+        return np.array(cells, dtype=np.int64), np.array([touch.factor - 1 for touch in raised])
 
     def certificate(
         self,

@@ -258,7 +258,7 @@ QUANTILES = (np.arange(4001) + 0.5) / 4001
 
 
 def session_spreads(scene: Scene) -> dict[str, Spread]:
-    """Of every one of PARAMETERS between sessions of [dataset.session]; 0 of those not drawn.
+    """Of every parameter of a scene between sessions of [dataset.session]; 0 of those not drawn.
 
     Temperature and humidity count among both sheets' resistance and the foam's capacitance, each on
     its own. Each sheet has a factor of its own, of which half of each is both sheets' together, and
@@ -270,7 +270,12 @@ def session_spreads(scene: Scene) -> dict[str, Spread]:
     own = _of_logarithm(drawn.sheet_mismatch)
     film = _of_logarithm(drawn.contact_resistance)
     films = sum(not contact.ideal for contact in scene.contacts)
-    return dict.fromkeys(PARAMETERS, Spread(0.0, 0.0)) | {
+    surrounding = {
+        name: _of_logarithm(factor)
+        for name, factor in (("body", drawn.body), ("rim", drawn.rim))
+        if factor is not None
+    }
+    return dict.fromkeys(own_values(scene), Spread(0.0, 0.0)) | {
         "sheet_resistance": Spread(
             both.shift + own.shift, math.hypot(both.deviation, own.deviation / math.sqrt(2))
         ),
@@ -280,6 +285,7 @@ def session_spreads(scene: Scene) -> dict[str, Spread]:
         "loss_tangent": _of_value(drawn.loss_tangent),
         "lead_resistance": _of_value(drawn.lead_resistance),
         "stray_capacitance": _of_value(drawn.stray_capacitance),
+        **surrounding,
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ....simulator.charts import COLOURS, chart
 from ..samples import TOLD
 from ..versions import BEFORE
+from .telling import called
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +59,7 @@ def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str) -> No
 
 def draw_causes(findings: Findings, path: Path) -> None:
     """A bar for each parameter, the longest first."""
-    names = [each.name.replace("_", " ") for each in findings.causes]
+    names = [called(each) for each in findings.causes]
     shares = [100 * each.removed for each in findings.causes]
     with chart(path, 7, 0.9 + 0.32 * len(names)) as figure:
         axes = figure.subplots()

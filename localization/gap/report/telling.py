@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ....simulator.models.effects import EFFECTS
 from ...trust.rates import rate_told
 from ..samples import TOLD
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from ....simulator.calibration.estimates import Quantity
+    from ....simulator.calibration.explained import Explained
     from ..accuracy import Accuracy
     from ..findings import Findings
 
@@ -89,7 +91,7 @@ def cause_told(findings: Findings) -> str:
     if not findings.causes:
         return ""
     first, *others = findings.causes
-    name, share = _spaced(first.name), f"{100 * first.removed:.0f} % of the misfit"
+    name, share = called(first), f"{100 * first.removed:.0f} % of the misfit"
     if first.removed >= MOST:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
     elif first.removed >= PART:
@@ -97,8 +99,13 @@ def cause_told(findings: Findings) -> str:
     else:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
     if others and others[0].removed >= WORTH_TELLING:
-        told += f"; next is {_spaced(others[0].name)} with {100 * others[0].removed:.0f} %"
+        told += f"; next is {called(others[0])} with {100 * others[0].removed:.0f} %"
     return told[0].upper() + told[1:] + "."
+
+
+def called(cause: Explained) -> str:
+    """A parameter by its name; one of EFFECTS by what it is, as `a body at about 6 mm`."""
+    return cause.told if cause.name in EFFECTS else _spaced(cause.name)
 
 
 def estimate_told(estimate: Quantity) -> tuple[str, str, str, str]:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...scene.scene import Scene
 from ..fit import Fit
 from ..information import Information
-from ..prior import limits
 from ..sheets import COMMON, MISMATCH, RATIO, SUM, Product, hang_on_ratio, sheets
 from .law import Interval, Law
 from .profile import Along, Profile
@@ -35,7 +34,11 @@ class Laws:
 
     def of_parameter(self, name: str) -> Law | None:
         """In the parameter's own unit."""
-        return self._once(name, lambda: self._linear({name: 1.0}, 0.0, limits(name)))
+        return self._once(name, lambda: self._linear({name: 1.0}, 0.0, self._limits(name)))
+
+    def _limits(self, name: str) -> Interval:
+        prior = self._fit.asked.fitted[name]
+        return prior.low, prior.high
 
     def of_product(self, product: Product) -> Law | None:
         """Of its logarithm."""

@@ -121,7 +121,7 @@ def make_skin_sweeps():
 def uncalibrated(monkeypatch):
     """Neither a calibration nor causes, which take most of the time."""
 
-    def refuse(*given):
+    def refuse(*given, **more):
         raise InputError("left out")
 
     monkeypatch.setattr("rcskin.simulator.calibration.run.calibrate", refuse)

@@ -172,3 +172,19 @@ def test_words_and_share_of_a_cause_agree(findings, shares, told):
     named = zip(("foam", "sheet"), shares, strict=True)
     causes = [Explained(name, 0.0, 1.0, 1 - share, name) for name, share in named]
     assert cause_told(replace(findings, causes=causes)) == told
+
+
+def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
+    body = Explained("body", 0.29, 1.0, 0.29, "a body at about 6 mm")
+    found = replace(
+        findings, causes=[body, Explained("finger", 1e-12, 1.0, 0.8, "a finger of 1 pF")]
+    )
+    assert cause_told(found) == (
+        "A body at about 6 mm explains most of the gap: fitted alone, it removes 71 % of the "
+        "misfit; next is a finger of 1 pF with 20 %."
+    )
+    assert numbers(found)["causes"][0] == {
+        "parameter": "body",
+        "share": pytest.approx(0.71),
+        "told": "a body at about 6 mm",
+    }

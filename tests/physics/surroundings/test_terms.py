@@ -9,7 +9,7 @@ from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.stray import of_step
+from rcskin.simulator.models.varied.around import of_step
 from rcskin.simulator.models.varied.meshes import circuit_of
 from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press, parse_press

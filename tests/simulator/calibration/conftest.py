@@ -65,6 +65,13 @@ def models_made_once():
         yield
 
 
+@pytest.fixture(autouse=True)
+def nothing_tried(request, monkeypatch):
+    """What surrounds a skin is tried in the tests of that alone: its training takes seconds."""
+    if request.module.__name__.rpartition(".")[2] != "test_surroundings":
+        monkeypatch.setattr("rcskin.simulator.calibration.tried.addable", lambda scene: [])
+
+
 @pytest.fixture(scope="session")
 def simulated():
     """A function: sweeps of a skin of other parameters than the scene's."""

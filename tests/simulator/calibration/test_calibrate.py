@@ -119,9 +119,7 @@ def test_sheets_of_one_field_are_told_only_together(line, read):
 def test_a_parameter_without_any_effect_is_named(make_scene, line, read):
     scene = line.model_copy(update={"skin": make_scene(top=4e4, bottom=4e4).skin})
     found = calibrate(scene, read(scene, TRUTH, REST), only(("capacitance", "sheet_mismatch")))
-    assert found.unclear == (
-        "sheet_mismatch: the data say nothing of it; what is told is its prior",
-    )
+    assert found.unclear == ("sheet_mismatch: not identified by the data; prior kept",)
     assert found.values["sheet_mismatch"] == pytest.approx(0, abs=1e-6)
 
 

@@ -150,7 +150,7 @@ def test_what_a_line_does_not_tell_is_said(scene, twin):
     rest = simulate(Solver(lined), every_press(lined)[:1])
     found = calibrate(lined, rest, UNEVEN)
     assert not found.told["foam_y"] and not found.told["foam_xy"]
-    assert any("foam_y: the data say nothing of it" in line for line in found.unclear)
+    assert any("foam_y: not identified by the data" in line for line in found.unclear)
 
 
 def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):

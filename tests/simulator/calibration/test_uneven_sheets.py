@@ -136,7 +136,7 @@ def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
         found.unclear
     )
     for name in ("top_y", "bottom_y", "top_xy", "bottom_xy"):
-        assert f"{name}: the data say nothing of it; what is told is its prior" in found.unclear
+        assert f"{name}: not identified by the data; prior kept" in found.unclear
 
 
 def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
