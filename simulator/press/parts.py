@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
-from .batch import PressBatch, TouchedCells
+from .batch import NOTHING, PressBatch, TouchedCells
 
 SLOPE_STEP = 1e-5
 """Of a factor: central differences are then off by 1e-10 of what they tell, and by rounding."""
@@ -61,6 +61,15 @@ class Parts:
     def finger(self, pixel: NDArray[np.int64]) -> NDArray[np.int64]:
         """The part of a finger on a pixel, counted row by row from 0."""
         return self.foam + pixel
+
+    def by_kind(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> tuple[TouchedCells, TouchedCells]:
+        """What a press does to the foam, and its fingers."""
+        if not self.around:
+            return TouchedCells(cells, rises), NOTHING
+        foam = cells < self.foam
+        return TouchedCells(cells[foam], rises[foam]), TouchedCells(cells[~foam], rises[~foam])
 
     def pixels(self, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """The pixel of each touch on the foam or by a finger, and whether it is the first one there

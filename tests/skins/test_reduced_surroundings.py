@@ -12,6 +12,7 @@ from rcskin.simulator.models.parameters import nominal, scene_with
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.slopes import sensitivity
 from rcskin.simulator.models.slow.foam import check_even_foam
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch
@@ -132,11 +133,31 @@ def test_a_finger_among_the_values_is_one_on_every_touched_pixel(forward):
     np.testing.assert_allclose(given, touched, rtol=1e-12)
 
 
-DEEP = rcskin.load("foam").with_({"surroundings": {"body": {"distance": 5e-3}}})
+ROUGH = 1e-2
 
 
-def test_what_does_not_reduce_is_refused_by_its_key(scenes):
-    with pytest.raises(InputError, match=r"with `surroundings` do not reduce .* `press\.cap"):
-        reduce(DEEP, RTOL)
+@pytest.fixture(scope="module")
+def deep():
+    """Foam whose skins spread a press by depth."""
+    few = {"pixels": {"rows": 1, "columns": 2}, "sweep.frequencies": [1e3, 1e5]}
+    around = EVERYTHING | {"thickness": False}
+    return rcskin.load("foam").with_({**few, "surroundings": around})
+
+
+def test_fingers_press_by_depth(deep):
+    own, press = reduce(deep, ROUGH).skin(None), press_on(deep, "1,1:0.5mm:1pF+1,2:1mm:5pF")
+    cells, rises = touched_cells(deep, press)
+    off = relative_difference(own.sweep(cells, rises), Solver(deep, RTOL).solve(press).Z)
+    told = own.certificate(cells, rises) + own.reduced.mesh_error
+    assert (off <= told + RTOL).all()
+    assert told.max() <= ROUGH
+    up, down = (1 / own.sweep(cells, rises + sign * 1e-14 * (cells > 1)) for sign in (1, -1))
+    by_finger = sensitivity(own, cells, rises, own.s).by_finger
+    assert by_finger == pytest.approx((up - down) / 2e-14, rel=1e-5)
+
+
+def test_what_does_not_reduce_is_refused_by_its_key(scenes, deep):
+    with pytest.raises(InputError, match=r"`surroundings\.thickness` does not reduce where"):
+        reduce(deep.with_({"surroundings.thickness": True}), RTOL)
     with pytest.raises(InputError, match=r"fitted without `surroundings\.thickness`"):
         check_even_foam(scenes["virtual earth"])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...press.capacitance import touched_cells
 from ...press.press import Press
-from ...press.touch import Touch
+from ...press.touch import AnyTouch, Touch
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
@@ -65,6 +65,11 @@ def _check_trained(press: Press, scene: Scene) -> None:
     for touch in press.touches:
         if not low <= touch.factor <= high:
             raise InputError(f"trained on factors from {low} to {high}, got {touch}")
-        if touch.finger and touch.finger > strongest_finger(scene):
-            strongest = f"{strongest_finger(scene):g} F"
-            raise InputError(f"trained on fingers up to {strongest}, got {touch}")
+        check_finger(touch, scene)
+
+
+def check_finger(touch: AnyTouch, scene: Scene) -> None:
+    """Raises InputError for a finger that no model of the scene is trained on."""
+    if touch.finger and touch.finger > strongest_finger(scene):
+        strongest = f"{strongest_finger(scene):g} F"
+        raise InputError(f"trained on fingers up to {strongest}, got {touch}")

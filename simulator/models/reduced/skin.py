@@ -251,11 +251,15 @@ class ReducedSkin:
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """u'Mu by each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
-        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
-        if len(self.reduced.fixed):
-            fixed = [((M @ u) * u).sum(axis=0) for M in self.reduced.fixed]
-            squares = np.column_stack([squares, *fixed])
+        squares = self.squares(u)
         return squares, squares @ self.map_of(cells, rises)
+
+    def squares(self, u: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """u'Mu by each part over the scene's own, F V², shape (s, part)."""
+        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        if not len(self.reduced.fixed):
+            return squares
+        return np.column_stack([squares, *(((M @ u) * u).sum(axis=0) for M in self.reduced.fixed)])
 
     @property
     def stiffness(self) -> NDArray[np.float64]:

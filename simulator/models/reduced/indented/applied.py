@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ....press.capacitance import fingers
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
 from ....scene.scene import Scene
@@ -15,7 +16,7 @@ from ....sweeps import InputError
 from ...answer import Rung
 from ..cases import pixel_touches
 from ..greedy import reduce
-from ..rung import rung_of
+from ..rung import check_finger, rung_of
 from .applicators import deepest
 from .model import Indented, IndentedSkin
 
@@ -35,6 +36,8 @@ class Applied:
         Raises InputError for touches that are no pixels or deeper than those that are known.
         """
         cells, rises, unsure = self.cells(press)
+        held = fingers(self.scene, press)
+        cells, rises = np.append(cells, held.cells), np.append(rises, held.rises)
         known = rung_of(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + unsure)
 
@@ -70,6 +73,7 @@ class Applied:
                 raise InputError(f"answers pixels by depth or force alone, got {press}")
             if isinstance(touch.by, Depth):
                 _check_depth(touch.by.value, deepest(self.scene), touch)
+            check_finger(touch, self.scene)
             found.append((touch.place, touch))
         return found
 

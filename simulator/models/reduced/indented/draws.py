@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....mesh.held import held
+from ....press.parts import parts_of
 from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...varied.materials import gauged
@@ -19,7 +20,7 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     """Whether pixels are pressed by depth or force, and that is felt beside them.
 
     by_depth: whether they are so pressed; as the scene presses them for None. Raises InputError
-    where this changes a sheet's resistance, too, and where the scene has surroundings.
+    where this changes a sheet's resistance, too, or the field across the foam.
     """
     by_depth = not scene.press.plain if by_depth is None else by_depth
     if not (by_depth and spreads(scene)):
@@ -29,10 +30,10 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
             f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
             "press; give `press.capacitance_factor`, or sweep without --model reduced"
         )
-    if scene.surroundings is not None:
+    if scene.surroundings is not None and scene.surroundings.thickness:
         raise InputError(
-            f"{scene.name}: skins with `surroundings` do not reduce where tension spreads a press; "
-            "give `press.capacitance_factor`, or sweep without --model reduced"
+            f"{scene.name}: `surroundings.thickness` does not reduce where tension spreads a "
+            "press; leave it out, give `press.capacitance_factor`, or sweep without --model reduced"
         )
     return True
 
@@ -60,19 +61,23 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 def apart(draw: Draw, scene: Scene) -> Draw:
     """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
     meet only the first is left, and of those without skin none."""
-    on_skin = held(scene).part > 0
+    on_skin, parts = held(scene).part > 0, parts_of(scene)
     columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
 
     def drawn(random: np.random.Generator) -> Case:
         case = draw(random)
-        case = _only(case, on_skin[case.cells])
-        row, column = np.divmod(case.cells, columns)
+        pixels, _ = parts.pixels(case.cells[None])
+        case = _only(case, on_skin[pixels[0]])
+        foam, fingers = parts.by_kind(case.cells, case.rises)
+        row, column = np.divmod(foam.cells, columns)
         away = [
             not any(max(abs(row[k] - row[m]), abs(column[k] - column[m])) <= 1 for m in range(k))
-            for k in range(len(case.cells))
+            for k in range(len(foam.cells))
         ]
-        left = _only(case, np.array(away, dtype=bool))
-        return replace(left, rises=np.clip(left.rises, 0.0, most))
+        pressed = foam.cells[np.array(away, dtype=bool)]
+        left = _only(case, np.isin(case.cells, [*pressed, *parts.finger(pressed)]))
+        rises = np.where(left.cells < parts.foam, np.clip(left.rises, 0.0, most), left.rises)
+        return replace(left, rises=rises)
 
     return drawn
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....fem.circuit import Circuit
+from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
 from ....remembered import remembered
 from ....scene.scene import Scene
-from ...parameters import foam_parts
 from ...varied.system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
@@ -57,20 +57,24 @@ class IndentedFamily(UnevenFamily):
 
     def foam_of(self, case: Case) -> NDArray[np.float64]:
         """As of `Family`."""
-        rest = np.ones(self.parts) if case.variation is None else case.variation.foam(self.scene)
+        rest = self.parts.resting
+        if case.variation is not None:
+            rest = rest * case.variation.factors(self.scene)
         return self.pressed(rest, case.cells, case.rises)
 
     def pressed(
         self, rest: NDArray[np.float64], cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Parts at rest, then rises under applicators."""
+        """Parts at rest with the fingers of a press, then rises under applicators."""
+        foam, fingers = self.parts.by_kind(cells, rises)
         under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
-        under[cells] = rises
-        return np.concatenate([rest, under])
+        under[foam.cells] = foam.rises
+        held = np.bincount(fingers.cells, fingers.rises, len(rest)) if len(fingers.cells) else 0.0
+        return np.concatenate([rest + held, under])
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: see the class."""
-        rest, under = factors[: self.parts], factors[self.parts :]
+        rest, under = factors[: self.parts.count], factors[self.parts.count :]
         mass, cells = self.masses.mass(rest), np.flatnonzero(under)
         if not cells.size:
             return mass
@@ -128,10 +132,10 @@ class IndentedFamily(UnevenFamily):
         """Pixels with skin."""
         return np.flatnonzero(self.applicators.of_pixel >= 0)
 
-    @property
-    def parts(self) -> int:
-        """See `foam_parts`."""
-        return foam_parts(self.scene)
+    @cached_property
+    def parts(self) -> Parts:
+        """Of M at rest."""
+        return parts_of(self.scene)
 
     @cached_property
     def at_rest(self) -> NDArray[np.float64]:

@@ -94,18 +94,19 @@ class IndentedSkin(ReducedSkin):
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
         """As of `ReducedSkin`."""
-        self._check(rises)
-        if self.reduced.family.coupled(cells):
-            (press,) = self.reduced.family.press(cells, rises)
+        foam, fingers = self.parts.by_kind(cells, rises)
+        self._check(foam.rises)
+        if self.reduced.family.coupled(foam.cells):
+            (press,) = self.reduced.family.press(*foam)
             F = self.reduced.seen.thin(press, self.rest_factors, press.rise) @ self.turn
-            factors = F[None]
+            factors = _stacked(F[None], self._by_fingers(*fingers))
         else:
             factors = self._factors(cells, rises)
         return self.pressed_by(factors), np.arange(len(factors)), np.ones(len(factors))
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """As the family takes it."""
-        return self.reduced.family.pressed(self.rest_factors, cells, rises)
+        return self.reduced.family.pressed(self.rest_factors * self.parts.resting, cells, rises)
 
     def doubt(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
@@ -122,11 +123,11 @@ class IndentedSkin(ReducedSkin):
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         """As of `ReducedSkin`; of touched pixels by the rise under their applicators, over c there
         at rest. Where two feel each other it is as if each were alone."""
-        squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
+        squares, (foam, _) = self.squares(u), self.parts.by_kind(cells, rises)
         rest, _, _ = self.touched(cells, rises)
         seen = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
-        whole = squares @ self.rest_factors + seen.sum(axis=(0, 1))
-        for cell, rise in zip(cells.tolist(), rises.tolist(), strict=True):
+        whole = squares @ (self.rest_factors * self.parts.resting) + seen.sum(axis=(0, 1))
+        for cell, rise in zip(foam.cells.tolist(), foam.rises.tolist(), strict=True):
             y, step = self._tables.bases[cell] @ u, SLOPE_STEP * (1 + rise)
             ends = np.clip([rise - step, rise + step], 0.0, self._most - 1)
             C = np.diff(self._summed(np.array([cell, cell]), ends), axis=0)[0]
@@ -137,7 +138,7 @@ class IndentedSkin(ReducedSkin):
     def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         from ..kernel import impedances
 
-        self._check(batch.rises)
+        self._check(batch.rises[batch.cells < self.parts.foam])
         interfaces, read = len(self.combination.weights), (self.feeds, self.combination)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
@@ -155,10 +156,29 @@ class IndentedSkin(ReducedSkin):
         return found
 
     def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
-        return len(cells) > 1 and self.reduced.family.coupled(cells)
+        if len(cells) < 2:
+            return False
+        return self.reduced.family.coupled(cells[cells < self.parts.foam])
 
     def _factors(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """F of each touch, M rises by F'F, shape (touch, rank, N + n)."""
+        foam, fingers = self.parts.by_kind(cells, rises)
+        if not len(fingers.cells):
+            return self._by_applicators(cells, rises)
+        found = _stacked(self._by_applicators(*foam), self._by_fingers(*fingers))
+        back = np.argsort(np.argsort(cells >= self.parts.foam, kind="stable"))
+        return np.ascontiguousarray(found[back])
+
+    def _by_fingers(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """The same of fingers, of so many F."""
+        return np.sqrt(rises)[:, None, None] * (self.reduced.factors[cells] @ self.turn)
+
+    def _by_applicators(
+        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """The same of what presses."""
         power, turn = np.linalg.eigh(self._summed(cells, rises))
         roots = np.sqrt(np.maximum(power, 0.0))
         thin = (turn * roots[:, None, :]).transpose(0, 2, 1)
@@ -178,6 +198,7 @@ class IndentedSkin(ReducedSkin):
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> NDArray[np.complex128]:
         """u'Eu with E what M may rise by unknown, F, shape (s,)."""
+        cells, rises = self.parts.by_kind(cells, rises)[0]
         if self._feel_each_other(cells):
             (press,) = self.reduced.family.press(cells, rises)
             F = self.reduced.seen.thin(press, self.rest_factors, press.doubt)
@@ -207,11 +228,20 @@ class IndentedSkin(ReducedSkin):
 
     def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
         yield self.reduced.family
-        yield from finer_families(self.reduced.family, cells, rises, self.reduced.frequency)
+        foam, _ = self.parts.by_kind(cells, rises)
+        yield from finer_families(self.reduced.family, *foam, self.reduced.frequency)
 
 
 SLOPE_STEP = 1e-5
 ROUNDING = 1e-9
+
+
+def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Factors of touches one after the other, each filled up with zeros to the rank of all."""
+    rank = max(each.shape[1] for each in factors)
+    return np.concatenate(
+        [np.pad(each, ((0, 0), (0, rank - each.shape[1]), (0, 0))) for each in factors]
+    )
 
 
 def _parts(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
