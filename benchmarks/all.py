@@ -117,6 +117,7 @@ IN_ORDER = (
     Benchmark("live/killed"),
     Benchmark("accuracy/stability"),
     Benchmark("localization/several_touches"),
+    Benchmark("accuracy/three_dimensions"),
     Benchmark("accuracy/uneven_calibration"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--truth", "scene", *OF_SHEET)),
     Benchmark("accuracy/calibration_coverage"),

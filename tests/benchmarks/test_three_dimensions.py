@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.benchmarks.accuracy.three_dimensions_parts.blocks import block_of
+from rcskin.benchmarks.accuracy.three_dimensions_parts.checks import local_rise
 from rcskin.benchmarks.accuracy.three_dimensions_parts.layers import EPS0, body
 from rcskin.benchmarks.accuracy.three_dimensions_parts.lines import Grid
 from rcskin.benchmarks.accuracy.three_dimensions_parts.sheets import Axis, Sheet
@@ -18,6 +19,7 @@ from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch, st
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError
 
 COARSE = Grid(finest=0.3, ratio=0.12, order=3)
 THICKNESS = 4e-3
@@ -150,6 +152,25 @@ def test_drifting_factor(scene, air):
 def test_step_of_the_gap():
     """0.2498 eps for each metre, from 4 to 2 mm."""
     assert step_excess(2.0) == pytest.approx(0.2498, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "thickness", "key"),
+    [
+        ("mug", THICKNESS, "skin.shape"),
+        ("stretched", THICKNESS, "skin.stretch"),
+        ("l-shape", THICKNESS, "skin.outline"),
+        ("sheet-5x5", None, "skin.foam.thickness"),
+    ],
+)
+def test_skins_that_are_not_solved(name, thickness, key):
+    with pytest.raises(InputError, match=key):
+        block_of(load_scene(name), thickness)
+
+
+def test_local_rise_is_that_of_the_whole(scene):
+    """Permittivity doubled below the middle pixel, to a hundredth of the meter's noise."""
+    assert local_rise(scene, COARSE) < 0.01
 
 
 def test_kept_in_a_file(scene, air, tmp_path):

@@ -26,11 +26,15 @@ def block_of(
     """The foam of a scene between its sheets, with elements along pixels and foils.
 
     thickness [m]: of the foam, where the scene does not name it; the permittivity follows from the
-    capacitance per area. Raises InputError for skins that are no uniform rectangle.
+    capacitance per area. Raises InputError for skins that are no flat rectangle of uniform
+    sheets and foam.
     """
     skin = scene.skin
-    if not scene.plain:
-        raise InputError(f"{scene.name}: must be a rectangle with even sheets and foam here")
+    unknown = [*skin.beyond_plain, *(["skin.shape"] if skin.shape is not None else [])]
+    if skin.foam.phase_exponent != 1:
+        unknown.append("skin.foam.phase_exponent")
+    for key in unknown:
+        raise InputError(f"{scene.name}: a static solve in three dimensions cannot take `{key}`")
     thickness = thickness or skin.foam.thickness
     if thickness is None:
         raise InputError(f"{scene.name}: `skin.foam.thickness` is needed here, in m")

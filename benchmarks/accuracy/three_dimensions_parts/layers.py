@@ -113,11 +113,15 @@ class Foam:
         return own, mutual
 
 
-def foam_modes(x: Line, y: Line, permittivity: float, air: float) -> Foam:
-    """permittivity, air: relative, of the block and around it."""
+def foam_modes(x: Line, y: Line, permittivity: float, air: float, middle: float = 1.0) -> Foam:
+    """permittivity, air: relative, of the block and around it. middle: a factor on the permittivity
+    in the middle cell of the sheet."""
     K = EPS0 * air * (np.kron(x.K, y.M) + np.kron(x.M, y.K))
     M = EPS0 * air * np.kron(x.M, y.M)
     more = EPS0 * (permittivity - air)
     K += more * (np.kron(x.K_inside, y.M_inside) + np.kron(x.M_inside, y.K_inside))
     M += more * np.kron(x.M_inside, y.M_inside)
+    rise = EPS0 * permittivity * (middle - 1)
+    K += rise * (np.kron(x.K_middle, y.M_middle) + np.kron(x.M_middle, y.K_middle))
+    M += rise * np.kron(x.M_middle, y.M_middle)
     return Foam(*modes_of(K, M))

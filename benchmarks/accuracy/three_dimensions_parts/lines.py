@@ -38,18 +38,18 @@ class Grid:
     order: int = 4
     far: float = 25.0
 
-    def finer(self) -> Grid:
-        """A grid with smaller elements at the edge and one order more, to estimate the error by."""
-        return replace(self, finest=self.finest / 3, order=self.order + 1)
+    def coarser(self) -> Grid:
+        """Larger elements of one order less in a nearer box: what these move bounds the error."""
+        return replace(self, finest=3 * self.finest, order=self.order - 1, far=self.far / 3)
 
-    def farther(self) -> Grid:
-        """The same elements in a box that is four times as wide, to estimate its error by."""
-        return replace(self, far=4 * self.far)
+    def finer(self) -> Grid:
+        """Smaller elements of one order more in a wider box."""
+        return replace(self, finest=self.finest / 3, order=self.order + 1, far=3 * self.far)
 
 
 @dataclass(frozen=True)
 class Line:
-    """Stiffness K and mass M along half an axis, of all and of the part inside the sheet.
+    """Stiffness K and mass M along half an axis: of all, inside the sheet, and in its middle cell.
 
     nodes: m from the middle, shape (node,), those inside the sheet first. inside: their number.
     """
@@ -60,19 +60,22 @@ class Line:
     M: Array
     K_inside: Array
     M_inside: Array
+    K_middle: Array
+    M_middle: Array
 
     def of_parity(self, parity: int, bounded: bool) -> Line:
         """Fields of a parity: odd ones are 0 in the middle, and all are 0 at the far bound."""
         first = int(parity == ODD)
         kept = np.s_[first : -1 if bounded else None]
-        matrices = (each[kept, kept] for each in (self.K, self.M, self.K_inside, self.M_inside))
+        names = "K", "M", "K_inside", "M_inside", "K_middle", "M_middle"
+        matrices = (getattr(self, name)[kept, kept] for name in names)
         return Line(self.nodes[kept], self.inside - first, *matrices)
 
 
 def uniform_line() -> Line:
     """The axis along which nothing varies: for cross-sections, for each metre of it."""
     one, zero = np.ones((1, 1)), np.zeros((1, 1))
-    return Line(np.zeros(1), 1, zero, one, zero, one)
+    return Line(np.zeros(1), 1, zero, one, zero, one, zero, one)
 
 
 def half_line(
@@ -108,8 +111,7 @@ def _rising(count: int, order: int) -> list[int]:
 
 def _assembled(breaks: Array, orders: list[int], cells_inside: int) -> Line:
     size = sum(orders) + 1
-    whole, inside = np.zeros((2, size, size)), np.zeros((2, size, size))
-    nodes, start = np.zeros(size), 0
+    whole, nodes, start, marked = np.zeros((2, size, size)), np.zeros(size), 0, []
     for index, (low, high, order) in enumerate(zip(breaks[:-1], breaks[1:], orders, strict=True)):
         here = np.s_[start : start + order + 1]
         reference, stiffness, mass = element(order)
@@ -117,9 +119,10 @@ def _assembled(breaks: Array, orders: list[int], cells_inside: int) -> Line:
         whole[0][here, here] += stiffness * 2 / (high - low)
         whole[1][here, here] += mass * (high - low) / 2
         start += order
-        if index == cells_inside - 1:
-            inside, last = whole.copy(), start + 1
-    return Line(nodes, last, *whole, *inside)
+        if index in (0, cells_inside - 1):
+            marked.append((start + 1, whole.copy()))
+    (_, middle), (last, inside) = marked[0], marked[-1]
+    return Line(nodes, last, *whole, *inside, *middle)
 
 
 def element(order: int) -> tuple[Array, Array, Array]:

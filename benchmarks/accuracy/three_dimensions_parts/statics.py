@@ -37,7 +37,8 @@ class Block:
 
     thickness in m. permittivity, air: relative, of the foam, and of what is beside it and beyond
     the slabs on both sides. exterior: whether there is anything beyond the edges, which are
-    insulated otherwise. shift [m]: of the edges, inwards, see `corrected`.
+    insulated otherwise. shift [m]: of the edges, inwards, see `corrected`. middle: a factor on the
+    permittivity in the middle cell of the sheet, to verify local changes by.
     """
 
     sheet: Sheet
@@ -47,6 +48,7 @@ class Block:
     exterior: bool = True
     grid: Grid = field(default_factory=Grid)
     shift: float = 0.0
+    middle: float = 1.0
 
     @property
     def longer(self) -> float:
@@ -71,11 +73,12 @@ class Block:
         """
         if not self.exterior:
             return self
+        even = replace(self, middle=1.0)
         step = TRIED_SHIFT * self.grid.finest * self.thickness
         fine = replace(self.grid, finest=self.grid.finest * MUCH_FINER)
         exact, plain, shifted = (
             cross_section(each)[0, 1]
-            for each in (replace(self, grid=fine), self, replace(self, shift=step))
+            for each in (replace(even, grid=fine), even, replace(even, shift=step))
         )
         return replace(self, shift=step * (exact - plain) / (shifted - plain))
 
@@ -167,7 +170,7 @@ def _quarter(block: Block, parity_x: int, parity_y: int) -> Quarter:
     return Quarter(
         x,
         y,
-        foam_modes(x, y, block.permittivity, block.air),
+        foam_modes(x, y, block.permittivity, block.air, block.middle),
         np.kron(*to_nodes),
         np.kron(*(axis.parity(parity) for axis, parity in axes)),
     )
@@ -186,15 +189,6 @@ def plates(block: Block, above: Outside = AIR, below: Outside = AIR) -> Array:
 
 
 def _even(block: Block, x: Line, y: Line, above: Outside, below: Outside) -> Array:
-    foam = foam_modes(x, y, block.permittivity, block.air)
+    foam = foam_modes(x, y, block.permittivity, block.air, block.middle)
     quarter = Quarter(x, y, foam, np.ones((x.inside * y.inside, 1)), np.ones((1, 1)))
     return quarter.charges(block, above, below)
-
-
-def estimated(block: Block, above: Outside = AIR, below: Outside = AIR) -> tuple[Array, Array]:
-    """Charges as those of `Static`, and by how much a finer grid and a wider box move them."""
-    C = Static(block).charges(above, below)
-    moved = np.zeros_like(C)
-    for grid in (block.grid.finer(), block.grid.farther()):
-        moved += abs(Static(replace(block, grid=grid)).charges(above, below) - C)
-    return C, moved
