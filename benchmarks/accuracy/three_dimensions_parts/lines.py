@@ -8,6 +8,7 @@ singular, and grow geometrically into the air beyond it, where the order is that
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -133,10 +134,13 @@ def element(order: int) -> tuple[Array, Array, Array]:
     return nodes, slopes.T @ (weights[:, None] * slopes), values.T @ (weights[:, None] * values)
 
 
+@cache
 def lobatto(order: int) -> Array:
     """Gauss-Lobatto nodes on -1..1, shape (order + 1,)."""
     inner = legendre.legroots(legendre.legder([0] * order + [1]))
-    return np.concatenate([[-1.0], np.sort(inner), [1.0]])
+    nodes = np.concatenate([[-1.0], np.sort(inner), [1.0]])
+    nodes.flags.writeable = False
+    return nodes
 
 
 def lagrange(nodes: Array, at: Array) -> tuple[Array, Array]:

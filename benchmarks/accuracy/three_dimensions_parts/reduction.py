@@ -38,14 +38,14 @@ class Part(NamedTuple):
 class Driven:
     """An interface of a circuit, ready for any M.
 
-    harmonic: fields of direct current for 1 V at high and at low, shape (unknown, 2). free: shape
-    (unknown, free). factor: of the conductances K of the free unknowns.
+    K: conductances, S. inverse: of those of the free unknowns, 0 for others. Both are of shape
+    (unknown, unknown). harmonic: fields of direct current for 1 V at high and at low, shape
+    (unknown, 2).
     """
 
     K: Array
+    inverse: Array
     harmonic: Array
-    free: Array
-    factor: tuple[Array, bool]
 
 
 def driven(K: Array, terminals: tuple[Array, Array]) -> Driven:
@@ -55,8 +55,8 @@ def driven(K: Array, terminals: tuple[Array, Array]) -> Driven:
         factor = cho_factor(free.T @ K @ free)
     except LinAlgError as error:
         raise ValueError("a sheet without a driven foil cannot be solved here") from error
-    harmonic = held - free @ cho_solve(factor, free.T @ (K @ held))
-    return Driven(K, harmonic, free, factor)
+    inverse = free @ cho_solve(factor, free.T)
+    return Driven(K, inverse, held - inverse @ (K @ held))
 
 
 @dataclass(frozen=True)
@@ -117,16 +117,17 @@ def reduced(interface: Driven, masses: Masses, s: Complex, rtol: float) -> tuple
 
     Raises RuntimeError where that stays above rtol.
     """
-    space = np.zeros((len(masses.M), 0))
+    space = np.zeros((2, len(masses.M), 0))
     latest = {state: interface.harmonic for state in masses.states}
     before: Complex | None = None
     for step in range(1, MOST_STEPS + 1):
         for state in latest:
-            latest[state] = _new(interface, masses.times(latest[state], state), space)
-            space = np.hstack([space, latest[state]])
+            new = _new(interface, masses.times(latest[state], state), space)
+            space = np.concatenate([space, new], axis=2)
+            latest[state] = new[0]
         if step < FIRST_STEPS or (step - FIRST_STEPS) % MORE_STEPS:
             continue
-        Z = -1 / _transfer(interface, masses, s, space)
+        Z = -1 / _transfer(interface, masses, s, space[0])
         if before is not None and (change := float(abs(Z / before - 1).max())) < rtol:
             return Z, change
         before = Z
@@ -134,15 +135,18 @@ def reduced(interface: Driven, masses: Masses, s: Complex, rtol: float) -> tuple
 
 
 def _new(interface: Driven, drawn: Array, space: Array) -> Array:
-    """K^-1 of charges on the free unknowns, less what the space has of it, orthonormal by K."""
-    free, K = interface.free, interface.K
-    found = free @ cho_solve(interface.factor, free.T @ drawn)
-    size = np.einsum("ij,ij->j", found, K @ found)
+    """K^-1 of charges on the free unknowns, less what the space has of it, orthonormal by K.
+
+    Vectors and K times them, as those of the space: shape (2, unknown, vector).
+    """
+    found = interface.inverse @ drawn
+    found = np.stack([found, interface.K @ found])
+    size = np.einsum("ij,ij->j", *found)
     for _ in range(2):
-        found -= space @ (space.T @ (K @ found))
-    values, turn = np.linalg.eigh(found.T @ K @ found)
+        found = found - space @ (space[0].T @ found[1])
+    values, turn = np.linalg.eigh(found[0].T @ found[1])
     kept = values > SMALL**2 * size.max(initial=0.0)
-    return found @ turn[:, kept] / np.sqrt(values[kept])
+    return found @ (turn[:, kept] / np.sqrt(values[kept]))
 
 
 def _transfer(interface: Driven, masses: Masses, s: Complex, space: Array) -> Complex:
