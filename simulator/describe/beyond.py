@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from ..measure.in_time import reading_moments
 from ..models.plain import electrical
 from ..models.stray import (
     FINGER,
@@ -22,11 +25,14 @@ from ..models.validity import thickness_told
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
 from ..scene.contacts import Contact
+from ..scene.foam_in_time import Relaxation
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..sweeps.units import prefixed
 
 LEFT_OUT = "left out"
+USUAL = Relaxation(share=0.1, time_constant=1.0)
+"""What an open foam may do, for the size of what is left out."""
 
 
 def beyond(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -129,6 +135,27 @@ def _overlap(scene: Scene, foil: Contact) -> str:
 
 
 def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
-    for each in scene.skin.foam.relaxation or ():
-        grown = f"the strain of a press that is held grows by {_percent(each.share)}"
-        yield "creep", f"{grown} with a time constant of {prefixed(each.time_constant, 's')}"
+    moments, whole = reading_moments(scene)
+    solids = scene.skin.foam.relaxation
+    for each in solids or (USUAL,):
+        first, last = np.exp(-moments[[0, -1], [0, -1]] / each.time_constant)
+        creeps = f"{_percent(each.share)} of its strain with {prefixed(each.time_constant, 's')}"
+        within = f"by {_percent(each.share * (first - last))} in a sweep of {prefixed(whole, 's')}"
+        if solids:
+            yield "creep", f"a held press creeps by {creeps}, {within}"
+        else:
+            yield "creep", f"foam that creeps by {creeps} does so {within}; {LEFT_OUT}"
+    if scene.skin.foam.hysteresis:
+        lost = _percent(scene.skin.foam.hysteresis)
+        yield "hysteresis", f"unloading does not give back {lost} of the work of a press"
+    yield from _weather(scene)
+
+
+def _weather(scene: Scene) -> Iterator[tuple[str, str]]:
+    units = {"temperature": ("°C", "K"), "humidity": ("%RH", "%RH")}
+    for name, (unit, by) in units.items():
+        table = getattr(scene.skin.foam, name)
+        if table is not None:
+            c, R = _percent(table.capacitance), _percent(table.sheet_resistance)
+            changes = f"the foam's capacitance changes by {c} and the sheets' resistance by {R}"
+            yield name, f"{table.reference:g} {unit}; with each {by} {changes}"

@@ -17,6 +17,7 @@ from ..measure.experiment import own_presses
 from ..measure.readout import errors_of
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
+from ..models.plain import require_static
 from ..models.reduced.forward import Forward
 from ..press.batch import NOTHING, PressBatch
 from ..scene.scene import Scene
@@ -99,6 +100,7 @@ def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -
 
 @lru_cache(maxsize=8)
 def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
+    require_static(scene, "a localizer by a model of the skin")
     cells = cells_per_pixel(scene) if anywhere else 1
     return UnknownSkin(Forward(scene, cells, rtol=RTOL, train=reduced_for))
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.describe.apart import alike, told_apart
+from rcskin.simulator.describe.beyond import beyond
 from rcskin.simulator.describe.facts import assumed, facts, prefixed
 from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.models.solver import Solver
@@ -197,3 +198,28 @@ def test_each_interface_has_the_cut_off_of_its_own_foils():
     assert bottom.startswith("bottom: ") and "70 mm from the foils" in bottom
     both = [cut_off_frequency(long, each) for each in long.interfaces]
     assert both[1] / both[0] == pytest.approx((0.18 / 0.07) ** 2, rel=1e-3)
+
+
+def test_foam_in_time_and_its_size_within_a_sweep():
+    """1 s of sweep of foam that creeps with 0.5 s: from 25 ms after the press to 975 ms."""
+    solids = [{"share": 0.2, "time_constant": 0.5}, {"share": 0.1, "time_constant": 1e4}]
+    weather = {"capacitance": 2e-3, "sheet_resistance": -1e-3}
+    scene = skin(
+        {
+            "skin.foam.relaxation": solids,
+            "skin.foam.hysteresis": 0.05,
+            "skin.foam.temperature": weather,
+            "experiment.timing.speed": "SLOW",
+            "experiment.temperature": 31.0,
+        }
+    )
+    told = list(beyond(scene))
+    assert (
+        "creep",
+        "a held press creeps by 20 % of its strain with 500 ms, by 16 % in a sweep of 1 s",
+    ) in told
+    assert any(text.startswith("a held press creeps by 10 %") for _, text in told)
+    assert ("hysteresis", "unloading does not give back 5 % of the work of a press") in told
+    assert dict(told)["temperature"].startswith("31 °C; with each K the foam's capacitance")
+    left_out = dict(beyond(skin({})))["creep"]
+    assert left_out.endswith("does so by 0.9 % in a sweep of 100 ms; left out")

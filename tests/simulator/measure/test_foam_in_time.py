@@ -4,13 +4,14 @@ import itertools
 
 import numpy as np
 import pytest
+from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.foam_state import FoamState
 from rcskin.simulator.measure.in_time import reading_moments
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on
-from rcskin.simulator.scene.files import load_scene
-from rcskin.simulator.sweeps import InputError, concatenate, impedance
+from rcskin.simulator.scene.files import load_scene, write_scene
+from rcskin.simulator.sweeps import InputError, concatenate, impedance, write
 
 ONE = [{"share": 0.1, "time_constant": 1.0}]
 TWO = [*ONE, {"share": 0.05, "time_constant": 20.0}]
@@ -225,3 +226,31 @@ def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
     np.testing.assert_allclose(impedance(again), impedance(mixed), rtol=1e-12)
     assert list(again["press"].values) == list(mixed["press"].values)
     assert np.abs(impedance(again)[1] / impedance(again)[2] - 1).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("command", "what"),
+    [
+        (["limits", "SCENE", "-o", "limits"], "a limit"),
+        (["frequencies", "SCENE", "-n", "2"], "a limit"),
+        (["design", "SCENE", "-o", "designed"], "a design"),
+        (["calibrate", "SCENE", "SWEEPS", "-o", "found"], "a calibration"),
+        (["page", "SCENE", "-o", "page.html"], "a page"),
+        (["study", "SCENE", "--vary", "pixels.columns=3,4", "-o", "study.csv"], "a study"),
+    ],
+)
+def test_commands_that_take_presses_as_they_are_at_once_say_so(
+    creeping, run, tmp_path, monkeypatch, command, what
+):
+    monkeypatch.chdir(tmp_path)
+    write_scene("mine.toml", creeping)
+    write(simulate(Solver(creeping, 1e-2), [Press()]), "mine.nc")
+    named = {"SCENE": "mine.toml", "SWEEPS": "mine.nc"}
+    code, _, err = run(*(named.get(word, word) for word in command))
+    told = f"strip-1x5: {what} cannot take `skin.foam.relaxation`"
+    assert code == 2 and err.count(told) == 1 and "Traceback" not in err
+
+
+def test_a_localizer_by_a_model_of_the_skin_says_so_too(creeping):
+    with pytest.raises(InputError, match="a localizer by a model of the skin cannot take"):
+        templates(creeping, "column", "drawn")
