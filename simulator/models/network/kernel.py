@@ -78,7 +78,8 @@ def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no co
 def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
     """Z in ohm of every excitation, shape (press, excitation, s); Y: of `admittances`.
 
-    What floats is eliminated one potential after the other.
+    What floats is eliminated one potential after the other. An excitation without any current, as
+    against earth that nothing reaches, has an infinite Z.
     """
     presses, count, N, _ = Y.shape
     readings, _, most = wiring.potentials.shape
@@ -105,5 +106,8 @@ def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
                         factor = A[a, last] / A[last, last]
                         for b in range(last):
                             A[a, b] -= factor * A[last, b]
-                Z[press, reading, k] = 1.0 / A[0, 0]
+                if A[0, 0] == 0.0:
+                    Z[press, reading, k] = np.inf
+                else:
+                    Z[press, reading, k] = 1.0 / A[0, 0]
     return Z

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.network.kernel import admittances
+from rcskin.simulator.fem.excitation import Combination, through_virtual_earth
+from rcskin.simulator.models.network.kernel import admittances, impedances
+from rcskin.simulator.models.network.skin import wiring_of
 from rcskin.simulator.models.network.touches import SIDE_BY_SIDE, at_rest
 from rcskin.simulator.models.reduced.dense import Rest, mass_of
 from rcskin.simulator.press.batch import PressBatch
@@ -65,3 +67,15 @@ def test_admittance_is_reciprocal_and_passive(rest):
     Y = admittances(rest, at_rest(rest, s), batch, s)[0]
     np.testing.assert_array_equal(Y, Y.swapaxes(1, 2))
     assert (np.linalg.eigvalsh(Y.real) > 0).all()
+
+
+def test_an_excitation_without_any_current_adds_nothing_to_its_reading():
+    """One terminal a sheet, Y = s C (u_t - u_b)²: both at 1/2 V draw nothing, and Z is 1 / sC."""
+    s, C = some_s(3), 5e-12
+    Y = s[None, :, None, None] * C * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    drives = through_virtual_earth((0,), (1,))
+    wiring = wiring_of(drives, np.array([0, 1]), np.zeros((2, 2)))
+    Z = impedances(Y, wiring)
+    assert np.isinf(Z[0, 1]).all()
+    combined = Combination(wiring.weights).impedance(1 / np.moveaxis(Z, 1, 0))
+    np.testing.assert_allclose(combined[0], [1 / (s * C)])
