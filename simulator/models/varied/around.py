@@ -56,13 +56,13 @@ def check_around(scene: Scene) -> None:
 
 def _check_rim(scene: Scene, around: Surroundings) -> None:
     """Raises InputError for one that is computed towards a body that is not earth."""
-    rim_densities(scene)
     for body in around.body if around.rim is True else ():
         if not around.at_earth(body):
             raise InputError(
                 f"{scene.name}: `surroundings.rim = true` is computed towards a body at earth, got "
                 f"`potential` = {body.potential!r}; give the rim in F/m"
             )
+    rim_densities(scene)
 
 
 def charged_to_earth(

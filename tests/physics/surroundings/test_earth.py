@@ -8,7 +8,7 @@ from rcskin.simulator.models.varied.meshes import meshes
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
 
-FREQUENCIES = np.geomspace(1.0, 1e7, 12).tolist()
+FREQUENCIES = np.geomspace(1.0, 2e6, 8).tolist()
 LOST = 1e-9
 """Of Rs at 1 Hz, what the closed form loses of its digits."""
 BODIES = [(0.0, 1.77e-9), (3e-10, 1.77e-9), (8e-9, 2e-8)]
@@ -36,7 +36,7 @@ def test_current_into_a_virtual_earth(around, solve, three_conductors, top, bott
 
 def test_a_body_behind_a_thin_film(around, solve, three_conductors):
     """0.1 mm of plastic: the field ends far nearer to the foils than by the foam alone."""
-    scene = around({"body": bodies(0.0, 3e-7)}, frequencies=FREQUENCIES[3:-2])
+    scene = around({"body": bodies(0.0, 3e-7)}, frequencies=FREQUENCIES[2:-1])
     answer = solve(scene, rtol=1e-4)
     assert "triangles" not in answer.model
     assert_told(answer, -1 / three_conductors(scene, 0.0, 3e-7)[:, 0, 1], 1e-4)
@@ -91,7 +91,7 @@ def test_a_body_that_floats_takes_no_charge(around, low, solve):
 
 def test_what_is_far_away_changes_nothing(around, solve):
     """The limit of no earth, of a skin in which nothing is even."""
-    foils = {"top-left": {"span": (0.2, 0.9)}, "bottom-bottom": {}}
+    foils = {"top-left": {}, "bottom-bottom": {}}
     skin = {"contacts": foils, "rows": 2, "columns": 2}
     far = solve(around({"body": {"capacitance_per_area": 1e-15}}, **skin), "1,2:2.0", 1e-4)
     alone = solve(around(None, **skin), "1,2:2.0", 1e-4)
@@ -127,8 +127,7 @@ def test_reciprocity(around, solve):
     assert relative_difference(answer.Z[:1], answer.Z[1:]).max() <= 2e-4
 
 
-@pytest.mark.parametrize("low", ["virtual earth", "floating"])
-@pytest.mark.parametrize("rtol", [1e-2, 1e-3])
+@pytest.mark.parametrize(("low", "rtol"), [("virtual earth", 1e-3), ("floating", 1e-2)])
 def test_told_errors_bound_the_truth(around, solve, low, rtol):
     """Ends of foils within an edge, and a guard beside an earthed body."""
     given = SURROUNDED | {
