@@ -1,8 +1,12 @@
 """Skins with something around them, and the line of three conductors in closed form."""
 
+import math
+
 import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.varied.meshes import circuit_of
+from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene import Scene
 
@@ -54,3 +58,35 @@ def three_conductors():
         return np.array(found)
 
     return three_conductors
+
+
+@pytest.fixture(scope="session")
+def on_triangles():
+    """A function from a scene and a press to the first rung of triangles within a tolerance."""
+
+    def on_triangles(scene, press="none", rtol=1e-4):
+        found = Triangles(scene, circuit_of(scene), parse_press(press, 2.0, scene), rtol)
+        while True:
+            rung = found.finer(scene.frequencies).rung(scene.frequencies, rtol)
+            if rung.error.max() <= rtol:
+                return rung
+
+    return on_triangles
+
+
+@pytest.fixture(scope="session")
+def hole():
+    """A function that cuts a disc of a radius of 1 cm out of a scene.
+
+    Returns it with what is left of the area, and the length of all edges.
+    """
+
+    def hole(scene):
+        square = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.08], [0.0, 0.08]]
+        cut = {"points": square, "holes": [{"circle": [0.06, 0.04, 0.01]}]}
+        told = scene.model_dump(by_alias=True, exclude_none=True)
+        told["skin"]["outline"] = cut
+        told["contact"] = [c | {"edge": "outline.4"} for c in told["contact"]]
+        return type(scene).model_validate(told), 0.008 - math.pi * 1e-4, 0.36 + 0.02 * math.pi
+
+    return hole

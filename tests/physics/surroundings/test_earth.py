@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.galerkin import swept
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.varied.meshes import meshes
-from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.sweeps import InputError
 
 FREQUENCIES = np.geomspace(1.0, 2e6, 8).tolist()
@@ -153,6 +154,26 @@ def test_terms_are_symmetric_and_never_negative(around):
     assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
     assert np.linalg.eigvalsh(M).min() >= -1e-14 * np.abs(M).max()
     assert np.linalg.eigvalsh(M)[0] > 0, "earth is there: no potential is without charge"
+
+
+@pytest.mark.parametrize("low", ["virtual earth", "floating"])
+def test_against_complex_solves(around, low):
+    """A few real solves against one complex system for each frequency, whatever its reach."""
+    guard = {"side": "top", "capacitance_per_area": 1e-9, "potential": "high"}
+    foils = {"top-left": {}, "top-right": {}, "bottom-bottom": {}}
+    given = SURROUNDED | {"low": low, "body": [guard, *bodies(0.0, 1.77e-9)]}
+    interfaces = {"m": ("top-left", "bottom-bottom")}
+    scene = around(given, contacts=foils, interfaces=interfaces, rows=2, columns=2)
+    found = meshes(scene, Press(), None, 1e-3).finer(scene.frequencies)
+    s, space, M = 2j * np.pi * np.geomspace(1.0, 1e8, 9), found.fine.space, found.fine.system.mass
+    drives, combined = found.circuit.drives, found.circuit.combination
+    Q, error = swept(space, M, drives, s, 1e-9)
+    network = space.network(M, s)
+    exact = np.stack([network.form(drive) for drive in drives])
+    off = relative_difference(combined.impedance(Q), combined.impedance(exact))
+    assert (off[..., 3:] <= error[:, 3:] + 1e-8).all(), "complex solves lose digits below"
+    assert error.max() <= 2e-9
+    np.testing.assert_allclose(combined.impedance(Q), combined.impedance(exact), rtol=1e-8)
 
 
 @pytest.mark.parametrize("model", ["line", "lumped"])

@@ -1,38 +1,16 @@
-"""Fingers, rims, foils with a width and the depth of the foam, each against a closed form."""
-
-import math
+"""Fingers, the rim and the depth of the foam, each against a closed form."""
 
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.fields import fields
-from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.plain import electrical
-from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.around import of_step
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.triangles import Triangles
-from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 LOW = 1e-2
 """Hz."""
-PAIR = {"top-left": {}, "bottom-left": {}}
-
-
-@pytest.fixture(scope="module")
-def on_triangles():
-    """A function from a scene and a press to the first rung of triangles within a tolerance."""
-
-    def on_triangles(scene, press="none", rtol=1e-4):
-        found = Triangles(scene, circuit_of(scene), parse_press(press, 2.0, scene), rtol)
-        while True:
-            rung = found.finer(scene.frequencies).rung(scene.frequencies, rtol)
-            if rung.error.max() <= rtol:
-                return rung
-
-    return on_triangles
 
 
 def finger_law(scene, farads, start, stop):
@@ -81,35 +59,6 @@ def test_a_hover_a_press_and_both(around, solve):
     assert relative_difference(one.Z, solve(scene, "2,2:1.8:rod", 1e-5).Z).max() > 1e-2
 
 
-@pytest.mark.parametrize("frequencies", [[LOW], [1e3, 1e5, 3e6]])
-def test_foils_with_a_width(make_scene, frequencies):
-    """Both foils left: a plate under them beside the line that is left; f -> 0: (1 - w/L)³."""
-    wide = {name: {"width": 0.013} for name in PAIR}
-    scene = make_scene(wide, frequencies=frequencies, columns=5)
-    shorter = make_scene(PAIR, length=0.1 - 0.013, frequencies=frequencies)
-    s = 2j * np.pi * scene.frequencies
-    Y = 1 / Line(shorter).impedance(Press(), scene.frequencies) + s * 5e-9 * 0.013 * 0.08
-    answer = Solver(scene, 1e-6).solve(Press())
-    assert relative_difference(answer.Z, 1 / Y).max() <= 1e-6
-    if frequencies == [LOW]:
-        R = (50e3 + 30e3) * 0.1 / 0.08 / 3
-        assert answer.Z.real.item() == pytest.approx(R * (1 - 0.13) ** 3, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    "contacts",
-    [
-        {"top-left": {"width": 0.01}, "bottom-left": {}},
-        {"top-left": {"width": 0.01, "span": (0.2, 0.7)}, "bottom-bottom": {"width": 0.004}},
-    ],
-)
-def test_foils_with_a_width_on_triangles(around, solve, on_triangles, contacts):
-    scene = around({"body": {"distance": 5e-3}}, contacts=contacts, rows=2, columns=2)
-    rung, answer = on_triangles(scene, "2,1:2.0:4pF", 1e-2), solve(scene, "2,1:2.0:4pF", 1e-3)
-    off = relative_difference(rung.Z, answer.Z)
-    assert (off <= rung.error + np.stack(answer.relative_errors)).all()
-
-
 def test_field_across_the_foam_is_not_straight(around, solve, three_conductors):
     """G + s eps d [[1/3, 1/6], [1/6, 1/3]] in place of G in the line; 1 % of Rs at 10 MHz."""
     given = {"thickness": True, "body": {"capacitance_per_area": 1.77e-9}}
@@ -144,26 +93,6 @@ def test_a_law_for_equal_sheets(around, solve):
     assert relative_difference(solve(scene).Z[0], np.array([exact])).max() <= 1e-6
 
 
-@pytest.mark.parametrize(("ratio", "excess"), [(0.5, 0.2498), (0.999999, 0.0)])
-def test_a_step_of_the_gap(ratio, excess):
-    """From 4 to 2 mm, and no step at all."""
-    assert of_step(ratio) == pytest.approx(excess, abs=5e-5)
-
-
-@pytest.mark.parametrize(
-    "press", ["rect(0.02,0.04,0.04,0.08):2.0:rod", "disc(0.05,0.04,0.02):0.5:rod"]
-)
-def test_walls_around_a_touch(around, solve, press):
-    """Cp(0) = c0 (A + (f - 1) A_touched) + eps E times the length of walls within the skin."""
-    given = {"thickness": True, "edges": True}
-    scene = around(given, {"thickness": 4e-3}, frequencies=[LOW], columns=5)
-    disc = press.startswith("disc")
-    wall, touched = (0.04 * math.pi, 4e-4 * math.pi) if disc else (0.08, 0.04 * 0.08)
-    exact = 5e-9 * (0.008 + touched * (-0.5 if disc else 1.0)) + 5e-9 * 4e-3 * of_step(0.5) * wall
-    Cp = parallel_capacitance(solve(scene, press, 1e-4).Z, scene.frequencies).item()
-    assert Cp == pytest.approx(exact, rel=1e-6)
-
-
 RIM = {"mutual": 8e-12, "top": 2e-11, "bottom": 5e-12}
 
 
@@ -188,17 +117,7 @@ def test_rim_of_a_narrow_line(around, solve):
     assert relative_difference(solve(scene).Z[0], 1 / Y).max() <= 1e-5
 
 
-def hole(scene):
-    """With a disc of a radius of 1 cm cut out; its area, and the length of all edges."""
-    square = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.08], [0.0, 0.08]]
-    cut = {"points": square, "holes": [{"circle": [0.06, 0.04, 0.01]}]}
-    told = scene.model_dump(by_alias=True, exclude_none=True)
-    told["skin"]["outline"] = cut
-    told["contact"] = [c | {"edge": "outline.4"} for c in told["contact"]]
-    return type(scene).model_validate(told), 0.008 - math.pi * 1e-4, 0.36 + 0.02 * math.pi
-
-
-def test_rim_of_a_hole(around, solve):
+def test_rim_of_a_hole(around, solve, hole):
     scene, A, perimeter = hole(around({"rim": RIM}, frequencies=[LOW], rows=2, columns=2))
     Cp = parallel_capacitance(solve(scene, rtol=1e-3).Z, scene.frequencies).item()
     assert Cp == pytest.approx(5e-9 * A + RIM["mutual"] * perimeter, rel=1e-6)
@@ -297,14 +216,3 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
 def test_what_is_not_taken_is_refused(around, solve, given, press, wrong):
     with pytest.raises(InputError, match=wrong):
         solve(around(given), press)
-
-
-def test_width_needs_a_rectangle(around, solve):
-    scene, *_ = hole(around({}, contacts={"top-left": {"width": 0.01}, "bottom-left": {}}))
-    with pytest.raises(InputError, match=r"contact\[1\].width` needs a rectangle"):
-        solve(scene)
-
-
-def test_walls_do_not_reduce(around):
-    with pytest.raises(InputError, match=r"reduced model cannot take `surroundings.edges`"):
-        reduce(around({"thickness": True, "edges": True}), 1e-2)
