@@ -94,6 +94,8 @@ def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistrib
     if low == high:
         return 1
     alone = {single for each in among for single in each.singles}
+    if not alone:
+        return NODES[0]
     ordered = sorted(alone, key=lambda each: (each.pixels, each.fingers))
 
     def values(factors: Array) -> Array:

@@ -1,8 +1,8 @@
 """How well one sweep tells where and how strongly a skin is touched: Cramér and Rao's bound.
 
 A touch is a rectangle of known size, anywhere; unknown are x, y and its strength, the rise of
-capacitance over that at rest. Beside them the meter's errors of the session are unknown and, on
-demand, the skin, within the spread of [dataset.session].
+capacitance over that at rest, and of a finger its capacitance to earth. Beside them the meter's
+errors of the session are unknown and, on demand, the skin, within the spread of [dataset.session].
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ..mesh.held import held
 from ..models.parameters import session_spreads
 from ..models.response import Response
 from ..press.batch import PressBatch
+from ..press.finger import finger_over
 from ..progress import Progress, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -70,9 +71,10 @@ class Bounds:
 class Slopes:
     """Derivatives of all readings by what is unknown, over the meter's noise.
 
-    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED first.
-    prior: 1/deviation² of each unknown, shape (unknown,). frequency: Hz. room: how
-    far the middle of a touch can move along x and y, m: no bound beyond that tells anything.
+    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED first,
+    then a finger's capacitance. prior: 1/deviation² of each unknown, shape (unknown,). frequency:
+    Hz. room: how far the middle of a touch can move along x and y, m: no bound beyond that tells
+    anything.
     """
 
     places: NDArray[np.float64]
@@ -132,9 +134,12 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
             )
         width = height = size
     factor = scene.pressed_factor if factor is None else factor
-    if not (np.isfinite(factor) and factor > 0 and factor != 1):
-        raise InputError(f"--factor must be finite, > 0 and not 1, got {factor:g}")
-    return TouchSize(width, height, factor - 1)
+    how = scene.press.finger
+    finger = float(finger_over(scene, np.array(width * height), how)) if how else 0.0
+    if not (np.isfinite(factor) and factor > 0 and (factor != 1 or finger)):
+        alone = " without a finger in `press.finger`" if factor == 1 else ""
+        raise InputError(f"--factor must be finite, > 0 and not 1{alone}, got {factor:g}")
+    return TouchSize(width, height, factor - 1, finger)
 
 
 def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
@@ -183,14 +188,16 @@ def position_slopes(
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     laying = laying or touches_on(scene, fields.grid, touch)
+    cells = Cells.of(scene.skin.length, scene.skin.width, fields.grid)
+    unknown = (*WANTED, "finger") if touch.finger else WANTED
     found = []
     for place in tracked(places, "places", progress):
-        factors, changes = laying.laid(place, touch)
+        factors, changes = cells.with_finger(laying.laid(place, touch), place, touch)
         of_foam = skin.maps(factors) if skin else None
         answer = fields.respond(factors, changes, frequency, of_foam)
-        own = in_noise(answer.Z, [answer.by_parameter[name] for name in WANTED], model)
+        own = in_noise(answer.Z, [answer.by_parameter[name] for name in unknown], model)
         found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
-    prior = np.concatenate([np.zeros(len(WANTED)), prior, *([skin.prior] if skin else [])])
+    prior = np.concatenate([np.zeros(len(unknown)), prior, *([skin.prior] if skin else [])])
     room = scene.skin.length - touch.width, scene.skin.width - touch.height
     return Slopes(np.array(places), np.stack(found), prior, frequency, room)
 
@@ -239,8 +246,9 @@ class SkinUnknowns:
         self.prior = np.array([1 / each**2 for each in self.deviations.values()])
 
     def maps(self, factors: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """How c changes with the foam of each pixel."""
-        return {name: pixel * factors for name, pixel in self._pixels.items()}
+        """How c changes with the foam of each pixel; fingers do not."""
+        of_foam = factors if factors.ndim == 2 else factors * np.array([1.0, 0.0])[:, None, None]
+        return {name: pixel * of_foam for name, pixel in self._pixels.items()}
 
     def slopes(self, answer: Response) -> NDArray[np.float64]:
         """Of a press, less those of the skin at rest where that is what it is compared with."""

@@ -7,7 +7,7 @@ normal distribution around it of one common deviation, and together they are the
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -20,14 +20,15 @@ from ..models.network.terminals import reduced_for
 from ..models.plain import require_static
 from ..models.reduced.forward import Forward
 from ..press.batch import NOTHING, PressBatch
+from ..press.parts import parts_of
 from ..scene.scene import Scene
+from .covering import covered
+from .fingers import Way, fingers_of, require_rods
 from .places import cells_per_pixel, place_tables
 from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]
 STRENGTHS = 6
-OVERLAP = 0.5
-"""Deviation that a strength stands for, over the step to the next: their sum is flat to 1 %."""
 RTOL = 1e-3
 """Of Rs and Cp: a meter's noise is several times that."""
 DRIFT = 1e-3
@@ -52,15 +53,19 @@ def templates(
     deviation of what foam and sheets change by, relative, between a touch and that curve.
     All hold deviation (number,): of one reading by the meter; drift (number, 2): of foam and sheets
     since rest, if that is given; chances (3,): of 0, 1, 2 touches;
-    strengths, weights (strength,) and spread (): the prior.
+    strengths (strength,), weights and spread (): the prior; weights are of strengths with each
+    finger that may touch, (strength,).
     For pixels: grid (2,): rows and columns; pixels (place, 2): row and column;
     single (place, strength, number): a touch; slope, of the same shape: by strength; skin (place,
     strength, number, unknown): of each unknown of the skin at one deviation, and of drift since
     rest; shift (place, strength, number): what is known to be added. For two touches also
     pairs (pair, 2): places, and pair (pair, strength, strength, number). For positions: as of
     `place_tables`.
-    Raises InputError for a meter without noise.
+    Raises InputError for a meter without noise, and as `require_rods` does for more than one touch
+    and for positions.
     """
+    if target in (POSITION, *TWO_TOUCHES):
+        require_rods(scene, presses, target)
     if rest is None:
         return _of_mean_skin(scene, target, presses)  # pyright: ignore[reportArgumentType]
     unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
@@ -78,15 +83,19 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
     strengths, weights, spread = strength_prior(scene, presses)
+    fingers = fingers_of(scene, presses)
+    ways = fingers.ways(strengths, weights)
     common = {
         "deviation": errors_of(scene).deviation,
         "chances": chances,
         "strengths": strengths,
-        "weights": weights,
+        "weights": np.array([way.chance for way in ways]),
         "spread": np.array(spread),
     }
     of_touches = (
-        place_tables(unknown, strengths) if target == POSITION else pixel_tables(unknown, strengths)
+        place_tables(unknown, strengths)
+        if target == POSITION
+        else pixel_tables(unknown, ways, fingers.deviation)
     )
     tables = common | of_touches | _with_drift(of_touches["skin"], unknown, drift)
     return tables | pair_tables(unknown, strengths) if target in TWO_TOUCHES else tables
@@ -109,30 +118,18 @@ def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]
     """Strengths, the chance of each, and the deviation that each stands for."""
     drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
     if presses == "press":
-        return covered(own_presses(scene).at)
+        return covered(own_presses(scene).at, STRENGTHS)
     if scene.press.plain or deep is None:
-        return covered(drawn.at)
-    return covered(lambda chance: scene.pressed_factors(deep.at(chance)))
+        return covered(drawn.at, STRENGTHS)
+    return covered(lambda chance: scene.pressed_factors(deep.at(chance)), STRENGTHS)
 
 
-def covered(quantile: Callable[[NDArray], NDArray]) -> tuple[NDArray, NDArray, float]:
-    """Even steps over a distribution, the chance of each, and the deviation it stands for."""
-    draws = quantile((np.arange(2000) + 0.5) / 2000)
-    low, high = quantile(np.array([0.0, 1.0]))
-    if not high > low:
-        return np.array([low]), np.ones(1), 0.0
-    edges = np.linspace(low, high, STRENGTHS + 1)
-    counts, _ = np.histogram(draws, edges)
-    step = edges[1] - edges[0]
-    return (edges[:-1] + edges[1:]) / 2, np.maximum(counts, 1) / counts.sum(), OVERLAP * step
-
-
-def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
-    """Every pixel on the skin alone at every strength."""
+def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) -> Tables:
+    """Every pixel on the skin alone in every way. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
     rest = unknown.seen(forward.respond(*NOTHING, unknown.values).Z)
     places = held(forward.scene).numbers
-    found = [[_touch(unknown, pixel, f) for f in strengths] for pixel in places.tolist()]
+    found = [[_touch(unknown, pixel, way, of_finger) for way in ways] for pixel in places.tolist()]
     single, slope, skin, shift = (
         np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
     )
@@ -146,13 +143,23 @@ def pixel_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables
     }
 
 
-def _touch(unknown: UnknownSkin, pixel: int, strength: float) -> tuple[NDArray, ...]:
-    """What is observed of it, its slope by strength, the effect of the unknown skin and shift."""
-    cells, rises = np.array([pixel]), np.array([strength - 1])
+def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tuple[NDArray, ...]:
+    """What is observed of it, its slope by strength, the effect of the unknown skin and shift.
+
+    Where a finger's capacitance is not known, that is one more unknown of the touch.
+    """
+    cells, rises = np.array([pixel]), np.array([way.factor - 1])
+    if way.finger or of_finger:
+        own = parts_of(unknown.forward.scene).finger(cells)
+        cells, rises = np.append(cells, own), np.append(rises, way.finger)
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
-    slope = unknown.seen_slope(response.Z, by_strength[..., pixel])
-    return unknown.seen(response.Z), slope, *unknown.of_touch(cells, rises)
+    slope = way.presses * unknown.seen_slope(response.Z, by_strength[..., pixel])
+    skin, shift = unknown.of_touch(cells, rises)
+    if of_finger:
+        by_finger = of_finger * unknown.seen_slope(response.Z, response.by_parameter["finger"])
+        skin = np.column_stack([skin, by_finger])
+    return unknown.seen(response.Z), slope, skin, shift
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:

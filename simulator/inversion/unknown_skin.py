@@ -141,8 +141,8 @@ class UnknownSkin:
         self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray:
         """Of each pixel's capacitance, or of each slow wave of it."""
-        pressed = np.ones(len(by_cell))
-        np.add.at(pressed, cells, rises)
+        pressed, on_foam = np.ones(len(by_cell)), cells < len(by_cell)
+        np.add.at(pressed, cells[on_foam], rises[on_foam])
         pressed *= math.exp(self.values["capacitance"])
         return np.tensordot(self._foam * pressed, by_cell, axes=1)
 

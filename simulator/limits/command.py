@@ -42,6 +42,10 @@ def limits(
     ] = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
+    finger: Annotated[
+        str | None,
+        typer.Option(help="What touches: finger (earthed), floating, rod, or 5.3pF."),
+    ] = None,
     against_rest: AgainstRest = RESTS,
     unknown_skin: Annotated[
         bool,
@@ -64,7 +68,10 @@ def limits(
     frequency set, interface and sheet resistance; distances between pixels'
     sweeps in units of the meter's error; and Bayes' accuracy of columns, rows
     and pixels, which no classifier surpasses. Beside each stands what is
-    taken as known and what not. --size and --factor hold for all of them.
+    taken as known and what not. --size, --factor and --finger hold for all of
+    them. Where a finger presses, the accuracies of the same pixels pressed by
+    a rod, and touched by the finger without a press, follow; --factor 1 is of
+    that touch alone.
 
     With --accuracy: the largest number of pixels for it, by target, of grids
     in the proportion of the scene's rows and columns.
@@ -82,11 +89,12 @@ def limits(
         errors_of_survey,
         survey,
         with_factor,
+        with_finger,
         with_interfaces,
         with_sheets,
     )
 
-    plain = foldable(asked_scene(scene), "a limit")
+    plain = foldable(with_finger(asked_scene(scene), finger), "a limit")
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)

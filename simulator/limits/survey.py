@@ -23,10 +23,13 @@ from ..progress import Progress, silent
 from ..scene.reading import through
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.press_text import parse_touches
 from .criteria import position_criterion
 from .design import GRID, best_set, some_places
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
+FLOATING = "floating"
+"""A finger of a person who floats."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,11 @@ class Question:
         skin = "" if self.unknown_skin else "the skin and "
         unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
         deep = "; pressed by depth: the strength is that under the touch" if self.by_depth else ""
+        finger = self.touch.finger
+        own = f", and the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
         return (
             f"known are {skin}the touch's sides, {size}; unknown are x, y and strength, anywhere "
-            f"and any{unknown}{deep}"
+            f"and any{own}{unknown}{deep}"
         )
 
 
@@ -127,6 +132,17 @@ def with_factor(scene: Scene, factor: float) -> Scene:
     by = by or {"depth": scene.pressed_depth(factor)}
     pressing = scene.press.model_copy(update=by)
     return scene.model_copy(update={"press": pressing})
+
+
+def with_finger(scene: Scene, text: str | None) -> Scene:
+    """The same scene touched by what a text says, as of a press's text or "floating"; by its own
+    for None. Raises InputError."""
+    if text is None:
+        return scene
+    if text == FLOATING:
+        return scene.with_({"press.finger": FLOATING})
+    (touch,) = parse_touches(f"1,1:1:{text}")
+    return scene.with_({"press.finger": touch.finger or None})
 
 
 def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:

@@ -45,9 +45,11 @@ def ways(
     size: float | None,
     accuracy: Callable[[Sequence[Hypothesis]], Accuracy],
 ) -> Ways | None:
-    """None of a scene that is pressed by a rod. among: hypotheses by target. size: as of
-    `Readings`. accuracy: of hypotheses."""
-    if not scene.press.finger:
+    """None of a scene that is pressed by a rod, or not pressed at all.
+
+    among: hypotheses by target. size: as of `Readings`. accuracy: of hypotheses.
+    """
+    if not scene.press.finger or scene.pressed_factor == 1:
         return None
     others = {
         name: {target: accuracy([*map(way, own)]) for target, own in among.items()}

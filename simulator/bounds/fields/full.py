@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.excitation import Drive
+from ...fem.excitation import Combination, Drive, combination
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
-from ...models.parameters import by_sheets, of_parts
+from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.resolving import unreduced
 from ...models.response import Response, at_meter
@@ -29,6 +29,7 @@ from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
+from .laying import Laying
 
 Maps = Mapping[str, NDArray[np.float64]]
 """Of c over that at rest, or of its changes, by name."""
@@ -56,7 +57,6 @@ class Fields:
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
-        scene.require_sheets_alone("what readings tell")
         self.scene, self.cells, divided = scene, cells, scene.divided(cells)
         self.grid = divided.pixels.shape
         self._circuit = circuit_of(divided)
@@ -71,31 +71,44 @@ class Fields:
     ) -> Response:
         """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
 
-        directions: by name, how the map changes with something, of the same shape. of_foam: how the
-        foam changes, which tells nothing of how far it is pressed; None where the skin is known.
+        With fingers the map has shape (2, row, column): their F in each cell follow. directions: by
+        name, how the map changes with something, of the same shape. of_foam: how the foam changes,
+        which tells nothing of how far it is pressed; None where the skin is known.
         The response holds derivatives by both and by the leads' parameters, and, unless the skin is
         known, by the skin's (see `parameters`). Raises InputError where frequencies lie too far
         above cut-off.
         """
-        pressed, maps = self._parts(factors, 1.0), {**directions, **(of_foam or {})}
-        weights = weights_under(None, self._family.scene, self._circuit, 1, pressed)
+        pressed = self._laying.pressed(factors)
+        foam = pressed[self._laying.foam]
+        weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
+        masses = {name: self._laying.by_press(each, foam) for name, each in directions.items()}
+        if of_foam is not None:
+            masses |= {name: self._laying.by_foam(each, foam) for name, each in of_foam.items()}
+            masses |= self._laying.by_surroundings
         on = _Pressed(
             self._family.skin(weights),
             weights,
             self._family.mass(pressed),
-            {name: self._mass(change) for name, change in maps.items()},
-            {name: self._gauged(pressed, change) for name, change in directions.items()},
+            {name: self._own(self._family.mass(each)) for name, each in masses.items()},
+            {name: self._gauged(foam, change) for name, change in directions.items()},
             of_foam is not None,
         )
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
-        Y = np.stack([own for own, _ in found])
+        Y = combined.admittance(np.stack([own for own, _ in found]))
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
+        by = {name: combined.admittance(each) for name, each in by.items()}
         return at_meter(1 / Y, by, self.scene.leads, frequency)
 
-    def _mass(self, change: NDArray[np.float64]) -> csc_matrix:
-        return self._own(self._family.mass(self._parts(change, 0.0)))
+    @cached_property
+    def _combined(self) -> Combination:
+        """How what is solved for combines to interfaces."""
+        return combination(self._circuit.drives)
+
+    @cached_property
+    def _laying(self) -> Laying:
+        return Laying(self._family.scene)
 
     @cached_property
     def _sheet_terms(self) -> list[csc_matrix]:
@@ -107,18 +120,15 @@ class Fields:
         own.eliminate_zeros()
         return own
 
-    def _parts(self, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
-        return of_parts(self._family.scene, map_of, beside)
-
     def _gauged(
-        self, pressed: NDArray[np.float64], change: NDArray[np.float64]
+        self, foam: NDArray[np.float64], change: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
         """Change of the weights of K's terms of sheets; None where no press changes them."""
         scene = self._family.scene
         if not gauged(scene.skin):
             return None
-        by_factor = gauge_slopes(scene.skin, pressed)[: self._circuit.fields]
-        return (by_factor * self._parts(change, 0.0)).ravel()
+        by_factor = gauge_slopes(scene.skin, foam)[: self._circuit.fields]
+        return (by_factor * self._laying.of_foam(change, 0.0)).ravel()
 
     def _of_drive(
         self,

@@ -21,16 +21,21 @@ ABOUT = 0.2
 
 
 class TouchSize(NamedTuple):
-    """Rectangles that are to be answered: sides along x and y in m, and by how much c rises."""
+    """Rectangles that are to be answered: sides along x and y in m, and by how much c rises.
+
+    finger: capacitance to earth, F, spread evenly over it; 0 of a rod.
+    """
 
     width: float
     height: float
     rise: float
+    finger: float = 0.0
 
 
 class Laid(NamedTuple):
     """c over that at rest, and how that changes with x and y [1/m] and with the rise under the
-    touch, by name; each of shape (row, column)."""
+    touch, by name; each of shape (row, column), or (2, row, column) where a finger touches, with
+    its F in each cell after c; then they change with the finger's capacitance [1/F], too."""
 
     factors: Array
     changes: dict[str, Array]
@@ -71,6 +76,21 @@ class Cells:
         """A touch about a place, m."""
         changes = self.raised(place, touch)
         return Laid(1 + touch.rise * changes["strength"], changes)
+
+    def with_finger(self, laid: Laid, place: Place, touch: TouchSize) -> Laid:
+        """The same touch by a finger; itself by a rod."""
+        if not touch.finger:
+            return laid
+        sides = np.multiply.outer(np.diff(self.y), np.diff(self.x)) / (touch.width * touch.height)
+        own = self.raised(place, touch._replace(rise=touch.finger))
+        fingers = {name: own[name] * sides for name in own}
+        none = np.zeros_like(laid.factors)
+        changes = {
+            name: np.stack([change, none if name == "strength" else fingers[name]])
+            for name, change in laid.changes.items()
+        }
+        changes["finger"] = np.stack([none, fingers["strength"]])
+        return Laid(np.stack([laid.factors, touch.finger * fingers["strength"]]), changes)
 
 
 def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.inversion import places as templates_places
-from rcskin.simulator.inversion.tables import STRENGTHS, covered, strength_prior, templates
+from rcskin.simulator.inversion.covering import covered
+from rcskin.simulator.inversion.tables import STRENGTHS, strength_prior, templates
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin
@@ -183,7 +184,7 @@ def test_strengths_cover_their_distribution(scene):
     density = np.exp(-(((fine - strengths) / spread) ** 2) / 2) @ weights
     np.testing.assert_allclose(density / density.mean(), 1.0, rtol=0.03)
     assert weights.sum() == pytest.approx(1.0, abs=0.01)
-    assert len(covered(lambda chance: np.full(np.shape(chance), 2.0))[0]) == 1
+    assert len(covered(lambda chance: np.full(np.shape(chance), 2.0), STRENGTHS)[0]) == 1
     assert len(strengths) == STRENGTHS
 
 

@@ -1,0 +1,74 @@
+"""Maps of cells as the parts that M is a sum of, see `Parts`."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.parameters import of_parts
+from ...press.parts import Parts, parts_of
+from ...scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class Laying:
+    """Of a scene whose pixels are the cells. Maps are of c over that at rest, shape (row, column),
+    or (2, row, column) with the F of fingers in each cell after that."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+
+    @cached_property
+    def parts(self) -> Parts:
+        """How parts are numbered."""
+        return parts_of(self._scene)
+
+    @property
+    def foam(self) -> slice:
+        """Which parts are of the foam."""
+        return self.parts.kind[0]
+
+    def of_foam(self, map_of: Array, beside: float) -> Array:
+        """Of each part of the foam. beside: of that which is no cell."""
+        own = map_of if map_of.ndim == 2 else map_of[0]
+        return of_parts(self._scene, own, beside)
+
+    def pressed(self, factors: Array) -> Array:
+        """How much of each part there is under a map, shape (part,)."""
+        found, (foam, _, across) = self._with_fingers(self.parts.resting, factors), self.parts.kind
+        found[foam] = self.of_foam(factors, 1.0)
+        if self.parts.thickness:
+            found[across] = 1 / found[foam]
+        return found
+
+    def by_press(self, change: Array, foam: Array) -> Array:
+        """How that changes as a press does by a map. foam: as it is pressed, shape (foam part,)."""
+        return self._change(change, -1 / foam**2)
+
+    def by_foam(self, change: Array, foam: Array) -> Array:
+        """The same as the foam's own capacitance does; the field across it goes with that."""
+        return self._change(change, 1 / foam**2)
+
+    @property
+    def by_surroundings(self) -> dict[str, Array]:
+        """The same by the logarithms of what no press changes: bodies, and the rim."""
+        found = {name: np.zeros(self.parts.count) for name in self.parts.fixed}
+        for number, name in enumerate(self.parts.fixed):
+            found[name][self.parts.touched + number] = 1.0
+        return found
+
+    def _change(self, change: Array, across: Array) -> Array:
+        found, kind = self._with_fingers(np.zeros(self.parts.count), change), self.parts.kind
+        found[kind[0]] = self.of_foam(change, 0.0)
+        if self.parts.thickness:
+            found[kind[2]] = across * found[kind[0]]
+        return found
+
+    def _with_fingers(self, each: Array, map_of: Array) -> Array:
+        found = each.copy()
+        if map_of.ndim == 3:
+            found[self.parts.kind[1]] = map_of[1].ravel()
+        return found

@@ -1,0 +1,105 @@
+"""Limits of what fingers touch: their slopes, and the ways to touch that a sweep tells apart."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.position import chosen_touch
+from rcskin.simulator.bounds.touches.cells import Cells
+from rcskin.simulator.limits.identity import Sampling, identity
+from rcskin.simulator.limits.survey import with_finger
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.sweeps import InputError
+
+ROD = load_scene("sheet-3x3")
+RIM = {"mutual": 5.4e-12, "top": 5.5e-12, "bottom": 5.5e-12}
+EARTH = ROD.with_(
+    {
+        "surroundings": {"rim": RIM, "body": {"distance": 1e-2}},
+        "pixels": 2,
+        "sweep.frequencies": [2e3, 5e4],
+    }
+)
+FINGER = EARTH.with_({"press.finger": 5e-12})
+
+
+@pytest.fixture(scope="module")
+def fields():
+    return Fields(FINGER, 5e4, cells=2)
+
+
+def laid(fields, place, touch):
+    cells = Cells.of(0.12, 0.12, fields.grid)
+    return cells.with_finger(cells.laid(place, touch), place, touch)
+
+
+def test_a_touch_by_a_finger_reads_as_the_full_model_has_it(fields):
+    touch = chosen_touch(FINGER)
+    factors, _ = laid(fields, (0.06, 0.03), touch)
+    found = fields.respond(factors, {}, FINGER.frequencies).Z
+    press = Press((Rectangle(0.06, 0.03, 0.06, 0.06, 2.0, 5e-12),))
+    np.testing.assert_allclose(found, Solver(FINGER, 1e-5).solve(press).Z, rtol=2e-3)
+
+
+@pytest.mark.parametrize("rise", [1.0, 0.0])
+def test_slopes_of_a_touch_by_a_finger_are_those_of_differences(fields, rise):
+    touch, place = chosen_touch(FINGER)._replace(rise=rise), np.array([0.045, 0.07])
+    own = laid(fields, tuple(place), touch)
+    slopes = fields.respond(own.factors, own.changes, FINGER.frequencies).by_parameter
+
+    def Z(place, touch):
+        factors, _ = laid(fields, tuple(place), touch)
+        return fields.respond(factors, {}, FINGER.frequencies).Z
+
+    for name, step in (("x", [1e-5, 0]), ("y", [0, 1e-5])):
+        moved = (Z(place + step, touch) - Z(place - np.array(step), touch)) / 2e-5
+        np.testing.assert_allclose(slopes[name], moved, rtol=1e-3)
+    for name, field, step in (("strength", "rise", 1e-4), ("finger", "finger", 1e-16)):
+        up, down = (
+            touch._replace(**{field: getattr(touch, field) + sign * step}) for sign in (1, -1)
+        )
+        moved = (Z(place, up) - Z(place, down)) / (2 * step)
+        np.testing.assert_allclose(slopes[name], moved, rtol=1e-3)
+
+
+def test_a_finger_marks_its_touch_and_one_of_next_to_nothing_is_a_rod():
+    own, none = (
+        identity(FINGER.with_({"press.finger": C}), Sampling(1, 300, 6)) for C in (5e-12, 1e-18)
+    )
+    assert own.ways is not None and none.ways is not None
+    assert own.ways.kinds.share > 0.99
+    assert none.ways.kinds.share == pytest.approx(2 / 3, abs=0.02)
+    rod, touched = none.ways.accuracy.values()
+    for target, found in none.accuracy.items():
+        assert found.share == pytest.approx(rod[target].share, abs=0.03)
+    assert touched["column"].share == pytest.approx(2 / 5, abs=0.02)
+    assert own.ways.accuracy["touched by a finger without a press"]["column"].share > 0.97
+    assert identity(EARTH, Sampling(1, 20, 6)).ways is None
+
+
+def test_what_touches_is_said_as_presses_say_it():
+    assert with_finger(EARTH, "5.3pF").press.finger == pytest.approx(5.3e-12)
+    assert with_finger(FINGER, "rod").press.finger is None
+    assert with_finger(FINGER, None) is FINGER
+    assert chosen_touch(FINGER, factor=1.0).finger == 5e-12
+
+
+@pytest.mark.parametrize(
+    ("scene", "finger", "told"),
+    [
+        (ROD, "5pF", "needs the table [surroundings]"),
+        (EARTH, "finger", "cover"),
+        (EARTH, "thumb", "what touches must be"),
+    ],
+)
+def test_a_finger_that_cannot_be_is_refused(scene, finger, told):
+    with pytest.raises(InputError) as error:
+        with_finger(scene, finger)
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_touch_that_changes_nothing_is_refused():
+    with pytest.raises(InputError, match="without a finger"):
+        chosen_touch(EARTH, factor=1.0)
