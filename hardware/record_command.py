@@ -96,7 +96,7 @@ def record(
         output,
         lambda: open_meter(resource, timeout, baud),
         table,
-        Limits(repeatability=repeatability, drift=drift),
+        Limits(repeatability=repeatability, drift=drift, two_poles=asked.two_poles),
         same_mounting,
         asked_switch(switch, switch_with, settle, interfaces, ask),
     )

@@ -115,7 +115,7 @@ def live(
         localizer,
         lambda: open_meter(resource, timeout, baud),
         read_table(accuracy or DERIVED),
-        Limits(drift=drift),
+        Limits(drift=drift, two_poles=localizer.scene.two_poles),
         patience,
         asked_switch(switch, switch_with, settle, localizer.model.interfaces),
         journal=journal,

@@ -25,12 +25,14 @@ class Limits:
     At 2 noise of the size of the bounds broke a law in 22 of 300 sweeps, at 3 in none.
 
     repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
-    from the first sweep at rest. Both are fractions.
+    from the first sweep at rest. Both are fractions. two_poles: whether all current that enters the
+    skin leaves it by the meter; else no law of passive skins binds what it reads.
     """
 
     errors: float = 4.0
     repeatability: float = 0.05
     drift: float = 0.05
+    two_poles: bool = True
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,8 @@ class Judge:
         )
 
     def _broken_laws(self, trace: Trace) -> list[str]:
+        if not self.limits.two_poles:
+            return []
         bounds = self.bounds(trace.Z).times(self.limits.errors)
         broken = broken_laws(trace.Z, self.frequency, bounds)
         beyond = f"beyond the meter's error{self._guessed(trace.Z)}" if broken else ""

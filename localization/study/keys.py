@@ -22,6 +22,8 @@ Place = tuple[str | int, ...]
 
 BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
 SHORTHANDS = {name: tuple(tuple(key.split(".")) for key in keys) for name, keys in BOTH.items()}
+OPEN = {"press.finger": (("press", "finger"),)}
+"""Numbers that a scene may leave out, or give as text."""
 NO_UNITS = ("(", "of ", "times ")
 """How what is no unit begins, but is told as one."""
 
@@ -66,7 +68,7 @@ def scene_table(given: Scene | str) -> dict[str, Any]:
 
 def find_key(name: str, table: Mapping[str, Any]) -> Key:
     """The key of that name in a scene's table. Raises InputError that lists the keys there are."""
-    places = SHORTHANDS.get(name) or tuple(
+    places = (SHORTHANDS | OPEN).get(name) or tuple(
         place for found, place in _numbers(table) if name in found
     )
     if not places:
@@ -74,7 +76,7 @@ def find_key(name: str, table: Mapping[str, Any]) -> Key:
         raise InputError(
             f"`{name}` is not a numeric key of the scene; there are {', '.join(_shortened(listed))}"
         )
-    return Key(name, places, isinstance(_at(table, places[0]), int))
+    return Key(name, places, name not in OPEN and isinstance(_at(table, places[0]), int))
 
 
 def with_values(table: Mapping[str, Any], values: Mapping[Key, float]) -> Scene:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from ..models.effects import effects_of
 from ..scene.scene import Scene
-from ..scene.surroundings import Rim
+from ..surroundings.rim import rim_densities
 from .sheets import Product, sheets
 
 
@@ -39,8 +39,7 @@ def _of_surroundings(scene: Scene, values: Mapping[str, float]) -> Iterator[Prod
             yield Product(name, "m", body.distance, body.distance / factor, {"body": -1.0})
     if "rim" in own:
         factor = math.exp(values["rim"])
-        rim = around.rim.model_dump() if isinstance(around.rim, Rim) else {"as computed": 1.0}
-        for part, value in rim.items():
-            unit = "F/m" if isinstance(around.rim, Rim) else ""
-            if value:
-                yield Product(f"rim, {part}", unit, value, value * factor, {"rim": 1.0})
+        rim = rim_densities(scene)
+        for part in ("mutual", "top", "bottom"):
+            if value := getattr(rim, part):
+                yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})

@@ -11,6 +11,7 @@ from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body, Rim, Surroundings
+from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
 from .fit import EXPLAINED, Fit, allowed, solved
 from .model import Around, around
@@ -69,9 +70,8 @@ def in_words(scene: Scene, name: str, value: float) -> str:
     around = scene_with(scene, {name: value}).surroundings
     assert around is not None
     if name == "rim":
-        assert isinstance(around.rim, Rim)
-        most = max(around.rim.mutual, around.rim.top, around.rim.bottom)
-        return f"a rim of about {1e12 * most:.2g} pF/m"
+        rim = rim_densities(scene_with(scene, {name: value}))
+        return f"a rim of about {1e12 * max(rim.mutual, rim.top, rim.bottom):.2g} pF/m"
     nearest = max(around.body, key=lambda body: body.per_area)
     if nearest.distance is None:
         return f"a body of about {nearest.per_area:.2g} F/m²"

@@ -15,6 +15,15 @@ if TYPE_CHECKING:
 
     from ..sweeps.importing.grouping import Defaults
 
+TRANSFER = (
+    "the scene has an earth, and the meter's low terminal is a virtual one: what is read is a "
+    "transfer impedance, which the laws of passive networks do not bind; each reading is checked "
+    "by itself"
+)
+PERHAPS_EARTH = (
+    "a body or a finger that takes current to earth breaks these laws, too, where the meter's low "
+    "terminal is a virtual earth"
+)
 FLAGGED = 1
 
 
@@ -122,9 +131,14 @@ def check(
     Re Z >= 0 and Im Z <= 0; Rs, Cp and Cs do not increase with frequency; and
     the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
     within the noise (Kramers-Kronig).
+
+    Where a meter's low terminal is a virtual earth and a body or a finger takes
+    current to earth, these laws need not hold. Of sweeps whose scene says so
+    ([surroundings]) each reading is checked by itself alone.
     """
 
-    from ..asked.telling import warn
+    from ..asked.telling import note, warn
+    from ..scene.files import scene_of_sweeps
     from ..sweeps import InputError
     from ..sweeps.clock import set_back
     from ..sweeps.joining import join
@@ -134,11 +148,15 @@ def check(
     report = None if output is None else checked_report(output)
     sweeps = join([_read(file) for file in files], files)
     try:
-        judgements = examine(sweeps, noise, tolerance)
+        scene = scene_of_sweeps(sweeps)
+        two_poles = scene is None or scene.two_poles
+        judgements = examine(sweeps, noise, tolerance, two_poles=two_poles)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in set_back(sweeps):
         warn(each)
+    if not two_poles:
+        note(TRANSFER)
     terminal().print(verdict_table(judgements))
     if told := explanations(judgements):
         say(*told)
@@ -146,6 +164,8 @@ def check(
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
     say(f"{flagged} of {len(judgements)} spectra break a law")
+    if flagged and scene is None:
+        say(PERHAPS_EARTH)
     if flagged:
         raise typer.Exit(FLAGGED)
 

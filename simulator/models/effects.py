@@ -10,7 +10,7 @@ from ..press.finger import finger_of
 from ..press.touch import Touch
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim
-from ..sweeps import InputError
+from ..surroundings.rim import rim_densities
 
 EFFECTS = ("body", "rim", "finger")
 """Logarithms of factors on the capacitance of all bodies and of the rim; and what every touch has
@@ -44,7 +44,8 @@ def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
     """What changes of a scene with these of EFFECTS, for its `model_copy`; nothing where they are
     its own.
 
-    Raises InputError for a factor on a rim that is computed.
+    A rim that is computed is given then as it was: it would follow a body that is nearer. Raises
+    InputError where it cannot be computed.
     """
     around, changed = scene.surroundings, {n: values[n] for n in EFFECTS if values.get(n)}
     if around is None or not changed:
@@ -52,7 +53,7 @@ def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
     body, rim = (math.exp(changed.get(name, 0.0)) for name in ("body", "rim"))
     parts = {
         "body": tuple(_nearer(each, body) for each in around.body),
-        "rim": around.rim if rim == 1 else _stronger(scene, rim),
+        "rim": around.rim if body == rim == 1 else _stronger(scene, rim),
     }
     found: dict[str, Any] = {"surroundings": around.model_copy(update=parts)}
     if finger := changed.get("finger"):
@@ -68,11 +69,9 @@ def _nearer(body: Body, factor: float) -> Body:
     return body.model_copy(update={"distance": body.distance / factor})
 
 
-def _stronger(scene: Scene, factor: float) -> Rim:
-    """The rim with so many times the capacitance."""
-    rim = scene.surroundings and scene.surroundings.rim
-    if not isinstance(rim, Rim):
-        raise InputError(
-            f"{scene.name}: `surroundings.rim` must be given in F/m to take a factor, got {rim}"
-        )
+def _stronger(scene: Scene, factor: float) -> Rim | bool:
+    """The rim with so many times the capacitance; none where there is none."""
+    if "rim" not in effects_of(scene):
+        return False
+    rim = rim_densities(scene)
     return Rim(mutual=rim.mutual * factor, top=rim.top * factor, bottom=rim.bottom * factor)

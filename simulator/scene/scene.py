@@ -187,6 +187,15 @@ class Scene(Table):
         wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
         return [*(["surroundings"] if self.surroundings else []), *wide]
 
+    @property
+    def two_poles(self) -> bool:
+        """Whether all current that enters the skin leaves it by the meter.
+
+        Else a virtual earth reads but a part of it, and Z is a transfer impedance, which the laws
+        of passive networks do not bind.
+        """
+        return self.surroundings is None or self.surroundings.low == "floating"
+
     def require_sheets_alone(self, what: str) -> None:
         """Raises InputError naming the key by which it has more, which `what` does not take."""
         for key in self.beyond_sheets:

@@ -83,10 +83,16 @@ class _Yardstick:
 
 
 def examine(
-    sweeps: xr.Dataset, noise: float | None = None, tolerance: float = TOLERANCE
+    sweeps: xr.Dataset,
+    noise: float | None = None,
+    tolerance: float = TOLERANCE,
+    *,
+    two_poles: bool = True,
 ) -> list[Judgement]:
     """Every spectrum of the sweeps, judged.
 
+    two_poles: whether all current that enters the skin leaves it by the meter; else the laws of
+    passive networks are those of no Z, and each reading is judged by itself alone.
     noise: relative standard deviation of a reading where it is known; else it is told from repeated
     sweeps of one press, or from the residuals. tolerance: largest rms residual of Kramers-Kronig.
     Raises InputError where `noise` or `tolerance` is out of range, or where there are too few
@@ -99,7 +105,7 @@ def examine(
     return [
         judgement
         for name, part in parts.items()
-        for judgement in _examine_interface(part, name, noise, tolerance, readings)
+        for judgement in _examine_interface(part, name, noise, tolerance, readings, two_poles)
     ]
 
 
@@ -115,7 +121,12 @@ def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> No
 
 
 def _examine_interface(
-    sweeps: xr.Dataset, name: str, noise: float | None, tolerance: float, readings: int
+    sweeps: xr.Dataset,
+    name: str,
+    noise: float | None,
+    tolerance: float,
+    readings: int,
+    two_poles: bool,
 ) -> list[Judgement]:
     Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
     Cp = sweeps["Cp"].transpose(*DIMENSIONS).values[:, 0]
@@ -135,7 +146,7 @@ def _examine_interface(
             yardstick.noise,
             yardstick.origin,
             _allowed(spectrum, yardstick),
-            _violations(sweep, name, spectrum, yardstick, Cp[sweep]),
+            _violations(sweep, name, spectrum, yardstick, Cp[sweep], two_poles),
         )
         for sweep, spectrum in enumerate(spectra)
     ]
@@ -202,10 +213,13 @@ def _violations(
     spectrum: Spectrum,
     yardstick: _Yardstick,
     Cp: NDArray[np.float64],
+    two_poles: bool,
 ) -> tuple[Violation, ...]:
-    """Cp: F, as it is stored beside Rs and X, shape (frequency,)."""
-    laws = _signs(spectrum, yardstick) | _monotony(spectrum, yardstick)
-    laws[KRAMERS_KRONIG] = _inconsistent(spectrum, yardstick)
+    """Cp: F, as it is stored beside Rs and X, shape (frequency,). two_poles: as of `examine`."""
+    laws = {}
+    if two_poles:
+        laws = _signs(spectrum, yardstick) | _monotony(spectrum, yardstick)
+        laws[KRAMERS_KRONIG] = _inconsistent(spectrum, yardstick)
     slack = DISPLAYED + yardstick.limit * yardstick.noise
     Z, frequency = spectrum.Z, spectrum.frequency
     laws[OF_ONE_READING] = contradicting(Z.real, Z.imag, Cp, frequency, slack)

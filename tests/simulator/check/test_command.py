@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.press import press_on
 from rcskin.simulator.sweeps import read, write
 
 FREQUENCY = np.geomspace(1e3, 1e5, 12)
@@ -46,6 +49,22 @@ def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(ru
     assert (code, err) == (1, "")
     assert "sweep 1, interface meter: Re Z >= 0 is broken at 12 frequencies" in out
     assert "1 of 2 spectra break a law" in out
+
+
+def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, make_scene, tmp_path):
+    """A finger on a line makes Rs rise with frequency: some of the current goes to earth."""
+    line = make_scene(columns=3, frequencies=FREQUENCY.tolist(), top=5e5, bottom=5e5)
+    scene = line.with_({"surroundings": {}})
+    path, plain = tmp_path / "touched.nc", tmp_path / "plain.nc"
+    touched = simulate(Solver(scene, 1e-4), [press_on(scene, "1,2:2:20pF")])
+    write(touched, path)
+    code, out, err = run("check", path, "--noise", "1e-3")
+    assert code == 0 and "0 of 1 spectra break a law" in out
+    assert "what is read is a transfer impedance" in err
+    write(touched.drop_attrs(), plain)
+    code, out, err = run("check", plain, "--noise", "1e-3")
+    assert code == 1 and "1 of 1 spectra break a law" in out
+    assert "a body or a finger that takes current to earth breaks these laws" in out
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):

@@ -6,6 +6,7 @@ import pytest
 from rcskin.simulator.models.effects import EFFECTS
 from rcskin.simulator.models.parameters import PARAMETERS, all_values, own_values, scene_with
 from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
+from rcskin.simulator.surroundings.rim import rim_densities
 from rcskin.simulator.sweeps import InputError
 
 BODY, RIM = {"distance": 5e-3}, {"mutual": 5e-12, "top": 4e-12, "bottom": 3e-12}
@@ -60,10 +61,15 @@ def test_the_scene_with_other_values_has_so_much_more_around_it(scene):
     assert other.body[0].capacitance_per_area == pytest.approx(2e-9)
 
 
-def test_a_rim_that_is_computed_takes_no_factor(scene):
-    around = scene.with_({"surroundings": {"rim": True}})
-    with pytest.raises(InputError, match="must be given in F/m to take a factor, got True"):
-        scene_with(around, {"rim": 0.1})
+def test_a_rim_that_is_computed_stays_what_it_was_beside_a_body_that_is_nearer(scene):
+    """As models have it: of the parts of M each takes its own factor."""
+    around = scene.with_({"surroundings": {"rim": True, "body": BODY}})
+    own = rim_densities(around)
+    for given, factor in (({"body": 0.4}, 1.0), ({"body": 0.4, "rim": math.log(2)}, 2.0)):
+        found = scene_with(around, given).surroundings.rim
+        assert found.mutual == pytest.approx(factor * own.mutual)
+        assert found.top == pytest.approx(factor * own.top)
+    assert rim_densities(scene_with(around, {}).with_({})) == own
 
 
 @pytest.mark.parametrize("factor", [2.0, 0.1])
