@@ -10,7 +10,7 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.press.press import parse_press, press_on
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Pixels
 from rcskin.simulator.sweeps import InputError, concatenate, read
@@ -49,6 +49,26 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
             ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
             told = live(*where, "--sweeps", "2", "--rest-file", str(rest))
             assert labels(told) == [f"column {column}"] * 2
+
+
+def test_a_finger_is_answered_at_its_column_whether_it_presses_or_touches(tmp_path, serve):
+    """What a meter reads then is lawful, though Rs rises with frequency: its low terminal is a
+    virtual earth, and the finger takes a part of the current."""
+    skin = load_scene(SCENE).with_({"surroundings": {}, "press.finger": 5e-12})
+    presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in ("1.0", "1.5", "2.0"))]
+    exact = simulate(Solver(skin, 1e-4), [press_on(skin, press) for press in presses])
+    random = np.random.default_rng(0)
+    swept = concatenate([read_out(exact, skin.readout, random, k) for k in range(4)])
+    path, rest = tmp_path / "fingers.skops", tmp_path / "rest.nc"
+    save(path, train(swept, "column", quantities=("dlnZ", "dphase")))
+    with serve(instrument(simulated(skin, seed=7), pace=0)) as ports:
+        where = ["--resource", ports.resource, "--model", str(path)]
+        told = live(*where, "--sweeps", "1", "--log", str(rest))
+        assert labels(told) == ["nothing pressed"]
+        for press in ("1,2:touch", "1,2:1.8:4pF", "1,3:1.8"):
+            ask(f"127.0.0.1:{ports.control}", "press", press=press)
+            told = live(*where, "--sweeps", "1", "--rest-file", str(rest))
+            assert labels(told) == [f"column {press[2]}"]
 
 
 def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, serve):
