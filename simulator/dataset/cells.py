@@ -8,12 +8,15 @@ from numpy.typing import NDArray
 from ..bounds.touches.errors import off_the_solver
 from ..fem.estimate import relative_difference
 from ..fem.safety import SAMPLED
+from ..measure.foam_state import FoamState
+from ..measure.in_time import reading_moments
 from ..measure.streams import CELLS, stream
 from ..models.reduced.indented.draws import spreading
 from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.scene import Scene
 from .anywhere.deep import raised_by_triangles
+from .creeping import at_the_end
 from .model import Family, own_skin
 from .presses import Presses, drawn_presses
 
@@ -23,12 +26,17 @@ SAMPLE = 16
 def error_of_cells(scene: Scene, family: Family, seed: int, rtol: float) -> float:
     """Largest relative error of Rs and Cp by laying touches on cells, of a sample of presses.
 
-    On the scene's own skin. Where a tension spreads presses it includes what `error_of_deflections`
-    tells, and SAMPLED.
+    On the scene's own skin; foam that creeps is compared as a sweep ends. Where a tension spreads
+    presses it includes what `error_of_deflections` tells, and SAMPLED.
     """
     presses = _sample(scene, family, seed)
-    laid = _answers(scene, family, presses.batch)
+    creeps = bool(scene.skin.foam.in_time)
+    batch = at_the_end(scene, presses.batch) if creeps else presses.batch
+    laid = _answers(scene, family, batch)
     texts = (parse_press(text, np.nan) for text in presses.text)
+    if creeps:
+        _, whole = reading_moments(scene)
+        texts = (FoamState(scene).then(press, 0.0).after(whole) for press in texts)
     return (SAMPLED if spreading(scene) else 1.0) * off_the_solver(scene, texts, laid, rtol)
 
 

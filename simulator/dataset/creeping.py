@@ -5,10 +5,12 @@ As `measure.foam_state` has single touches, for all cells of a session at once.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..measure.foam_state import NEGLIGIBLE
-from ..measure.in_time import Interpolation, reading_moments
+from ..measure.in_time import reading_moments
 from ..press.batch import PressBatch
 from ..press.memory import Array, Creep, let_off
 from ..press.parts import foam_parts
@@ -16,10 +18,11 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 
-def in_states(scene: Scene, batch: PressBatch, between: Interpolation) -> PressBatch:
-    """Presses of a session, one after the other, in each state of the foam that is solved.
+def in_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> PressBatch:
+    """Presses of a session, one after the other, in several states of the foam each.
 
-    Press k in state n is number k len(between.nodes) + n.
+    decays: of each state since the press, as of `Creep.decay`. Press k in state n is number
+    k len(decays) + n.
     """
     grid = scene.divided(scene.dataset.press.cells).pixels.shape
     foam, creep, cells = scene.skin.foam, Creep.of(scene.skin.foam), foam_parts(scene, grid)
@@ -29,12 +32,20 @@ def in_states(scene: Scene, batch: PressBatch, between: Interpolation) -> PressB
     beyond = factor / foam.factor_at(strain)
     at_once, y = _remembered(scene, strain)
     rises = []
-    for node in between.nodes:
-        now = at_once + creep.loaded(y, at_once, node).sum(axis=0)
+    for decay in decays:
+        now = at_once + creep.loaded(y, at_once, decay).sum(axis=0)
         now = np.where(now > NEGLIGIBLE, now, 0.0)
         rises.append(np.where(now == strain, factor, beyond * foam.factor_at(now)) - 1)
     pressed = PressBatch.on_grid(np.stack(rises, axis=1).reshape(-1, cells))
-    return pressed.and_(_repeated(batch.where(~on_foam), len(between.nodes)))
+    return pressed.and_(_repeated(batch.where(~on_foam), len(decays)))
+
+
+def at_the_end(scene: Scene, batch: PressBatch) -> PressBatch:
+    """Each press alone, on foam that was at rest, as it is when its sweep ends."""
+    _, whole = reading_moments(scene)
+    decays = [Creep.of(scene.skin.foam).decay(whole)]
+    each = (in_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
+    return PressBatch.of(each)
 
 
 def _factors(batch: PressBatch, cells: int) -> Array:

@@ -107,9 +107,9 @@ def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> 
     """A press of a data set, of foam that creeps with what those before have left."""
     if not scene.skin.foam.in_time:
         return drawn_presses(scene, random, 1, grid).batch.one(0)
-    between, presses = interpolation(scene), drawn_presses(scene, random, BEFORE + 1, grid)
-    pressed = in_states(scene, presses.batch, between)
-    return pressed.one(BEFORE * len(between.nodes) + int(random.integers(len(between.nodes))))
+    nodes, presses = interpolation(scene).nodes, drawn_presses(scene, random, BEFORE + 1, grid)
+    pressed = in_states(scene, presses.batch, nodes)
+    return pressed.one(BEFORE * len(nodes) + int(random.integers(len(nodes))))
 
 
 def own_skin(scene: Scene, family: Family) -> SkinModel:

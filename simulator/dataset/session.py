@@ -82,7 +82,7 @@ def in_time(scene: Scene) -> Audited:
             each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
             states = replace(
                 presses,
-                batch=in_states(scene, presses.batch, between),
+                batch=in_states(scene, presses.batch, between.nodes),
                 text=[presses.text[press] for press in each],
             )
             Z, audit = audited(model, states, random, session, OF_NODES * rtol)

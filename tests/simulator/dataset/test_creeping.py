@@ -2,11 +2,16 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.dataset.creeping import at_the_end
 from rcskin.simulator.dataset.memory import in_memory
 from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.measure.foam_state import FoamState
+from rcskin.simulator.measure.in_time import reading_moments
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.mechanics.in_depths import foldable
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch
+from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance
@@ -57,6 +62,18 @@ def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
     static = scene.with_({f"skin.foam.{key}": None for key in ("relaxation", "hysteresis")})
     at_once = simulate(Solver(static), presses)
     assert np.abs(impedance(drawn) / impedance(at_once) - 1).max() > 100 * rtol
+
+
+def test_cells_creep_as_the_touches_that_they_are_of():
+    """The readable twin: one touch after the other, of whole pixels."""
+    scene = load_scene("sheet-3x3").with_({"skin.foam.relaxation": TWO})
+    presses = [press_on(scene, text) for text in ("none", "1,2:2.3", "3,1:0.8+3,3:1.4")]
+    crept = at_the_end(scene, PressBatch.of([touched_cells(scene, press) for press in presses]))
+    _, whole = reading_moments(scene)
+    for press, own in zip(presses, crept.each(), strict=True):
+        twin = touched_cells(scene, FoamState(scene).then(press, 0.0).after(whole))
+        np.testing.assert_array_equal(own.cells, twin.cells)
+        np.testing.assert_allclose(own.rises, twin.rises, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
