@@ -14,9 +14,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
+from .charged import Bordered, Mass
 from .excitation import Drive
 from .lanczos import Pencil, Pencils
 from .network import allowed_potentials
@@ -74,7 +74,7 @@ class Unshifted:
     """
 
     driven: Driven
-    mass: csc_matrix
+    mass: Mass
 
     @cached_property
     def potential(self) -> NDArray[np.float64]:
@@ -145,8 +145,8 @@ def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> P
 
 def shifted(
     driven: Driven,
-    mass: csc_matrix,
-    A: SuperLU,
+    mass: Mass,
+    A: SuperLU | Bordered,
     shift: float,
     power: Callable[[NDArray[np.float64]], float],
 ) -> Pencil:
@@ -162,7 +162,7 @@ def shifted(
     return Pencil(start, mass.dot, inverse, admittance, capacitance, shift)
 
 
-def potentials(driven: Driven, mass: csc_matrix, A: SuperLU, s: complex) -> NDArray:
+def potentials(driven: Driven, mass: Mass, A: SuperLU | Bordered, s: complex) -> NDArray:
     """V of all unknowns for 1 V between high and low, shape (unknown,).
 
     A: factors of the inner block of K + s M. s: rad/s, real or complex. mass: M in F.
@@ -172,7 +172,7 @@ def potentials(driven: Driven, mass: csc_matrix, A: SuperLU, s: complex) -> NDAr
 
 
 def _inverse(
-    driven: Driven, mass: csc_matrix, A: SuperLU, s: complex
+    driven: Driven, mass: Mass, A: SuperLU | Bordered, s: complex
 ) -> Callable[[NDArray], NDArray]:
     """y to (K + s M)^-1 y, the floating terminals among the unknowns, the driven ones at 0 V."""
     inner, floating = A.shape[0], driven.floating

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
+from .charged import Bordered, Charged, Mass
 from .circuit import Circuit
 from .combined import respond_together
 from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
@@ -27,7 +29,6 @@ from .factors import Factors, factorised, without_zeros
 from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
 from .network import Network
 from .system import Films, System
-
 
 class Galerkin:
     """A system restricted to the trial functions of elements up to some order.
@@ -55,8 +56,16 @@ class Galerkin:
         self.lift, self.conductance = self._terminal_lift()
         self._driven: dict[Drive, Driven] = {}
 
-    def restricted(self, matrix: csc_matrix) -> csc_matrix:
+    @overload
+    def restricted(self, matrix: csc_matrix) -> csc_matrix: ...
+
+    @overload
+    def restricted(self, matrix: Mass) -> Mass: ...
+
+    def restricted(self, matrix: Mass) -> Mass:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
+        if isinstance(matrix, Charged):
+            return Charged(self.restricted(matrix.near), matrix.far[self._rows])
         return self.matrix(matrix.data[self.entries])
 
     def matrix(self, values: NDArray) -> csc_matrix:
@@ -101,7 +110,7 @@ class Galerkin:
             right = inner_mass @ solution
         return np.array(moments)
 
-    def pencil(self, mass: csc_matrix, drive: Drive, shift: float) -> Pencil:
+    def pencil(self, mass: Mass, drive: Drive, shift: float) -> Pencil:
         """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
         mass, driven = self.restricted(mass), self.driven(drive)
         if shift == 0:
@@ -113,7 +122,7 @@ class Galerkin:
         each = [Unshifted(self.driven(drive), mass) for mass in masses for drive in drives]
         return unshifted_together(each, self.solve, self.inner)
 
-    def potentials(self, mass: csc_matrix, drive: Drive, s: complex) -> NDArray:
+    def potentials(self, mass: Mass, drive: Drive, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.
 
         Of all unknowns of the system, 0 where this space has none. mass: M in F.
@@ -122,7 +131,7 @@ class Galerkin:
         return self.spread(potentials(self.driven(drive), mass, self._shifted(s, mass), s))
 
     def potentials_by(
-        self, steps: Steps, mass: csc_matrix, drive: Drive, s: NDArray[np.float64]
+        self, steps: Steps, mass: Mass, drive: Drive, s: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """The same at real s >= 0, by the steps of a sweep that reached as far; shape (..., s)."""
         at_zero = Unshifted(self.driven(drive), self.restricted(mass)).potential
@@ -169,8 +178,13 @@ class Galerkin:
             self._driven[drive] = driven_by(drive, self.terminal_field, self.conductance, self.lift)
         return self._driven[drive]
 
-    def _shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
+    def _shifted(self, s: complex, mass: Mass) -> SuperLU | Bordered:
         """Factors of the inner block of K + s M. mass: of this space."""
+        if isinstance(mass, Charged):
+            return Bordered(self._sparse_shifted(s, mass.near), mass.far[: self.inner], s)
+        return self._sparse_shifted(s, mass)
+
+    def _sparse_shifted(self, s: complex, mass: csc_matrix) -> SuperLU:
         return factorised(self._block.matrix(self.K.data + s * self._inner(mass).data))
 
     @cached_property
@@ -223,7 +237,7 @@ KEPT_NUMBERS = 2_000_000
 
 def swept(
     space: Galerkin,
-    mass: csc_matrix,
+    mass: Mass,
     drives: Sequence[Drive],
     s: NDArray[np.complex128],
     rtol: float,
@@ -243,7 +257,7 @@ def swept(
 
 def _interface(
     space: Galerkin,
-    mass: csc_matrix,
+    mass: Mass,
     drives: Sequence[Drive],
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
+from ..sweeps import InputError
 from .batch import NOTHING, PressBatch, TouchedCells
 
 SLOPE_STEP = 1e-5
@@ -135,10 +136,18 @@ def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
 
 
 def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
-    """Of a scene with cells of a grid, by default its pixels."""
+    """Of a scene with cells of a grid, by default its pixels.
+
+    Raises InputError for surroundings that are solved for: their charges are of no part.
+    """
     foam, around = foam_parts(scene, grid), scene.surroundings
     if around is None:
         return Parts(foam)
+    if around.solved:
+        raise InputError(
+            f"{scene.name}: reduced models cannot take `surroundings.solved`; give "
+            "`surroundings.rim = true` in its place"
+        )
     rows, columns = grid or scene.pixels.shape
     return Parts(
         foam,

@@ -56,9 +56,14 @@ class Block:
 
     @property
     def points(self) -> Points:
-        """The centroids of all panels, m, shape (panel, 3)."""
+        """Centroids of all panels, m, shape (panel, 3)."""
         areas, middles = self._halves
         return (areas[..., None] * middles).sum(axis=0) / self.areas[:, None]
+
+    @property
+    def middles(self) -> Points:
+        """The same as they are seen along z, shape (2, panel)."""
+        return self.points[:, :2].T
 
     @property
     def _halves(self) -> tuple[NDArray[np.float64], Points]:
@@ -92,9 +97,12 @@ class Block:
         return found.reshape(-1, 4, 3)
 
 
-def quarter(length: float, width: float, thickness: float, count: int) -> Block:
-    """A quarter of a rectangular skin, all in m, and its mirrors. count: panels along each side."""
-    x, y = (lines(side, thickness, count)[: count + 1] for side in (length, width))
+def quarter(length: float, width: float, thickness: float, count: int, even: float = 0.0) -> Block:
+    """A quarter of a rectangular skin, all in m, and its mirrors. count: panels along each side.
+
+    even: as of `lines`.
+    """
+    x, y = (lines(side, thickness, count, even)[: count + 1] for side in (length, width))
     left, bottom = (each.ravel() for each in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
     right, top = (each.ravel() for each in np.meshgrid(x[1:], y[1:], indexing="ij"))
     corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
@@ -105,12 +113,16 @@ def quarter(length: float, width: float, thickness: float, count: int) -> Block:
     return Block(panels, np.stack([around[:-1], around[1:]], axis=1), thickness, slices, mirrors)
 
 
-def lines(side: float, thickness: float, count: int) -> NDArray[np.float64]:
+def lines(side: float, thickness: float, count: int, even: float = 0.0) -> NDArray[np.float64]:
     """Where panels along a side end, m, shape (2 * count + 1,), symmetric.
 
     They grow with the square of their number within the foam's thickness of an end, as a charge
-    that goes by one over the root of the distance asks for, and by a constant factor beyond.
+    that goes by one over the root of the distance asks for, and by a constant factor beyond. even:
+    share of them that is spread evenly, which bounds those in the middle.
     """
     a = np.arcsinh(np.sqrt(side / (2 * thickness)))
-    half = side / 2 * (np.sinh(a * np.linspace(0, 1, count + 1)) / np.sinh(a)) ** 2
+    number = np.linspace(0, 1, 50 * count + 1)
+    along = (np.sinh(a * number) / np.sinh(a)) ** 2
+    both = (1 - even) * number + even * along
+    half = side / 2 * np.interp(np.linspace(0, 1, count + 1), both, along)
     return np.concatenate([half, (side - half)[-2::-1]])

@@ -41,9 +41,18 @@ def capacitances(block: Block, layer: Layer | None, permittivity: float) -> Arra
     return VACUUM_PERMITTIVITY * (whole + whole.T) / 2
 
 
-def sigma(block: Block, layer: Layer | None, permittivity: float, potentials: Array) -> Array:
-    """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count."""
-    potential, field = influence(block, layer)
+def sigma(
+    block: Block,
+    layer: Layer | None,
+    permittivity: float,
+    potentials: Array,
+    signs: Array | None = None,
+) -> Array:
+    """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count.
+
+    signs: of potentials in each symmetric part of the foam, over those in the first; 1 by default.
+    """
+    potential, field = influence(block, layer, signs)
     sheets = 2 * len(block.panels)
     system = np.concatenate([potential[:sheets], (1 - permittivity) * field[sheets:]])
     side = np.arange(sheets, len(system))
@@ -53,27 +62,27 @@ def sigma(block: Block, layer: Layer | None, permittivity: float, potentials: Ar
     return solve(system, driven, overwrite_a=True, overwrite_b=True)
 
 
-def influence(block: Block, layer: Layer | None) -> tuple[Array, Array]:
+def influence(block: Block, layer: Layer | None, signs: Array | None = None) -> tuple[Array, Array]:
     """Of each panel's sigma: potentials in m, and fields off the foam, both (panel, panel).
 
     At the middles of the panels of the bottom sheet, of the top one and of the side faces. Fields
-    are the mean of both sides; on sheets they are none.
+    are the mean of both sides; on sheets they are none. signs: as of `sigma`.
     """
     points = block.points
     potential, slope = np.zeros((2, len(points), len(points)))  # by panel, then by point
     fill_influence(
-        points, block.normals, block.corners, _images(block, layer), potential.T, slope.T
+        points, block.normals, block.corners, _images(block, layer, signs), potential.T, slope.T
     )
     return potential.T / (4 * np.pi), slope.T / (-4 * np.pi)
 
 
-def _images(block: Block, layer: Layer | None) -> Array:
+def _images(block: Block, layer: Layer | None, signs: Array | None) -> Array:
     """Those in a plane of each part of the foam, shape (image, 7)."""
-    across = images(layer)
+    each = np.ones(len(block.mirrors)) if signs is None else signs
     return np.array(
         [
-            (sx, sy, sz, dx, dy, dz, weight)
-            for sx, sy, dx, dy in block.mirrors
-            for sz, dz, weight in across
+            (sx, sy, sz, dx, dy, dz, weight * sign)
+            for (sx, sy, dx, dy), sign in zip(block.mirrors, each, strict=True)
+            for sz, dz, weight in images(layer)
         ]
     )

@@ -24,6 +24,7 @@ from ...fem.unknowns import Unknowns
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
+from ...surroundings.solved import surroundings_matrix
 from ...sweeps import InputError
 from .coefficients import ELECTRODES, Coefficients
 from .elements import Elements
@@ -46,10 +47,7 @@ def check_around(scene: Scene) -> None:
                 "leave it out and draw the skin without what the foil covers"
             )
     if around is not None and around.solved:
-        raise InputError(
-            f"{scene.name}: elements cannot take `surroundings.solved`; give `surroundings.rim` "
-            "and `surroundings.body` in its place"
-        )
+        surroundings_matrix(scene)
     if around is not None:
         _check_rim(scene, around)
 
@@ -94,7 +92,7 @@ def add_around(
         add_finger(values, circuit.field_alone(touched), farads, share, *where)
     if around.rim is not False:
         add_rim(values, rim_densities(materials.scene), *where)
-    if around.thickness:
+    if around.thickness or around.solved:
         add_thickness(values, coefficients.along(elements.surface.x), *where)
     if around.edges:
         add_edges(values, coefficients.thinned, *where)

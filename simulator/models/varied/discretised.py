@@ -29,6 +29,7 @@ from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
 from .around import charged_to_earth
+from .charged import solved_to
 from .coefficients import Coefficients
 from .effect import Course, by_orders, evened
 from .elements import Elements, raising
@@ -51,7 +52,7 @@ class Solved:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
             space = Galerkin(system, circuit, self.elements.order)
             return Solved(space, system, self.elements)
-        mass = mass_of(circuit, self.elements, coefficients, self.system.unknowns)
+        mass = mass_of(circuit, self.elements, coefficients, self.system.unknowns, self.system.far)
         return replace(self, system=replace(self.system, mass=mass), kept=KeptSteps())
 
 
@@ -93,7 +94,12 @@ class Discretised:
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
         self.course.tell(frequency, told)
-        return Rung(self.told, self.coarse.space.inner, Z[here], told)
+        return Rung(
+            self.told + solved_to(self.coefficients.materials),
+            self.coarse.space.inner,
+            Z[here],
+            told,
+        )
 
     def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
         s, drives = laplace_variable(frequency, self.loss), self.circuit.drives

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ...fem.charged import Charged, Mass
 from ...fem.circuit import Circuit, Terminal
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, numbered
 from ...scene.contacts import Contact
 from .around import add_around
+from .charged import charged
 from .coefficients import Coefficients
 from .elements import Elements
 from .forms import add_along, add_foam, add_sheet
@@ -23,10 +25,14 @@ from .forms import add_along, add_foam, add_sheet
 
 @dataclass(frozen=True)
 class PressedSystem(System):
-    """With the capacitance of one press: mass is M in F."""
+    """With the capacitance of one press: mass is M in F.
+
+    far: as of `charged`, whatever the press; None where surroundings are not solved for.
+    """
 
     fields_apart: ClassVar[bool] = True
-    mass: csc_matrix
+    mass: Mass
+    far: NDArray[np.float64] | None
 
 
 def pressed_system(
@@ -37,11 +43,13 @@ def pressed_system(
 ) -> PressedSystem:
     """The matrices of one press on one mesh. known: its unknowns, where they are numbered yet."""
     unknowns = known or numbered(circuit, elements.trial, elements.facets, elements.inside)
+    far = charged(elements, coefficients.materials, unknowns)
     return PressedSystem(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),
         films=films(circuit, unknowns, film_of(circuit, elements, coefficients, unknowns)),
-        mass=mass_of(circuit, elements, coefficients, unknowns),
+        mass=mass_of(circuit, elements, coefficients, unknowns, far),
+        far=far,
     )
 
 
@@ -56,14 +64,19 @@ def _sheets(
 
 
 def mass_of(
-    circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
-) -> csc_matrix:
-    """M in F of one press, and of what is around the sheets."""
+    circuit: Circuit,
+    elements: Elements,
+    coefficients: Coefficients,
+    unknowns: Unknowns,
+    far: NDArray[np.float64] | None,
+) -> Mass:
+    """M in F of one press, and of what is around the sheets. far: as of `PressedSystem`."""
     values = np.zeros(len(unknowns.pattern.indices))
     c = coefficients.capacitance(elements.surface.x)
     add_foam(values, circuit.coupling, elements, unknowns, c)
     add_around(values, circuit, elements, coefficients, unknowns)
-    return unknowns.pattern.matrix(values)
+    near = unknowns.pattern.matrix(values)
+    return near if far is None else Charged(near, far)
 
 
 def film_of(

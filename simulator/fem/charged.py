@@ -1,0 +1,47 @@
+"""M with charges that potentials far away make: a sparse matrix, and a dense one of low rank."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+from scipy.sparse.linalg import SuperLU
+
+
+@dataclass(frozen=True)
+class Charged:
+    """M = near + F F', in F.
+
+    near: sparse, shape (unknown, unknown). far: F, shape (unknown, rank).
+    """
+
+    near: csc_matrix
+    far: NDArray[np.float64]
+
+    def dot(self, v: NDArray) -> NDArray:
+        """M v."""
+        return self.near @ v + self.far @ (self.far.T @ v)
+
+    __matmul__ = dot
+
+
+Mass = csc_matrix | Charged
+
+
+class Bordered:
+    """Factors of A + s F F', from those of a sparse A: M. A. Woodbury, Inverting Modified Matrices,
+    1950."""
+
+    def __init__(self, sparse: SuperLU, far: NDArray[np.float64], s: complex) -> None:
+        """far: F, shape (unknown, rank)."""
+        self.shape = sparse.shape
+        self._sparse, self._far = sparse, far
+        self._followed = s * sparse.solve(far.astype(type(s)))
+        self._own = np.eye(far.shape[1]) + far.T @ self._followed
+
+    def solve(self, y: NDArray) -> NDArray:
+        """(A + s F F')^-1 y."""
+        x = self._sparse.solve(y)
+        return x - self._followed @ np.linalg.solve(self._own, self._far.T @ x)

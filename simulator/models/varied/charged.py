@@ -1,0 +1,48 @@
+"""Charges of the sheets by potentials elsewhere on them, for the unknowns of elements.
+
+Of potentials in coefficients u, those of the smooth basis of `SurroundingsMatrix` come nearest to
+them that G^-1 B u picks, G and B the integrals of products of basis functions, and of them with
+trial functions. What is left of potentials has no such charges.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix
+
+from ...fem.dropped import DROPPED
+from ...fem.unknowns import Unknowns
+from ...surroundings.solved import surroundings_matrix
+from .elements import Elements
+from .materials import Materials
+
+
+def charged(
+    elements: Elements, materials: Materials, unknowns: Unknowns
+) -> NDArray[np.float64] | None:
+    """F of `Charged`, shape (unknown, rank); None where surroundings are not solved for."""
+    around = materials.scene.surroundings
+    if around is None or not around.solved:
+        return None
+    found, surface = surroundings_matrix(materials.scene), elements.surface
+    b = found.basis.at(surface.x).reshape(found.basis.count, -1)
+    weights = (surface.area * elements.rule.weights).ravel()
+    gram = (b * weights) @ b.T
+    of_cells = (b * weights).reshape(len(b), elements.cells, -1) @ elements.rule.values.T
+    far = np.zeros((unknowns.pattern.size, found.factor.shape[-1]))
+    for number, factor in zip(unknowns.number, found.factor, strict=True):
+        own = number[elements.trial.dofs.element_dofs].T.ravel()
+        there = np.flatnonzero(own != DROPPED)
+        ones = np.ones(len(there))
+        spread = csc_matrix((ones, (own[there], there)), (len(far), len(own)))
+        far += (spread @ of_cells.reshape(len(b), -1).T) @ np.linalg.solve(gram, factor)
+    return far
+
+
+def solved_to(materials: Materials) -> str:
+    """How closely surroundings were solved for, to be told with an answer."""
+    around = materials.scene.surroundings
+    if around is None or not around.solved:
+        return ""
+    return f", surroundings solved to {surroundings_matrix(materials.scene).error:.0e}"

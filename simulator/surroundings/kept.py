@@ -1,0 +1,53 @@
+"""Arrays that take long to make, kept between runs in the user's cache folder.
+
+No file there is needed: one that is not there, is spoilt or cannot be written is as none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+from numpy.typing import NDArray
+
+VERSION = 1
+"""Of how they are made: a higher one leaves all that was kept before alone."""
+
+
+def read(key: str) -> NDArray[np.float64] | None:
+    """What was kept for a key; None where there is none that holds finite numbers."""
+    try:
+        with _path(key).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            found = file["values"] if str(file["key"]) == key else None
+    except Exception:  # whatever reading a spoilt file raises
+        return None
+    return found if found is not None and np.isfinite(found).all() else None
+
+
+def write(key: str, values: NDArray[np.float64]) -> None:
+    """Keep an array for a key, whole or not at all."""
+    path = _path(key)
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        number, unfinished = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+        try:
+            with os.fdopen(number, "wb") as file:
+                np.savez(file, key=key, values=values)
+            os.replace(unfinished, path)
+        except BaseException:
+            Path(unfinished).unlink(missing_ok=True)
+            raise
+
+
+def folder() -> Path:
+    """Where they are kept."""
+    return platformdirs.user_cache_path("rcskin", appauthor=False) / "surroundings"
+
+
+def _path(key: str) -> Path:
+    return folder() / f"{hashlib.sha256(f'{VERSION} {key}'.encode()).hexdigest()}.npz"

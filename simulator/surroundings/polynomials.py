@@ -1,0 +1,77 @@
+"""Smooth potentials of a sheet: products of Legendre polynomials over the rectangle around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import legder, legval
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+SMOOTH = 1
+DEGREE, LEAST_DEGREE = 8, 3
+"""Along the longer side of a skin, and along any: half a wave of the highest is an eighth of it."""
+
+
+@dataclass(frozen=True)
+class Polynomials:
+    """P_i(2x/L - 1) P_j(2y/W - 1), i up to degrees[0] and j up to degrees[1].
+
+    sides: L and W in m.
+    """
+
+    sides: tuple[float, float]
+    degrees: tuple[int, int]
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return (self.degrees[0] + 1) * (self.degrees[1] + 1)
+
+    @property
+    def odd(self) -> NDArray[np.bool_]:
+        """Which change their sign across the middle of x, and of y, shape (2, polynomial)."""
+        return self._degrees % 2 == 1
+
+    @property
+    def squared(self) -> Array:
+        """Integrals of their squares, m², shape (polynomial,)."""
+        i, j = self._degrees
+        return np.prod(self.sides) / ((2 * i + 1) * (2 * j + 1))
+
+    @property
+    def smooth(self) -> NDArray[np.bool_]:
+        """Which are of degree SMOOTH at most along either side, shape (polynomial,)."""
+        return self._degrees.max(axis=0) <= SMOOTH
+
+    @property
+    def _degrees(self) -> NDArray[np.int64]:
+        """Along x and y, shape (2, polynomial)."""
+        i, j = np.meshgrid(*(np.arange(degree + 1) for degree in self.degrees), indexing="ij")
+        return np.stack([i.ravel(), j.ravel()])
+
+    def at(self, x: Array) -> Array:
+        """Values at places in m, shape (2, ...) to (polynomial, ...)."""
+        return self._product(x, (0, 0))
+
+    def slopes_at(self, x: Array) -> Array:
+        """Their gradients in 1/m, shape (2, ...) to (2, polynomial, ...)."""
+        return np.stack([self._product(x, (1, 0)), self._product(x, (0, 1))])
+
+    def _product(self, x: Array, derivatives: tuple[int, int]) -> Array:
+        along, across = (
+            legval(2 * at / side - 1, legder(np.eye(degree + 1), order, axis=0))
+            * (2 / side) ** order
+            for at, side, degree, order in zip(
+                x, self.sides, self.degrees, derivatives, strict=True
+            )
+        )
+        return (along[:, None] * across).reshape(self.count, *x.shape[1:])
+
+
+def polynomials(sides: tuple[float, float]) -> Polynomials:
+    """Of about the same resolution along both sides, m."""
+    longer = max(sides)
+    degrees = [max(LEAST_DEGREE, int(np.ceil(DEGREE * side / longer))) for side in sides]
+    return Polynomials(sides, (degrees[0], degrees[1]))
