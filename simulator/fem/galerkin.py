@@ -30,6 +30,7 @@ from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
 from .network import Network
 from .system import Films, System
 
+
 class Galerkin:
     """A system restricted to the trial functions of elements up to some order.
 
