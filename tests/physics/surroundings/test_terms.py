@@ -204,7 +204,6 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
 @pytest.mark.parametrize(
     ("given", "press", "wrong"),
     [
-        ({"solved": True}, "none", "surroundings.solved"),
         (
             {"rim": True, "body": {"distance": 5e-3, "potential": "high"}},
             "none",
