@@ -79,6 +79,13 @@ USUAL = {
     "leads.resistance": Span("ohm", 1e-5, 1e-3, 1e3, 1e5, (MILLI,)),
     # A foil of 0.1 m with 1e5 ohm m puts a megohm before the skin.
     "contact.resistance": Span("ohm m", 1e-9, 1e-6, 1e3, 1e5, (MILLI, MICRO)),
+    # Copper foil under tape overlaps a sheet by a tenth of a millimetre to a few centimetres.
+    "contact.width": Span("m", 1e-6, 1e-5, 0.1, 0.5, (MILLI, CENTI, MICRO)),
+    # From the liner of a sleeve to the wall of a room.
+    "surroundings.body.distance": Span("m", 1e-6, 1e-5, 2.0, 10.0, (MILLI, CENTI, MICRO)),
+    "surroundings.cover.thickness": THICKNESS,
+    "surroundings.cover.relative_permittivity": Span("", 1.0, 1.0, 100.0, 1e4, (CENTI,)),
+    "surroundings.air": Span("m", 1e-6, 1e-5, 0.3, 2.0, (MILLI, CENTI, MICRO)),
     "press.depth": THICKNESS,
     # A finger presses by 0.1 to 50 N; in grams a force is a hundred times that.
     "press.force": Span("N", 1e-3, 1e-2, 200.0, 1e3, (MILLI, 9.81e-3)),

@@ -17,8 +17,8 @@ from ..press.press import (
     Press,
     check_press,
     parse_press,
+    press_on,
     pressed_factor,
-    recorded_press,
     strength_of,
 )
 from ..press.touch import Touch, place_of
@@ -182,7 +182,7 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
 def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
     """The press, without its fingers where the scene has no earth, and a line that says so."""
     if scene.surroundings is not None:
-        return recorded_press(scene, text), []
+        return press_on(scene, text), []
     press = parse_press(text, strength_of(scene.press), scene)
     rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
     told = f"what presses say of fingers, for {scene.name} has no [surroundings]"

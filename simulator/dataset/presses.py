@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..mesh.fingers import with_fingers_at, with_fingers_on
 from ..mesh.held import held
 from ..press.batch import PressBatch
+from ..press.press import rod_text
 from ..press.rasterized import Footprints
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
@@ -152,7 +153,7 @@ def _on(
     batch = PressBatch(inside[pixel[there]].ravel(), rises, starts)
     presses = Presses(
         batch=with_fingers_on(scene, batch, finger, inside[pixel], grid),
-        text=texts(touches, row + 1, column + 1, *told(scene, factor), finger),
+        text=texts(touches, row + 1, column + 1, *told(scene, factor), finger, rod_text(scene)),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
         touches=touches,
@@ -216,7 +217,7 @@ def presses_anywhere(
         batch=with_fingers_at(
             scene, raised_on_cells(scene, touches, placed, grid), touches, placed, grid
         ),
-        text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed)),
+        text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed), rod_text(scene)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,

@@ -39,20 +39,22 @@ def texts(
     strength: NDArray[np.float64],
     unit: str,
     finger: NDArray[np.float64],
+    rod: str = "",
 ) -> list[str]:
-    """Each press as `Press` writes it. finger: capacitance to earth of each touch, F."""
+    """Each press as `label_of` writes it. finger: capacitance to earth of each touch, F. rod: as of
+    `rod_text`."""
     there = np.arange(row.shape[1]) < touches[:, None]
     rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
     numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
-    parts = map(_place, rows, columns), numbers, repeat(unit), finger_texts(finger[there])
+    parts = map(_place, rows, columns), numbers, repeat(unit), finger_texts(finger[there], rod)
     return joined(touches, map("".join, zip(*parts, strict=False)))
 
 
-def finger_texts(finger: NDArray[np.float64]) -> Iterable[str]:
-    """What the text of each touch ends with: the capacitance to earth in F, nothing for 0 F."""
+def finger_texts(finger: NDArray[np.float64], rod: str) -> Iterable[str]:
+    """What the text of each touch ends with: the capacitance to earth in F, `rod` for 0 F."""
     if not finger.any():
-        return repeat("")
-    return [f":{each!r}F" if each else "" for each in finger.tolist()]
+        return repeat(rod)
+    return [f":{each!r}F" if each else rod for each in finger.tolist()]
 
 
 def joined(touches: NDArray[np.int64], told: Iterable[str]) -> list[str]:

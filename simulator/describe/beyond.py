@@ -20,6 +20,7 @@ from ..models.stray import (
     rim_share,
     sheet_part,
     straight_share,
+    wall_share,
 )
 from ..models.validity import thickness_told
 from ..press.finger import finger_capacitance
@@ -49,6 +50,7 @@ def beyond(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "body", f"one at earth {_place(NEARBY)} raises Rs by about {size}; {LEFT_OUT}"
     yield "rim", _rim(even, around)
     yield "thickness", _thickness(even, around)
+    yield from _walls(even, around)
     yield "finger", _finger(scene, around)
     wide = [foil for foil in scene.contacts if foil.width]
     for foil in wide or scene.contacts[:1]:
@@ -109,6 +111,15 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
         f"{thickness_told(scene)}: a field that is not straight across the foam changes Rs and Cp "
         f"by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
     )
+
+
+def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str]]:
+    """Of presses that have walls: by a factor that compresses the foam."""
+    factor = scene.press.capacitance_factor
+    if scene.press.plain and factor > 1:
+        share = _percent(wall_share(scene, factor))
+        there = "in the scene" if around and around.edges else LEFT_OUT
+        yield "walls", f"those around a pressed pixel add {share} to its rise; {there}"
 
 
 def _finger(scene: Scene, around: Surroundings | None) -> str:

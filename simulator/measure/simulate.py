@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..models.answer import Answer
 from ..models.solver import Solver
-from ..press.press import Press, check_press, recorded_press
+from ..press.press import Press, check_press, label_of, press_on
 from ..scene.files import scene_text
 from ..scene.reading import reading_at
 from ..scene.scene import Scene
@@ -75,7 +75,7 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> Table:
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,
         interface=[interface.name for interface in solver.scene.interfaces],
-        press=[str(press) for press in presses],
+        press=[label_of(press, solver.scene) for press in presses],
         row=[press.pixel[0] for press in presses],
         column=[press.pixel[1] for press in presses],
         errors={
@@ -98,7 +98,7 @@ def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]
 
     Of foam that creeps, one after the other as they stand, session by session. frequency: Hz; where
     they are those of the sweeps, the same readings are taken as of these, else all.
-    Raises as `recorded_press` and `Solver.solve`.
+    Raises as `press_on` and `Solver.solve`.
     """
     scene = reading_at(scene, frequency.tolist())
     found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
@@ -113,13 +113,13 @@ def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
-    found = simulate(Solver(scene), [recorded_press(scene, str(press)) for press in presses])
+    found = simulate(Solver(scene), [press_on(scene, str(press)) for press in presses])
     return found.isel(sweep=which)
 
 
 def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
     """The press of each sweep as it comes in its session."""
-    presses = [recorded_press(scene, str(press)) for press in sweeps["press"].values]
+    presses = [press_on(scene, str(press)) for press in sweeps["press"].values]
     return _by_session(
         sweeps["session"].values,
         lambda own: simulate(Solver(scene), [presses[k] for k in np.flatnonzero(own)]),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..models.mechanics.in_depths import depths_in_words
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
-from ..press.press import Press, press_on
+from ..press.press import Press, label_of, press_on
 from ..press.touch import Touch
 from ..remembered import remembered
 from ..scene.scene import Scene, interface_names
@@ -71,7 +71,7 @@ class Specimen:
 
         Raises InputError where it does not fit the scene, or a pixel has no skin.
         """
-        return str(self._checked(press))
+        return label_of(self._checked(press), self.scene)
 
     def hold(self, press: str, now: float) -> str:
         """Press the skin, and hold it until the next press; the press in its full form.
@@ -80,7 +80,7 @@ class Specimen:
         """
         found, foam = self._checked(press), self._foam
         foam.state = foam.state.then(found, now - foam.state.since)
-        return str(found)
+        return label_of(found, self.scene)
 
     def momentary(self, press: str, at: float) -> Press:
         """What the skin is pressed like at a time, s by the clock of `hold`: as its foam creeps.

@@ -35,12 +35,27 @@ def warnings(scene: Scene) -> list[str]:
     """
     around = scene.surroundings
     checks = [
+        _assumed(scene),
         None if around and around.thickness else _lateral(scene),
         None if around and (around.rim is not False or around.solved) else _fringe(scene),
         _pixels(scene),
         _loss(scene),
     ]
     return [told for told in checks if told is not None]
+
+
+def _assumed(scene: Scene) -> str | None:
+    """What is assumed of a foam whose thickness surroundings need, and that does not say it."""
+    around = scene.surroundings
+    if around is None or scene.skin.foam.thickness is not None:
+        return None
+    keys = [key for key in ("rim", "thickness", "solved") if getattr(around, key) is True]
+    if not keys:
+        return None
+    return (
+        f"`surroundings.{keys[0]}` takes the foam to be {thickness_told(scene)} thick; give "
+        "skin.foam.thickness beside capacitance_per_area"
+    )
 
 
 def _lateral(scene: Scene) -> str | None:

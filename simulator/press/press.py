@@ -190,18 +190,19 @@ def press_on(scene: Scene, text: str) -> Press:
     return check_press(press, scene)
 
 
-def recorded_press(scene: Scene, text: str) -> Press:
-    """The press that the label of a sweep names.
+def label_of(press: Press, scene: Scene) -> str:
+    """The press as text that `press_on` reads as the same press again.
 
-    As `press_on`, but where the text says how strongly and not by what, it was pressed by a rod:
-    labels as `Press` writes them name every finger. Raises as `press_on`.
+    As `Press` writes it; where touches of the scene are fingers unless they say otherwise, a rod
+    says so.
     """
-    default = strength_of(scene.press)
-    touches = [
-        _touch(each._replace(finger=each.finger or 0.0) if each.strength else each, default, scene)
-        for each in parse_touches(text)
-    ]
-    return check_press(Press(tuple(sorted(touches, key=order))), scene)
+    rod = rod_text(scene)
+    return "+".join(f"{t}{'' if t.finger else rod}" for t in press.touches) or UNPRESSED
+
+
+def rod_text(scene: Scene) -> str:
+    """What the text of a touch by a rod ends with."""
+    return ":rod" if scene.press.finger else ""
 
 
 def check_press(press: Press, scene: Scene) -> Press:

@@ -48,9 +48,14 @@ def drawn_places(
 
 
 def texts(
-    touches: NDArray[np.int64], placed: Footprints, strength: NDArray[np.float64], unit: str
+    touches: NDArray[np.int64],
+    placed: Footprints,
+    strength: NDArray[np.float64],
+    unit: str,
+    rod: str = "",
 ) -> list[str]:
-    """Each press as `Press` writes it. strength: of each touch, in a unit of such texts."""
+    """Each press as `label_of` writes it. strength: of each touch, in a unit of such texts. rod: as
+    of `rod_text`."""
     there = np.arange(placed.x.shape[1]) < touches[:, None]
     told_of = placed._replace(factor=strength)
     rows = zip(*(each[there].tolist() for each in told_of), strict=True)
@@ -60,7 +65,7 @@ def texts(
         else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
         for disc, x, y, width, height, by, _ in rows
     )
-    parts = zip(told, finger_texts(placed.finger[there]), strict=False)
+    parts = zip(told, finger_texts(placed.finger[there], rod), strict=False)
     return joined(touches, map("".join, parts))
 
 

@@ -13,7 +13,6 @@ at u_t and u_b
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 import numpy as np
@@ -26,6 +25,7 @@ from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
 from ...surroundings.solved import surroundings_matrix
 from ...sweeps import InputError
+from ..stray import of_step
 from .coefficients import ELECTRODES, Coefficients
 from .elements import Elements
 from .forms import add_along, add_at, add_foam, add_sheet
@@ -180,18 +180,6 @@ def add_edges(
     for each in np.unique(ratio).tolist():
         own, excess = facets[ratio == each], of_step(each)
         add_along(values, BETWEEN, elements, unknowns, own, partial(_wall, materials, excess))
-
-
-def of_step(ratio: float) -> float:
-    """Capacitance of a step in the gap between two plates beyond that of straight fields, over eps
-    and for each metre. ratio: of the smaller gap to the larger one, below 1.
-
-    E = 1/pi [(1 + a²)/a ln((1 + a)/(1 - a)) - 2 ln(4 a / (1 - a²))]: 0.2498 for a = 1/2. Source: by
-    a conformal map, J. R. Whinnery and H. W. Jamieson, Proc. IRE 32 (1944) 98.
-    """
-    a = ratio
-    walls = (1 + a**2) / a * math.log((1 + a) / (1 - a))
-    return (walls - 2 * math.log(4 * a / (1 - a**2))) / math.pi
 
 
 def _wall(

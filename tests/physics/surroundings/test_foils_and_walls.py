@@ -8,7 +8,7 @@ from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.around import of_step
+from rcskin.simulator.models.stray import of_step
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 

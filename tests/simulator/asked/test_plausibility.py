@@ -56,6 +56,13 @@ def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickn
         ({"skin.foam": {**FOAM, "mechanics": STIFF}}, ["modulus = 50 Pa; did you mean 50000?"]),
         ({"skin.top.anisotropy": {"ratio": 2, "angle": 45.0}}, ["did you mean 0.785398?"]),
         ({"skin.shape": {"kind": "cylinder", "radius": 40.0}}, ["did you mean 0.04?"]),
+        ({"contact.top-left.width": 1e-7}, ["contact[1].width = 1e-07 m"]),
+        ({"surroundings.body.distance": 50.0}, ["body.distance = 50 m; did you mean 0.05?"]),
+        (
+            {"surroundings": {"cover": {"thickness": 1.0, "relative_permittivity": 3.0}}},
+            ["surroundings.cover.thickness = 1 m; did you mean 0.001?"],
+        ),
+        ({"surroundings.air": 5.0}, ["surroundings.air = 5 m; did you mean 0.005?"]),
         ({"leads.inductance": 0.8}, ["leads.inductance = 0.8 H; did you mean 8e-07?"]),
         (
             {"contact.1.resistance": 2e6},

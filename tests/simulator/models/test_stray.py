@@ -40,6 +40,13 @@ def test_the_share_of_the_rim_is_that_of_the_paper_sheet():
     assert stray.rim_share(scene) == pytest.approx(2 * gamma / 4.861e-9 * (2 / 0.12))
 
 
+def test_the_walls_of_a_press_are_those_of_a_solve_in_three_dimensions():
+    """2 mm into 4 mm over 24 x 24 mm: 17 %; a step from 4 to 2 mm has 0.2498 eps a metre."""
+    scene = load_scene("sheet-5x5").with_({"skin.foam.thickness": 4e-3})
+    assert stray.of_step(0.5) == pytest.approx(0.2498, abs=1e-4)
+    assert stray.wall_share(scene, 2.0) == pytest.approx(0.17, abs=5e-3)
+
+
 def test_a_hole_has_a_rim_too():
     skin = load_scene("sheet-3x3").with_(OUTLINE).skin
     assert perimeter(skin) == pytest.approx(2 * np.pi * 0.07)

@@ -59,6 +59,14 @@ def test_the_fringe_weighs_more_the_less_the_foam_holds(make_scene, permittivity
     assert warnings(stated) == []
 
 
+@pytest.mark.parametrize("key", ["rim", "thickness", "solved"])
+def test_a_thickness_that_is_assumed_where_it_counts_is_told(key):
+    scene = load_scene("sheet-5x5").with_({f"surroundings.{key}": True})
+    (warning,) = warnings(scene)
+    assert f"`surroundings.{key}` takes the foam to be 3.6 mm (relative permittivity 2 " in warning
+    assert warnings(scene.with_({"skin.foam.thickness": 4e-3})) == []
+
+
 @pytest.mark.parametrize(
     ("changes", "warned"),
     [

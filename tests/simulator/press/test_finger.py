@@ -7,10 +7,10 @@ from rcskin.simulator.press.finger import PERSON, finger_capacitance, touched_ar
 from rcskin.simulator.press.press import (
     Press,
     every_press,
+    label_of,
     parse_press,
     pixel_pressed,
     press_on,
-    recorded_press,
 )
 from rcskin.simulator.press.touch import Disc, Indentation, Rectangle, Touch
 from rcskin.simulator.scene.files import load_scene
@@ -180,8 +180,8 @@ def test_no_solver_leaves_a_finger_out_without_a_word():
 
 @pytest.mark.parametrize("text", ["2,3:2.0:rod", "2,3:2.0", "2,3:touch", "2,3", "2,3:rod+1,1:5pF"])
 def test_a_label_of_a_sweep_names_the_press_that_was_made(fingered, text):
-    """Also a rod's, which labels say nothing of, where the scene's own touches are fingers."""
+    """Also a rod's, where the scene's own touches are fingers."""
     scene = fingered(press={"finger": "earthed"})
     press = press_on(scene, text)
-    assert recorded_press(scene, str(press)) == press
-    assert recorded_press(scene, "2,3") == press_on(scene, "2,3")
+    assert press_on(scene, label_of(press, scene)) == press
+    assert label_of(press_on(fingered(), "2,3:2.0"), fingered()) == "2,3:2.0"
