@@ -137,7 +137,9 @@ def correct(
 
 @app.command(epilog="Example: rcskin meter press 2,3")
 def press(
-    press: Annotated[str, typer.Argument(help="ROW,COLUMN[:FACTOR], joined by '+', or none.")],
+    press: Annotated[
+        str, typer.Argument(help="ROW,COLUMN[:FACTOR][:FINGER], joined by '+', or none.")
+    ],
     control: ControlAddress = CONTROL,
 ) -> None:
     """Press the skin of a virtual meter that is being served, until the next press."""

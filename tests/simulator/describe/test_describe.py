@@ -223,3 +223,48 @@ def test_foam_in_time_and_its_size_within_a_sweep():
     assert dict(told)["temperature"].startswith("31 °C; with each K the foam's capacitance")
     left_out = dict(beyond(skin({})))["creep"]
     assert left_out.endswith("does so by 0.9 % in a sweep of 100 ms; left out")
+
+
+COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
+BELOW = {"distance": 5e-3}
+
+
+@pytest.mark.parametrize(
+    ("about", "changes", "told"),
+    [
+        ("earth", {}, "raises Rs by about 3.4 % with nothing near; left out ([surroundings], or"),
+        ("earth", {"surroundings": {"low": "floating"}}, "none at the meter: its low terminal"),
+        ("earth", {"surroundings": {}}, "with nothing near; left out without rim or solved"),
+        ("earth", {"surroundings": "solved"}, "with nothing near; in the scene"),
+        ("body", {}, "one at earth 5 mm from the bottom sheet raises Rs by about 22 %; left out"),
+        ("body", {"surroundings.body": BELOW}, "5 mm from the bottom sheet, 1.77 nF/m², at earth"),
+        ("body", {"surroundings.body": {**BELOW, "potential": "low"}}, "a guard that follows low"),
+        ("body", {"surroundings.body": {**BELOW, "potential": "floating"}}, "1.77 nF/m², floating"),
+        ("body", {"surroundings.body.capacitance_per_area": 1e-9}, "facing the bottom sheet, 1 nF"),
+        ("rim", {}, "have 5.7 % of the foam's capacitance; taken to be in capacitance_per_area"),
+        ("rim", {"surroundings.rim": True}, "5.7 % of the foam's capacitance; computed"),
+        ("rim", {"surroundings": "solved"}, "computed, of the three-dimensional solve"),
+        ("rim", {"surroundings.rim": 5e-12}, "given as 5 pF/m between the sheets, 0 F/m and 0"),
+        ("thickness", {}, "3.6 mm (relative permittivity 2 assumed): a field that is not straight"),
+        ("thickness", {"skin.foam.thickness": 4e-3}, "4 mm: a field that is not straight"),
+        ("thickness", {"surroundings.thickness": True}, "0.068 % at 200 kHz; in the scene"),
+        ("walls", {}, "those around a pressed pixel add 9.1 % to its rise; left out"),
+        ("finger", {}, "one of 5.31 pF raises Rs by up to 5.7 %; left out"),
+        ("finger", {"surroundings.cover": COVER}, "presses are by a rod unless they say `:finger`"),
+        ("finger", {"surroundings": {}, "press.finger": 4e-12}, "has 4 pF and raises Rs by up to"),
+        (
+            "finger",
+            {"surroundings.body": {**BELOW, "side": "top"}},
+            "none can touch: cannot touch the top sheet, which has surroundings.body in front",
+        ),
+        ("foil width", {}, "foils that overlap both sheets by 1 mm lower Rs by 2.5 %; left out"),
+        (
+            "foil width",
+            {"contact.1.width": 5e-3},
+            "by 5 mm and lowers Rs by 6 %",
+        ),
+    ],
+)
+def test_what_two_sheets_leave_out_is_told_with_its_size(about, changes, told):
+    """Named in the scene or not."""
+    assert told in said(skin(changes))[about]

@@ -217,3 +217,19 @@ def test_the_press_of_a_scene_is_told_with_its_finger(run, tmp_path):
 
 def finger_of_a_pixel():
     return VACUUM_PERMITTIVITY / (1e-3 / 3.0) * (0.024 * 0.024)
+
+
+@pytest.mark.parametrize(
+    ("table", "why"),
+    [
+        ("body = {distance = -1e-3}", "surroundings.body[1].distance` must be from 1e-8 to 1000 m"),
+        ("cover = {thickness = 1e-3}", "`surroundings.cover.relative_permittivity` is missing"),
+        ("bodies = 3", "`surroundings.bodies` is not a known key, got 3"),
+    ],
+)
+def test_a_file_is_refused_in_one_line_that_names_it(refused, tmp_path, table, why):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"{scene_text(load_scene('sheet-3x3'))}\n[surroundings]\n{table}\n")
+    err = refused("describe", path)
+    assert str(path) in err
+    assert why in err
