@@ -165,6 +165,7 @@ def sweep(
     from .asked.durations import foretold
     from .asked.scene import asked_scene, warn_of_model
     from .asked.telling import note, written
+    from .measure.in_time import in_words
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.in_depths import depths_in_words
     from .models.solver import Solver, checked_model
@@ -177,6 +178,8 @@ def sweep(
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     check_fits(loaded, len(presses))
+    for line in in_words(loaded):
+        note(f"{scene}: {line}")
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as progress:
         patient = foretold(scene, tracked(presses, loaded.name, progress), len(presses))

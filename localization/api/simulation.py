@@ -38,6 +38,7 @@ def sweep(
 ) -> xr.Dataset:
     """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
 
+    On foam that creeps they follow each other in this order, as in a session.
     scene: or its name or path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4", "none") or
     as `Press`; by default nothing pressed, then every pixel. rtol: the largest relative error of Rs
     and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or "reduced". Raises

@@ -23,6 +23,7 @@ from ..press.press import Press, check_press
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
 from ..sweeps.pace import SETTLE, reading_time
+from ..sweeps.units import prefixed
 from .foam_state import FoamState
 
 Number = TypeVar("Number", np.float64, np.complex128)
@@ -49,6 +50,19 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
             moment[i, k] = now + takes / 2
             now += takes
     return np.where(reading.read, moment, now), now
+
+
+def in_words(scene: Scene) -> list[str]:
+    """How presses follow each other where the foam remembers them; a line, or none."""
+    if not scene.skin.foam.in_time:
+        return []
+    timing, (_, whole) = scene.experiment.timed, reading_moments(scene)
+    before_next = f"let go {prefixed(timing.pause, 's')} before the next"
+    let_go = before_next if timing.pause else "not let go"
+    return [
+        "the foam remembers: presses come one after the other as they stand, each is held for "
+        f"{prefixed(whole, 's')} while it is read, and {let_go}"
+    ]
 
 
 @dataclass(frozen=True, eq=False)

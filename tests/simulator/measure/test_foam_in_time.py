@@ -254,3 +254,16 @@ def test_commands_that_take_presses_as_they_are_at_once_say_so(
 def test_a_localizer_by_a_model_of_the_skin_says_so_too(creeping):
     with pytest.raises(InputError, match="a localizer by a model of the skin cannot take"):
         templates(creeping, "column", "drawn")
+
+
+@pytest.mark.parametrize(
+    ("pause", "how"), [(2.0, "let go 2 s before the next"), (0.0, "not let go")]
+)
+def test_sweep_says_how_presses_follow_each_other(creeping, run, tmp_path, monkeypatch, pause, how):
+    monkeypatch.chdir(tmp_path)
+    write_scene("mine.toml", creeping.with_({"experiment.timing.pause": pause}))
+    code, _, err = run("sweep", "mine.toml", "--press", "1,2", "-o", "out.nc")
+    assert code == 0
+    (line,) = [line for line in err.splitlines() if "the foam remembers" in line]
+    assert line.startswith("rcskin: note: mine.toml: the foam remembers: presses come one after")
+    assert line.endswith(f"each is held for 500 ms while it is read, and {how}")
