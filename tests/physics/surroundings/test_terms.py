@@ -1,5 +1,8 @@
 """Fingers, the rim and the depth of the foam, each against a closed form."""
 
+import math
+
+import meshio
 import numpy as np
 import pytest
 from rcskin.simulator.fem.estimate import relative_difference
@@ -146,6 +149,35 @@ def test_a_bent_skin_is_the_flat_one(around, solve):
     bent = type(flat).model_validate(told)
     press = "1,2:1.7:3pF"
     np.testing.assert_array_equal(solve(bent, press, 1e-4).Z, solve(flat, press, 1e-4).Z)
+
+
+def folded(path):
+    """An oblong of 100 x 80 mm as triangles in space, folded by 60 degrees along its middle."""
+    x, y = (each.ravel() for each in np.meshgrid(np.linspace(0, 0.1, 5), np.linspace(0, 0.08, 4)))
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(4), np.arange(3)))
+    low, near = 5 * j + i, np.tile(i < 2, 2)
+    cells = np.concatenate([[low, low + 1, low + 6], [low, low + 6, low + 5]], axis=1).T
+    beyond, edge = np.maximum(x - 0.05, 0.0), np.flatnonzero(x == 0)
+    p = np.stack([np.minimum(x, 0.05) + beyond / 2, y, beyond * math.sqrt(3) / 2], axis=1)
+    blocks = [("triangle", cells[near]), ("triangle", cells[~near])]
+    blocks.append(("line", np.stack([edge[:-1], edge[1:]], axis=1)))
+    tags = [np.full(len(block), tag) for tag, (_, block) in enumerate(blocks, 1)]
+    names = {"near": np.array([1, 2]), "far": np.array([2, 2]), "left": np.array([3, 1])}
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    mesh = meshio.Mesh(p, blocks, cell_data=data, field_data=names)
+    meshio.write(path, mesh, file_format="gmsh22", binary=False)
+    return str(path)
+
+
+def test_a_mesh_in_space_is_the_flat_skin(around, solve, tmp_path):
+    given = {"rim": RIM, "thickness": True, "edges": True, "body": {"distance": 5e-3}}
+    flat = around(given, {"thickness": 4e-3}, columns=2, frequencies=[1e4])
+    told = flat.model_dump(by_alias=True, exclude_none=True)
+    told["skin"]["mesh"] = folded(tmp_path / "folded.msh")
+    told["pixels"]["groups"] = [["near", "far"]]
+    in_space, press = type(flat).model_validate(told), "1,1:1.7:3pF"
+    answers = [solve(each, press, 1e-3).Z for each in (in_space, flat)]
+    assert relative_difference(*answers).max() <= 2e-3
 
 
 def test_a_stretched_skin_is_a_larger_one(around, solve):
