@@ -88,8 +88,10 @@ def check_surroundings(scene: Scene) -> None:
         raise InputError(f"{named[0]} {NO_EARTH if fingers else 'needs the table [surroundings]'}")
     if press.finger is not None and around.rods_alone:
         raise InputError(f"{named[0]}: {around.rods_alone}")
-    if session.body is not None and not around.body:
-        raise InputError(f"{scene.name}: `dataset.session.body` needs a `surroundings.body`")
+    if session.body is not None and (around.solved or not around.body):
+        raise InputError(
+            f"{scene.name}: `dataset.session.body` needs a `surroundings.body`, not solved"
+        )
     if session.rim is not None and not around.rim:
         raise InputError(f"{scene.name}: `dataset.session.rim` needs `surroundings.rim`")
     if press.without_press:

@@ -66,8 +66,12 @@ class Galerkin:
     def restricted(self, matrix: Mass) -> Mass:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
         if isinstance(matrix, Charged):
-            return Charged(self.restricted(matrix.near), matrix.far[self._rows])
+            return Charged(self.restricted(matrix.near), self.own(matrix.far))
         return self.matrix(matrix.data[self.entries])
+
+    def own(self, values: NDArray) -> NDArray:
+        """Those of this space and the terminals, along the first axis, among the system's."""
+        return values[self._rows]
 
     def matrix(self, values: NDArray) -> csc_matrix:
         """A matrix of this space and the terminals from its values at `entries`."""
@@ -118,7 +122,7 @@ class Galerkin:
             return Unshifted(driven, mass).pencil(self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
 
-    def pencils(self, masses: Sequence[csc_matrix], drives: Sequence[Drive]) -> Pencils:
+    def pencils(self, masses: Sequence[Mass], drives: Sequence[Drive]) -> Pencils:
         """K + s M of each drive with each M, of this space in F, those of one M side by side."""
         each = [Unshifted(self.driven(drive), mass) for mass in masses for drive in drives]
         return unshifted_together(each, self.solve, self.inner)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..press.parts import foam_parts, parts_of
+from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam_in_time import AMBIENT, IN_TIME
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
@@ -51,7 +51,7 @@ class Variation:
     def factors(self, scene: Scene) -> NDArray[np.float64]:
         """Factors on each part of M, shape (part,), see `Parts`; 1 of a finger."""
         parts, foam = parts_of(scene), self.foam(scene)
-        fixed = [getattr(self, name) for name in parts.fixed]
+        fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
         return np.concatenate([foam, np.ones(parts.fingers), across, fixed])
 

@@ -19,6 +19,12 @@ class TouchedCells(NamedTuple):
 NOTHING = TouchedCells(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
+def together(*touched: TouchedCells) -> TouchedCells:
+    """All of them as one press."""
+    cells = np.concatenate([each.cells for each in touched])
+    return TouchedCells(cells, np.concatenate([each.rises for each in touched]))
+
+
 class PressBatch(NamedTuple):
     """Of many presses: press k touches cells[starts[k]:starts[k + 1]] with their rises."""
 

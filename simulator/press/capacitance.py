@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .batch import NOTHING, TouchedCells
+from .batch import NOTHING, TouchedCells, together
 from .parts import parts_of
 from .pixels import pixel_lines
 from .press import Press, check_fingers, pressed_factor, require_plain
@@ -99,16 +99,14 @@ def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = Non
     raised = _under_applicators(scene, press) if press.indented else _raised(scene, press, shape)
     if not press.fingers:
         return raised
-    return TouchedCells(
-        *map(np.concatenate, zip(raised, fingers(scene, press, shape), strict=True))
-    )
+    return together(raised, fingers(scene, press, shape))
 
 
 def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """The fingers of a press on such a grid, as `Parts` numbers them, F."""
     shape = grid or scene.pixels.shape
     each = [_finger(scene, touch, shape) for touch in press.touches if touch.finger]
-    return TouchedCells(*map(np.concatenate, zip(NOTHING, *each, strict=True)))
+    return together(NOTHING, *each)
 
 
 def _raised(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:

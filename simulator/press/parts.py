@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
-from ..sweeps import InputError
+from ..scene.surroundings import Surroundings
 from .batch import NOTHING, PressBatch, TouchedCells
 
+SOLVED = "solved"
+"""In place of a factor: what is solved for is of one geometry."""
 SLOPE_STEP = 1e-5
 """Of a factor: central differences are then off by 1e-10 of what they tell, and by rounding."""
 
@@ -29,7 +31,8 @@ class Parts:
     foam: see `foam_parts`; they rise by fractions of c at rest. fingers: one on each pixel, or
     none; they rise by F from nothing. thickness: of the field across each part of the foam, or
     none; they go with the factor of that part as `across` says, whoever presses it. fixed: the
-    factor of a `Variation` that each of the others goes with. mechanics: of foam that is pressed.
+    factor of a `Variation` that each of the others goes with, or SOLVED of those that no skin
+    weighs. mechanics: of foam that is pressed.
     """
 
     foam: int
@@ -136,23 +139,21 @@ def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
 
 
 def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
-    """Of a scene with cells of a grid, by default its pixels.
-
-    Raises InputError for surroundings that are solved for: their charges are of no part.
-    """
+    """Of a scene with cells of a grid, by default its pixels."""
     foam, around = foam_parts(scene, grid), scene.surroundings
     if around is None:
         return Parts(foam)
-    if around.solved:
-        raise InputError(
-            f"{scene.name}: reduced models cannot take `surroundings.solved`; give "
-            "`surroundings.rim = true` in its place"
-        )
     rows, columns = grid or scene.pixels.shape
     return Parts(
         foam,
         fingers=0 if around.rods_alone else rows * columns,
-        thickness=foam if around.thickness else 0,
+        thickness=foam if around.thickness or around.solved else 0,
         mechanics=scene.skin.foam.mechanics,
-        fixed=(*("body" for _ in around.body), *(("rim",) if around.rim else ())),
+        fixed=_fixed(around),
     )
+
+
+def _fixed(around: Surroundings) -> tuple[str, ...]:
+    if around.solved:
+        return (SOLVED,) * (len(around.body) + 1)
+    return (*("body" for _ in around.body), *(("rim",) if around.rim else ()))

@@ -89,7 +89,7 @@ class Fields:
             self._family.skin(weights),
             weights,
             self._family.mass(pressed),
-            {name: self._own(self._family.mass(each)) for name, each in masses.items()},
+            {name: self._own(self._family.masses.mass(m)) for name, m in masses.items()},
             {name: self._gauged(foam, change) for name, change in directions.items()},
             of_foam is not None,
         )

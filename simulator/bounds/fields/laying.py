@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.parameters import of_parts
-from ...press.parts import Parts, parts_of
+from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -41,23 +41,25 @@ class Laying:
         found, (foam, _, across) = self._with_fingers(self.parts.resting, factors), self.parts.kind
         found[foam] = self.of_foam(factors, 1.0)
         if self.parts.thickness:
-            found[across] = 1 / found[foam]
+            found[across] = self.parts.across(found[foam])
         return found
 
     def by_press(self, change: Array, foam: Array) -> Array:
         """How that changes as a press does by a map. foam: as it is pressed, shape (foam part,)."""
-        return self._change(change, -1 / foam**2)
+        return self._change(change, self.parts.across_slope(foam))
 
     def by_foam(self, change: Array, foam: Array) -> Array:
         """The same as the foam's own capacitance does; the field across it goes with that."""
-        return self._change(change, 1 / foam**2)
+        return self._change(change, self.parts.across(foam) / foam)
 
     @property
     def by_surroundings(self) -> dict[str, Array]:
         """The same by the logarithms of what no press changes: bodies, and the rim."""
-        found = {name: np.zeros(self.parts.count) for name in self.parts.fixed}
-        for number, name in enumerate(self.parts.fixed):
-            found[name][self.parts.touched + number] = 1.0
+        fixed = enumerate(self.parts.fixed, self.parts.touched)
+        found = dict[str, Array]()
+        for number, name in fixed:
+            if name != SOLVED:
+                found.setdefault(name, np.zeros(self.parts.count))[number] = 1.0
         return found
 
     def _change(self, change: Array, across: Array) -> Array:

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 
+from ...fem.charged import Mass
 from ...fem.circuit import Circuit
 from ...fem.estimate import certified
 from ...fem.excitation import Combination
@@ -23,7 +23,7 @@ from .families.family import Weights
 
 def certificate(
     space: Galerkin,
-    masses: Sequence[csc_matrix],
+    masses: Sequence[Mass],
     potential: NDArray[np.float64],
     current: NDArray[np.float64],
     Q: NDArray[np.complex128],
@@ -43,14 +43,11 @@ def certificate(
     power = power.reshape(Q.shape) / least
     if combination.alone:
         return certified(Q, power)
-    of_interfaces = (
-        combination.admittance(np.moveaxis(Q, 1, 0)),
-        combination.bound(np.moveaxis(power, 1, 0)),
-    )
-    return certified(*(np.moveaxis(each, 0, 1) for each in of_interfaces))
+    Y, error = combination.admittance(np.moveaxis(Q, 1, 0)), combination.bound(power.swapaxes(0, 1))
+    return certified(np.asarray(Y, dtype=np.complex128).swapaxes(0, 1), error.swapaxes(0, 1))
 
 
-def _charges(masses: Sequence[csc_matrix], potential: NDArray[np.float64]) -> NDArray[np.float64]:
+def _charges(masses: Sequence[Mass], potential: NDArray[np.float64]) -> NDArray[np.float64]:
     """M of each press times its own potentials, in C."""
     own = potential.reshape(len(potential), 2, len(masses), -1)
     each = [mass @ own[:, :, k].reshape(len(own), -1) for k, mass in enumerate(masses)]

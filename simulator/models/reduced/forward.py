@@ -269,8 +269,8 @@ class Forward:
         pixels, first = parts.pixels(np.atleast_2d(cells))
         each = finger / self.cells_per_pixel**2
         added = parts.finger(pixels), np.where(first, each, 0.0)
-        both = [np.atleast_2d(cells), added[0]], [np.atleast_2d(rises), added[1]]
-        all_cells, all_rises = (np.hstack(own) for own in both)
+        all_cells = np.hstack([np.atleast_2d(cells), added[0]])
+        all_rises = np.hstack([np.atleast_2d(rises), added[1]])
         if cells.ndim == 1:
             return all_cells[0], all_rises[0]
         return all_cells, all_rises

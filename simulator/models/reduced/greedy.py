@@ -259,6 +259,9 @@ class Basis:
         parts, share = parts_of(family.scene), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
         factors = family.masses.factors(W, size, share, parts)
         fixed = [*family.masses.energies(W, slice(parts.touched, None))]
+        if family.far_inside is not None:
+            seen = family.far_inside.T @ W
+            fixed[-1] = fixed[-1] + seen.T @ seen
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         reduced = replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
         return indented(reduced) if isinstance(family, IndentedFamily) else reduced

@@ -137,7 +137,8 @@ class ReducedSkin:
         if self.combination.alone:
             return 1.0
         Q = np.stack([Y for _, Y in self.solved(*NOTHING, self.s)])
-        Y, size = self.combination.admittance(Q), self.combination.bound(np.abs(Q))
+        Y = np.asarray(self.combination.admittance(Q), dtype=np.complex128)
+        size = self.combination.bound(np.abs(Q))
         of_Rs, of_B = np.abs(Y) ** 2 / size / np.abs(Y.real), size / told_susceptance(Y)
         return CANCELLED_UNDER_PRESS * float(np.clip([1 / of_Rs, of_B], 1.0, MOST_CANCELLED).max())
 

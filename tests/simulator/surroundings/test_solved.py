@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.charged import Bordered, Charged
+from rcskin.simulator.fem.estimate import relative_difference
 from rcskin.simulator.fem.factors import factorised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.surroundings import kept, solved
 from rcskin.simulator.surroundings.rim import rim_densities
 from rcskin.simulator.surroundings.solved import surroundings_matrix
@@ -156,6 +158,11 @@ def test_what_is_not_solved_for_is_refused(skin, changes, line):
         Solver(scene, 1e-3).solve(Press())
 
 
-def test_reduced_models_leave_it_to_elements(skin):
-    answer = Solver(around(skin), 1e-3, "reduced").solve(Press())
-    assert "cannot take `surroundings.solved`" in "\n".join(answer.told())
+def test_reduced_models_hold_it_as_one_whole_matrix(skin):
+    """Pressed or not: it depends on neither sheets nor presses."""
+    scene = around(skin).with_({"sweep.frequencies": [1e3, 2e4]})
+    reduced, full = Solver(scene, 1e-3, "reduced"), Solver(scene, 1e-4)
+    for press in (Press(), Press((Touch(1, 3, 2.0),))):
+        answer = reduced.solve(press)
+        assert answer.model.startswith("reduced")
+        assert relative_difference(answer.Z, full.solve(press).Z).max() < 1.1e-3

@@ -66,3 +66,5 @@ def _each(
     if surroundings.rim is not False:
         rim = rim_densities(scene)
         yield lambda M: add_rim(M, rim, *where)
+    if surroundings.solved:  # `Family.far`, which has no place in the pattern
+        yield lambda M: None

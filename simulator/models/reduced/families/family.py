@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
+from ....fem.charged import Charged, Mass
 from ....fem.circuit import Circuit
 from ....fem.estimate import Swept
 from ....fem.excitation import Drive, checked
@@ -36,7 +37,7 @@ from .masses import Masses
 
 Weights = NDArray[np.float64] | None
 """Of the terms of K, see `weights_of`; None for the scene's own skin."""
-Checking = tuple[Galerkin, csc_matrix]
+Checking = tuple[Galerkin, Mass]
 """A space, and M in F in the pattern of its system."""
 
 
@@ -156,13 +157,25 @@ class Family(ABC):
         """c of a case's foam as `mass` takes it."""
         return case.map_on(self.scene)
 
-    def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
-        """M in F, in the system's pattern. factors: c over that at rest, shape (part,)."""
-        return self.masses.mass(factors)
+    @property
+    def far(self) -> NDArray[np.float64] | None:
+        """What is solved for around the skin, as of `Charged`; None where nothing is."""
+        return None
 
-    def mass_inside(self, factors: NDArray[np.float64]) -> csc_matrix:
+    def mass(self, factors: NDArray[np.float64]) -> Mass:
+        """M in F, in the system's pattern. factors: of each part there is, shape (part,)."""
+        near = self.masses.mass(factors)
+        return near if self.far is None else Charged(near, self.far)
+
+    def mass_inside(self, factors: NDArray[np.float64]) -> Mass:
         """M in F of the space alone. factors: as of `mass`."""
-        return self.space.matrix(self._masses_inside @ factors)
+        near = self.space.matrix(self._masses_inside @ factors)
+        return near if self.far_inside is None else Charged(near, self.far_inside)
+
+    @cached_property
+    def far_inside(self) -> NDArray[np.float64] | None:
+        """As `far`, of the space alone."""
+        return None if self.far is None else self.space.own(self.far)
 
     def with_films(
         self, films: Films, weights: NDArray[np.float64], terms: Sequence[Films]

@@ -12,13 +12,14 @@ from scipy.sparse import csc_matrix
 
 from ....fem.estimate import both
 from ....fem.safety import SINGULAR
-from ....fem.system import Films, System, films
+from ....fem.system import Films, films
 from ....press.parts import foam_parts, parts_of
 from ...parameters import mode_values
 from ...varied.coefficients import Coefficients
 from ...varied.elements import Elements, triangles
+from ...varied.forms import add_foam, add_sheet
 from ...varied.materials import Materials, gauged
-from ...varied.system import add_foam, add_sheet, film_of, pressed_system
+from ...varied.system import PressedSystem, film_of, pressed_system
 from .around import around
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
@@ -31,8 +32,9 @@ class UnevenFamily(Family):
     """On triangles, checked by other elements of one order more on the same."""
 
     mesh: Triangulation
+    system: PressedSystem
 
-    def _built(self) -> tuple[System, int]:
+    def _built(self) -> tuple[PressedSystem, int]:
         elements = self.elements
         return pressed_system(self.circuit, elements, self._coefficients), elements.order
 
@@ -45,6 +47,11 @@ class UnevenFamily(Family):
     def _coefficients(self) -> Coefficients:
         at_rest = np.ones(self.elements.cells)
         return Coefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
+
+    @property
+    def far(self) -> NDArray[np.float64] | None:
+        """As of `Family`."""
+        return self.system.far
 
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
         """As of `Family`: on the same mesh."""

@@ -30,9 +30,11 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
             f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
             "press; give `press.capacitance_factor`, or sweep without --model reduced"
         )
-    if scene.surroundings is not None and scene.surroundings.thickness:
+    around = scene.surroundings
+    if around is not None and (around.thickness or around.solved):
+        key = "thickness" if around.thickness else "solved"
         raise InputError(
-            f"{scene.name}: `surroundings.thickness` does not reduce where tension spreads a "
+            f"{scene.name}: `surroundings.{key}` does not reduce where tension spreads a "
             "press; leave it out, give `press.capacitance_factor`, or sweep without --model reduced"
         )
     return True
