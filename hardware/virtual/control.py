@@ -14,7 +14,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, field
 from typing import Any
 
-from ...simulator.sweeps import InputError
+from ...simulator.sweeps import InputError, ToleranceError
 from ..tokens import new_token, same_token
 from .clients import Client
 from .faults import Fault
@@ -45,7 +45,10 @@ class Control:
         return self.tasks
 
     async def press(self, text: str) -> str:
-        """Press the skin, and hold it until the next press. Raises InputError."""
+        """Press the skin, and hold it until the next press.
+
+        Raises InputError, and ToleranceError where the depth of a force is not found.
+        """
         meter = self.instrument
         loop = asyncio.get_running_loop()
         held = loop.run_in_executor(meter.worker, meter.bench.skin.hold, text, meter.now)
@@ -72,7 +75,7 @@ class Control:
             return {"error": "no request that is known: it must be a JSON object on one line"}
         try:
             return {"ok": await self._done(**request)}
-        except InputError as error:
+        except (InputError, ToleranceError) as error:
             return {"error": str(error)}
         except (ValueError, TypeError, RecursionError) as error:
             return {"error": f"no request that is known: {error}"}

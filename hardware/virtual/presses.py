@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...simulator.sweeps import UNPRESSED, InputError, inputs
+from ...simulator.sweeps import UNPRESSED, InputError, ToleranceError, inputs
 from .control import Control
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def scripted(steps: list[tuple[float, str]]) -> Routine:
         begun = control.instrument.now
         for seconds, press in steps:
             await asyncio.sleep(begun + seconds - control.instrument.now)
-            await control.press(press)
+            await _pressed(control, press)
 
     return routine
 
@@ -61,7 +61,15 @@ def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator
 
     async def routine(control: Control) -> None:
         while True:
-            await control.press(str(random.choice([UNPRESSED, *pixels])))
+            await _pressed(control, str(random.choice([UNPRESSED, *pixels])))
             await asyncio.sleep(seconds)
 
     return routine
+
+
+async def _pressed(control: Control, press: str) -> None:
+    """Press the skin; one that cannot be is told of, and the press before stays."""
+    try:
+        await control.press(press)
+    except (InputError, ToleranceError) as error:
+        control.instrument.tell(str(error))

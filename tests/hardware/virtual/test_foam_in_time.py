@@ -9,6 +9,7 @@ from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import Bench
+from rcskin.hardware.virtual.presses import scripted
 from rcskin.hardware.virtual.recorded import exact
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.solver import Solver
@@ -95,6 +96,15 @@ def test_a_press_that_creeps_too_far_is_refused_and_the_one_before_stays(clocked
         return meter.press
 
     assert asyncio.run(pressed()) == "1,2:2.0"
+
+
+def test_a_script_goes_on_after_a_press_that_creeps_too_far(clocked):
+    meter, control = clocked
+    told = []
+    meter.tell = told.append
+    asyncio.run(scripted([(0.0, "1,2:2.0"), (0.0, "1,3:80"), (0.0, "1,1:1.5")])(control))
+    assert meter.press == "1,1:1.5"
+    assert len(told) == 1 and "press 1,3:80.0: the foam would creep to" in told[0]
 
 
 def test_both_interfaces_know_what_pressed_the_skin(creeping):
