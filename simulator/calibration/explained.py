@@ -22,7 +22,7 @@ from .measured import measured
 from .model import Around, Model, checked_model, model_of
 from .prior import Prior, noise_of, priors
 from .problem import Asked, Problem, difference
-from .tried import Trials, in_words
+from .tried import Trials, addable, in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,9 +59,9 @@ def gap_by_parameter(
     """Of every parameter of the scene, the one that removes most first.
 
     All is counted after the strengths of presses and the meter's fixed errors were fitted within
-    their own spreads. Factors are looked for within the model's reach. Where none of them explains
-    the readings, those of EFFECTS that the scene has not are tried, too. Arguments, errors: as of
-    `calibrate`; of `options.fit`, where given, only those.
+    their own spreads. Factors are looked for within the model's reach. Where there is a misfit,
+    those of EFFECTS that the scene has not are tried, too. Arguments, errors: as of `calibrate`; of
+    `options.fit`, where given, only those.
     """
     data = measured(scene, sweeps, options.band, options.session)
     effects = effects_of(data.scene) if options.prior == "wide" else ()
@@ -74,14 +74,15 @@ def gap_by_parameter(
     with one_blas_thread():
         before = solved(Problem(asked, ready), asked.fixed).chi_squared
         found = [_alone(asked, ready, name, known[name], before) for name in names]
-        least = min(each.after for each in found)
-        if not options.fit and least > EXPLAINED * data.numbers:
+        if not options.fit and before > EXPLAINED * data.numbers:
             found += _tried(asked, before, progress)
     return tuple(sorted(found, key=lambda each: each.after))
 
 
 def _tried(asked: Asked, before: float, progress: Progress) -> list[Explained]:
     """What each of EFFECTS alone does that the scene has not."""
+    if not addable(asked.measured.scene):
+        return []
     try:
         trials = Trials(asked, {}, progress)
         fits = {name: trials.fit(name) for name in trials.names}

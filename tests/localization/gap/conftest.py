@@ -128,6 +128,14 @@ def uncalibrated(monkeypatch):
     monkeypatch.setattr("rcskin.simulator.calibration.explained.gap_by_parameter", refuse)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def nothing_tried():
+    """What surrounds a skin is tried in the tests of calibrations: its training takes seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rcskin.simulator.calibration.explained.addable", lambda scene: [])
+        yield
+
+
 @pytest.fixture(scope="session")
 def make_findings():
     """A function that asks everything of a pair."""

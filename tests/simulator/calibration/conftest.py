@@ -69,7 +69,8 @@ def models_made_once():
 def nothing_tried(request, monkeypatch):
     """What surrounds a skin is tried in the tests of that alone: its training takes seconds."""
     if request.module.__name__.rpartition(".")[2] != "test_surroundings":
-        monkeypatch.setattr("rcskin.simulator.calibration.tried.addable", lambda scene: [])
+        for room in ("tried", "explained"):
+            monkeypatch.setattr(f"rcskin.simulator.calibration.{room}.addable", lambda scene: [])
 
 
 @pytest.fixture(scope="session")
