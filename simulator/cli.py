@@ -40,6 +40,9 @@ OUT_OF_RANGE = (
 OF_NUMBERS = ("math domain error", "cannot convert float NaN to integer")
 """What Python says where it raises ValueError, as it does of wrong input."""
 
+VIRTUAL_EARTH = "virtual earth"
+LOW_TERMINAL = "The meter's low terminal (virtual earth of an LCR meter, floating without earth)"
+
 app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
@@ -125,11 +128,21 @@ def new(
             "--from", help="The built-in scene to begin with.", autocompletion=complete_scene
         ),
     ] = "glove",
+    low: Annotated[
+        str | None,
+        typer.Option(
+            help="The meter's low terminal: 'virtual earth' of an LCR meter, or 'floating' of a "
+            "meter without earth. Asked for on a terminal, else a virtual earth.",
+            autocompletion=lambda: ["virtual-earth", "floating"],
+        ),
+    ] = None,
 ) -> None:
     """Begin a scene of your own: a commented file with every basic key and its unit."""
-    from .scene.files import write_new
+    from .scene.files import checked_low, write_new
 
-    write_new(output, like)
+    if low is None and sys.stdin.isatty():
+        low = typer.prompt(LOW_TERMINAL, default=VIRTUAL_EARTH)
+    write_new(output, like, checked_low(low or VIRTUAL_EARTH))
     say(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
 
 

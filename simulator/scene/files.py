@@ -8,7 +8,7 @@ import tomllib
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import tomli_w
 from pydantic import ValidationError
@@ -20,12 +20,18 @@ from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si
 from .map_file import with_grids
 from .scene import Scene
+from .surroundings import LowTerminal
 from .validation import one_line
 
 if TYPE_CHECKING:
     import xarray as xr
 
 NAME = re.compile(r'^name = "[^"]*"\ndescription = "[^"]*"', flags=re.MULTILINE)
+AROUND = """
+[surroundings]                           # rcskin describe tells how much each part of it matters
+low = "{low}"                    # of an LCR meter; "floating": of a meter without earth
+"""
+"""What a new scene says beside a built-in one, whose meters float."""
 AT_LINE = re.compile(r"at line (\d+)")
 WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
 PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
@@ -44,15 +50,25 @@ def _likely_scene(name: str) -> str:
     return f"{meant}there are {', '.join(builtin_names())}"
 
 
-def write_new(path: Path, like: str) -> None:
+def checked_low(text: str) -> LowTerminal:
+    """The low terminal of a meter that is named so, with blanks or dashes; raises InputError."""
+    for known in get_args(LowTerminal):
+        if text.strip().replace("-", " ") == known:
+            return known
+    allowed = " or ".join(map(repr, get_args(LowTerminal)))
+    raise InputError(f"the meter's low terminal must be {allowed}, got {text!r}")
+
+
+def write_new(path: Path, like: str, low: LowTerminal) -> None:
     """Begin a scene file with that of a built-in scene, under the name of the file.
 
-    Its description says what it was begun from.
+    Its description says what it was begun from. low: the low terminal of the meter that its skin is
+    measured by.
 
     Raises InputError for another ending, an absent folder, a file that may not be replaced, and
     another scene.
     """
-    text = builtin_text(like)
+    text = builtin_text(like) + AROUND.format(low=low)
     with whole_file(checked_output(path, (".toml",))) as unfinished:
         name = json.dumps(path.stem, ensure_ascii=False)
         own = f'name = {name}\ndescription = "begun from {like}"'

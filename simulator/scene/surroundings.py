@@ -25,6 +25,9 @@ from .validation import Table, one_line
 SOLVED = {"low": "virtual earth", "solved": True}
 """What `surroundings = "solved"` is short for."""
 
+LowTerminal = Literal["virtual earth", "floating"]
+"""Of a meter: that of an LCR meter, or of one without earth."""
+
 NO_EARTH = "needs the table [surroundings]: a finger's capacitance is that to earth"
 NO_COVER = (
     "needs surroundings.cover or surroundings.air, of which its capacitance follows, or a "
@@ -126,7 +129,7 @@ class Surroundings(Table):
     between the cover and a finger that hovers. body: one, or a list of two, one a side.
     """
 
-    low: Literal["virtual earth", "floating"] = "virtual earth"
+    low: LowTerminal = "virtual earth"
     rim: Annotated[bool | Rim, BeforeValidator(_rim), OrText("number")] = False
     thickness: Annotated[bool, Strict()] = False
     edges: Annotated[bool, Strict()] = False

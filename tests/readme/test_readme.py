@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.__main__ import app, main
-from rcskin.simulator.scene.files import builtin_names, builtin_text
+from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -179,7 +179,7 @@ def run(monkeypatch, line):
 
 def test_the_skin_of_ones_own_is_a_built_in_scene():
     (scene,) = blocks("simulator/OWN_SKIN.md", "toml")
-    assert scene == builtin_text("glove")
+    assert scene == builtin_text("glove") + AROUND.format(low="virtual earth")
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """The command line as its user meets it: exit codes, one clear line, nothing half-written."""
 
+import io
 import os
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 from numpy.linalg import LinAlgError
 from rcskin.simulator import sweeps
 from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
+from rcskin.simulator.scene.surroundings import Surroundings
 
 
 @pytest.fixture
@@ -57,9 +59,38 @@ def test_a_new_scene_is_that_of_an_example_under_its_own_name(run, tmp_path, lik
     code, out, _ = run("new", path, *(["--from", like] if like else []))
     assert code == 0 and str(path) in out
     like = like or "glove"
-    own = {"name": "my patch", "description": f"begun from {like}"}
+    own = {"name": "my patch", "description": f"begun from {like}", "surroundings": Surroundings()}
     assert load_scene(path) == load_scene(like).model_copy(update=own)
     assert path.read_text().count("#") >= 8
+
+
+@pytest.mark.parametrize(
+    ("given", "low"),
+    [("floating", "floating"), ("virtual-earth", "virtual earth"), (None, "virtual earth")],
+)
+def test_a_new_scene_says_what_meter_it_is_for(run, tmp_path, given, low):
+    path = tmp_path / "new.toml"
+    assert run("new", path, *(["--low", given] if given else []))[0] == 0
+    assert load_scene(path).surroundings == Surroundings(low=low)
+
+
+def test_the_low_terminal_is_asked_for_on_a_terminal(monkeypatch, run, tmp_path):
+    monkeypatch.setattr("sys.stdin", Typed("floating\n"))
+    assert run("new", tmp_path / "new.toml")[0] == 0
+    assert load_scene(tmp_path / "new.toml").surroundings == Surroundings(low="floating")
+
+
+def test_another_low_terminal_is_refused(refused, tmp_path):
+    err = refused("new", tmp_path / "new.toml", "--low", "ground")
+    assert "must be 'virtual earth' or 'floating', got 'ground'" in err
+    assert not (tmp_path / "new.toml").exists()
+
+
+class Typed(io.StringIO):
+    """What someone types at a terminal."""
+
+    def isatty(self):
+        return True
 
 
 def test_a_new_scene_overwrites_nothing(refused, scene_with):
