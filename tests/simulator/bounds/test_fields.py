@@ -112,3 +112,17 @@ def test_cells_are_covered_as_far_as_the_touch_moves():
         if inside:
             np.testing.assert_allclose(slope, (further - before) / (2 * step), atol=1e-6)
     assert not covered_about(lines, 0.5, 1.0)[1].any()
+
+
+def test_earth_that_nothing_reaches_changes_no_slope(make_scene):
+    """Two excitations a reading, of which what rounding leaves of one is not taken for a field."""
+    scene = make_scene(columns=2, frequencies=[1e3, 1e5])
+    factors, f = np.array([[1.0, 2.0]]), scene.frequencies
+    asked = factors, {"rise": factors - 1}, f, {"foam": np.ones((1, 2))}
+    alone, earthed = (
+        Fields(each, f[-1], 1).respond(*asked)
+        for each in (scene, scene.with_({"surroundings": {}}))
+    )
+    np.testing.assert_allclose(earthed.Z, alone.Z, rtol=1e-4)
+    for name in ("rise", "foam", "sheet_resistance"):
+        np.testing.assert_allclose(earthed.by_parameter[name], alone.by_parameter[name], rtol=1e-3)
