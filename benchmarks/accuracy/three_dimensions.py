@@ -27,21 +27,41 @@ NAME = "three_dimensions"
 
 def main(run: Run) -> int:
     """All tables and the chart; the exit code."""
+    passed = known_answers(run)
+    for part in (other_grids, surroundings, terms):
+        part(run)
+    return int(not passed)
+
+
+def known_answers(run: Run) -> bool:
+    """Closed forms and other programs; whether all agree."""
     lines = list(checks(run))
     table = pd.DataFrame(
         [(each.what, each.expected, each.measured, _verdict(each.passed)) for each in lines],
         columns=["what", "expected", "measured", ""],
     )
     publish(run.results, f"{NAME}_checks", "The three-dimensional reference: known answers", table)
+    return all(each.passed for each in lines)
+
+
+def other_grids(run: Run) -> None:
+    """By how much they move the answers."""
     title = "The three-dimensional reference: by how much other grids move it"
     publish(run.results, f"{NAME}_grids", title, moved(run))
+
+
+def surroundings(run: Run) -> None:
+    """How large each effect is."""
     title = "What surrounds a skin: effects on the sweeps, in three dimensions"
     publish(run.results, NAME, title, effects(run))
+
+
+def terms(run: Run) -> None:
+    """What each term leaves, as a table and a chart."""
     found = left(run)
     title = "What terms of two dimensions leave of three: largest deviations over all frequencies"
     publish(run.results, f"{NAME}_left", title, _rounded(found))
     draw(run.results / f"{NAME}.png", found)
-    return int(not all(each.passed for each in lines))
 
 
 def _verdict(passed: bool) -> str:

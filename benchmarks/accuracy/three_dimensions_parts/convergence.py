@@ -15,6 +15,8 @@ from .skin import ForeignSkin
 from .statics import AIR, Static
 
 NEAR: dict[str, Outside] = {"nothing": AIR, "body at 5 mm": body(5e-3)}
+REFINED = SKINS[0]
+"""The skin that is solved on the finer grid, too."""
 
 
 def moved(run: Run) -> pd.DataFrame:
@@ -23,13 +25,14 @@ def moved(run: Run) -> pd.DataFrame:
     grids = run.sized(
         {"coarser": base.coarser(), "finer": base.finer()}, {"coarser": base.coarser()}
     )
-    return pd.DataFrame(
-        [row for name in run.sized(SKINS, SKINS[:1]) for row in _rows(name, base, grids)]
-    )
+    skins = run.sized(SKINS, SKINS[:1])
+    rows = [row for name in skins for row in _rows(name, base, grids)]
+    return pd.DataFrame(rows).fillna("")
 
 
 def _rows(name: str, base: Grid, grids: dict[str, Grid]) -> list[dict[str, str]]:
     scene = load_scene(name)
+    grids = {key: grid for key, grid in grids.items() if key == "coarser" or name == REFINED}
     statics = {key: Static(block_of(scene, THICKNESS, grid=grid)) for key, grid in grids.items()}
     own = Static(block_of(scene, THICKNESS, grid=base))
     rows = []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 from rcskin.simulator.charts import AT_REST, COLOURS, chart
 
-from .terms import NOTHING
+from .terms import over
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,13 +29,12 @@ MARKERS = "osD^v"
 
 def draw(path: Path, table: pd.DataFrame) -> None:
     """Write the chart, of skins with an earthed body below."""
-    near = table[table["near"] != NOTHING]
     with chart(path, 15, 7.4) as figure:
         panels = figure.subplots(2, len(PANELS), sharey="row")
         for row, (label, columns, goals) in zip(panels, ROWS, strict=True):
             row[0].set_ylabel(label)
             for axes, (varied, along) in zip(row, PANELS, strict=True):
-                _lines(axes, near[near["varied"] == varied], list(columns))
+                _lines(axes, over(table, varied), list(columns))
                 for goal, style in zip(goals, (":", "--"), strict=True):
                     axes.axhline(goal, color="0.6", lw=0.9, ls=style)
                 axes.set_xlabel(along)

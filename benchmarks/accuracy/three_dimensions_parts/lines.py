@@ -44,8 +44,8 @@ class Grid:
         return replace(self, finest=3 * self.finest, order=self.order - 1, far=self.far / 3)
 
     def finer(self) -> Grid:
-        """Smaller elements of one order more in a wider box."""
-        return replace(self, finest=self.finest / 3, order=self.order + 1, far=3 * self.far)
+        """Smaller elements at the edge in a wider box."""
+        return replace(self, finest=self.finest / 3, far=3 * self.far)
 
 
 @dataclass(frozen=True)

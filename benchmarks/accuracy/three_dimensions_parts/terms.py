@@ -23,6 +23,7 @@ TERMS: dict[str, dict[str, object] | None] = {
     "earth": {},
     "earth, rim": {"rim": True},
     "earth, rim, thickness": {"rim": True, "thickness": True, "edges": True},
+    "solved, thickness": {"solved": True, "thickness": True, "edges": True},
 }
 """Keys of the table `surroundings` beside `low` and `body`; None for a scene without it."""
 
@@ -32,46 +33,61 @@ DISTANCE = 5e-3
 NOTHING = "nothing"
 
 
-class Setting(NamedTuple):
-    """A skin: the parameter that is varied, its value for people, the scene, and what is near.
+class Near(NamedTuple):
+    """The meter's low terminal, and the distance in m of an earthed plane below; None for none."""
 
-    low: of the meter; bodies: distances in m of an earthed plane below, None for none.
-    """
+    low: str = "virtual earth"
+    body: float | None = DISTANCE
+
+    def __str__(self) -> str:
+        if self.body is None:
+            return NOTHING if self.low == "virtual earth" else f"{NOTHING}, meter {self.low}"
+        return f"body at {1e3 * self.body:g} mm"
+
+
+class Setting(NamedTuple):
+    """A skin, what is near it in turn, and the parameter it is varied by with the value."""
 
     varied: str
     value: float
     scene: Scene
-    low: str
-    bodies: tuple[float | None, ...]
+    near: tuple[Near, ...]
+    grid: Grid
+
+
+BASE, STRIP = "sheet", "strip"
+AROUND = (Near("floating", None), Near(body=None), Near())
+DISTANCES = 2e-3, 10e-3, 20e-3, 50e-3
+SWEPT = Grid(finest=0.1, ratio=0.15, order=3)
+"""For skins that are varied, of which many are solved."""
+QUICK = Grid(finest=0.3, ratio=0.12, order=3)
 
 
 def settings(run: Run) -> list[Setting]:
-    """All that is compared: one parameter at a time, from the paper's sheet on, and its strip."""
+    """The paper's sheet and strip, and the sheet with one parameter varied at a time."""
     sheet = load_scene("sheet-5x5")
-    near = None, DISTANCE
-    earth = "virtual earth"
-    found = [
-        Setting("meter floating", 0.0, with_foam(sheet), "floating", (None,)),
-        Setting("body (mm)", 0.0, with_foam(sheet), earth, run.sized(BODIES, near)),
-    ]
     if run.quick:
-        return found
-    for thickness in (1e-3, 2e-3, 4e-3, 7e-3, 10e-3):
-        scene = with_foam(sheet, thickness)
-        found.append(Setting("foam (mm)", 1e3 * thickness, scene, earth, near))
-    for permittivity in (1.2, PERMITTIVITY, 4.0, 8.0):
-        scene = with_foam(sheet, THICKNESS, permittivity)
-        found.append(Setting("permittivity", permittivity, scene, earth, near))
-    for count in (2, 3, 5, 10):
-        scene = with_foam(sheet.with_({"pixels": count}))
-        found.append(Setting("pixel (mm)", 1e3 * sheet.skin.length / count, scene, earth, near))
+        return [Setting(BASE, 0.0, with_foam(sheet), AROUND, QUICK)]
+    everything = (*AROUND, *(Near(body=distance) for distance in DISTANCES))
     strip = with_foam(load_scene("strip-1x5"), THICKNESS, None)
-    found.append(Setting("strip, meter floating", 0.0, strip, "floating", (None,)))
-    found.append(Setting("strip, body (mm)", 0.0, strip, earth, (None, DISTANCE, 20e-3)))
+    found = [
+        Setting(BASE, 0.0, with_foam(sheet), everything, Grid()),
+        Setting(STRIP, 0.0, strip, AROUND, SWEPT),
+    ]
+    for thickness in (1e-3, 2e-3, 10e-3):
+        scene = with_foam(sheet, thickness)
+        found.append(Setting("foam (mm)", 1e3 * thickness, scene, AROUND[2:], SWEPT))
+    for permittivity in (1.2, 4.0, 8.0):
+        scene = with_foam(sheet, THICKNESS, permittivity)
+        found.append(Setting("permittivity", permittivity, scene, AROUND[2:], SWEPT))
+    for count in (2, 3, 10):
+        scene, size = with_foam(sheet.with_({"pixels": count})), 1e3 * sheet.skin.length / count
+        found.append(Setting("pixel (mm)", size, scene, AROUND[2:], SWEPT))
     return found
 
 
-BODIES = None, 2e-3, 5e-3, 10e-3, 20e-3, 50e-3
+BASE_VALUES = {"foam (mm)": 1e3 * THICKNESS, "permittivity": PERMITTIVITY, "pixel (mm)": 24.0}
+"""Of the sheet itself, with a body at `DISTANCE`."""
 
 
 def with_foam(
@@ -85,39 +101,52 @@ def with_foam(
 
 
 def left(run: Run) -> pd.DataFrame:
-    """One row for each term of each setting; `error` is what a coarser grid makes of it."""
-    return pd.DataFrame([row for setting in settings(run) for row in _rows(setting, run)])
+    """One row for each term of each setting; `error` is by how much a coarser grid moves Z."""
+    return pd.DataFrame([row for setting in settings(run) for row in rows(setting)])
 
 
-def _rows(setting: Setting, run: Run) -> Iterator[dict[str, object]]:
-    grid = run.sized(Grid(), Grid(finest=0.3, ratio=0.12, order=3))
-    scene = setting.scene
+def rows(setting: Setting) -> Iterator[dict[str, object]]:
+    """Of one setting."""
+    scene, grid = setting.scene, setting.grid
     fine, coarse = (Static(block_of(scene, grid=each)) for each in (grid, grid.coarser()))
-    for distance in setting.bodies:
-        below = AIR if distance is None else body(distance)
+    for near in setting.near:
+        below = AIR if near.body is None else body(near.body)
         true, other = (
-            sweeps_of(ForeignSkin(scene, static.solved(below=below), low=setting.low))
+            sweeps_of(ForeignSkin(scene, static.solved(below=below), low=near.low))
             for static in (fine, coarse)
         )
-        value = 1e3 * (distance or 0.0) if "body" in setting.varied else setting.value
         for term, keys in TERMS.items():
-            found = flat_sweeps(_named(setting, distance, keys))
+            found = flat_sweeps(named(scene, near, keys))
             yield {
                 "varied": setting.varied,
-                "value": value,
-                "near": NOTHING if distance is None else f"body at {1e3 * distance:g} mm",
+                "value": setting.value,
+                "near": str(near),
                 "term": term,
                 **_deviations(found, true, scene),
                 "error (σ)": sigmas(other.unpressed / true.unpressed, scene),
             }
 
 
-def _named(setting: Setting, distance: float | None, keys: dict[str, object] | None) -> Scene:
+def named(scene: Scene, near: Near, keys: dict[str, object] | None) -> Scene:
     """The scene with a table of surroundings."""
     if keys is None:
-        return setting.scene
-    bodies = {} if distance is None else {"body": {"side": "bottom", "distance": distance}}
-    return setting.scene.with_({"surroundings": {"low": setting.low, **bodies, **keys}})
+        return scene
+    bodies = {} if near.body is None else {"body": {"side": "bottom", "distance": near.body}}
+    return scene.with_({"surroundings": {"low": near.low, **bodies, **keys}})
+
+
+def over(table: pd.DataFrame, varied: str) -> pd.DataFrame:
+    """Rows of the sheet over a body by one parameter, those of the sheet itself among them.
+
+    varied: `body (mm)` is the distance of the body.
+    """
+    base = table[(table["varied"] == BASE) & table["near"].str.startswith("body")]
+    if varied == "body (mm)":
+        distances = base["near"].str.extract(r"([\d.]+)")[0].astype(float)
+        return base.assign(value=distances).sort_values("value", kind="stable")
+    own = base[base["near"] == str(Near())].assign(value=BASE_VALUES[varied])
+    both = pd.concat([table[table["varied"] == varied], own])
+    return both.sort_values("value", kind="stable")
 
 
 def _deviations(found: Sweeps, true: Sweeps, scene: Scene) -> dict[str, float]:
