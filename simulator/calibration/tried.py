@@ -66,16 +66,21 @@ def addable(scene: Scene) -> list[str]:
 def in_words(scene: Scene, name: str, value: float) -> str:
     """One of EFFECTS of a scene that has it, at a value."""
     if name == "finger":
-        return f"a finger of about {1e12 * value:.2g} pF"
+        return f"a finger of about {_about(1e12 * value)} pF"
     around = scene_with(scene, {name: value}).surroundings
     assert around is not None
     if name == "rim":
         rim = rim_densities(scene_with(scene, {name: value}))
-        return f"a rim of about {1e12 * max(rim.mutual, rim.top, rim.bottom):.2g} pF/m"
+        return f"a rim of about {_about(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
     nearest = max(around.body, key=lambda body: body.per_area)
     if nearest.distance is None:
         return f"a body of about {nearest.per_area:.2g} F/m²"
-    return f"a body at about {1e3 * nearest.distance:.2g} mm"
+    return f"a body at about {_about(1e3 * nearest.distance)} mm"
+
+
+def _about(value: float) -> str:
+    """To two digits."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def gains(fit: Fit, freedom: float, progress: Progress = silent) -> list[str]:

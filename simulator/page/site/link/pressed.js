@@ -1,7 +1,7 @@
 // The virtual skin: what is pressed on the page is pressed there, and what others press is shown.
 
 import { withPrefix } from "rcskin/charts";
-import { parsed } from "rcskin/presses";
+import { parsed, unmistakable } from "rcskin/presses";
 import { parallelCapacitance } from "rcskin/skin";
 import { pressText } from "rcskin/takeaway";
 
@@ -49,9 +49,11 @@ export class Pressed {
 
   #ask() {
     if (this.agreed === null || this.asked !== null) return;
-    const text = pressText(this.page.state().touches);
+    const { touches } = this.page.state();
+    const text = pressText(touches);
     if (text === this.agreed) return;
-    if (this.say({ do: "press", press: text })) this.asked = text;
+    const press = unmistakable(touches, this.page.data);
+    if (this.say({ do: "press", press })) this.asked = text;
   }
 
   /** @param {string} id @param {string} text */

@@ -1,5 +1,7 @@
 // A press as rcskin's commands write it, read back as touches.
 
+import { pressText } from "rcskin/takeaway";
+
 /** @typedef {import("rcskin/skin").Touch} Touch */
 
 const MOST = 2; // touches that a page has at once
@@ -13,6 +15,14 @@ export function parsed(text, skin) {
   return touches.length <= MOST && touches.every((each) => each !== null) ? touches : null;
 }
 
+/** The touches as text that names rods, too: what else presses by the scene's finger. @param {Touch[]} touches @param {any} data of the page */
+export function unmistakable(touches, data) {
+  if (!data.finger) return pressText(touches);
+  const named = (/** @type {Touch} */ each) =>
+    pressText([each]) + (each.finger ? "" : ":rod");
+  return touches.map(named).join("+") || "none";
+}
+
 /** @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch | null} */
 function touch(text, skin) {
   const { press, range } = skin.data;
@@ -22,7 +32,7 @@ function touch(text, skin) {
   const rectangle = RECTANGLE.exec(text);
   const strength = factor((pixel ?? [])[3] ?? (rectangle ?? [])[2]);
   const capacitance = (pixel ?? [])[4] ?? (rectangle ?? [])[3];
-  const finger = capacitance === undefined ? {} : { finger: Number(capacitance) };
+  const finger = skin.data.finger ? { finger: Number(capacitance ?? 0) } : {};
   if (!(strength > 0 && strength <= 1 + range.rise[1])) return null;
   if (pixel) {
     const [row, column] = [Number(pixel[1]), Number(pixel[2])];

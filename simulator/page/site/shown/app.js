@@ -47,7 +47,9 @@ function fieldNow() {
 
 /** @param {Touch[]} touches */
 function press(touches) {
-  const pressed = touches.map((touch) => (touch.finger ? touch : station.pressed(touch)));
+  const pressed = touches.map((touch) =>
+    touch.finger === undefined ? station.pressed(touch) : touch,
+  );
   if (pressText(pressed) !== pressText(state.touches)) {
     if (state.touches.length) last = state.touches;
     state.touches = pressed;
