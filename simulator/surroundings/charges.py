@@ -35,25 +35,19 @@ def capacitances(block: Block, layer: Layer | None, permittivity: float) -> Arra
     """
     height = block.points[:, 2] / block.thickness
     psi = np.stack([1 - height, height], axis=1)
-    charge = block.areas[:, None] * sigma(block, layer, permittivity, psi)
+    alike = influence(block, layer).sum(axis=1)
+    charge = block.areas[:, None] * sigma(block, alike, permittivity, psi)
     local = block.area / block.thickness * np.array([[1.0, -1.0], [-1.0, 1.0]])
     whole = len(block.mirrors) * psi.T @ charge + (permittivity - 1) * local
     return VACUUM_PERMITTIVITY * (whole + whole.T) / 2
 
 
-def sigma(
-    block: Block,
-    layer: Layer | None,
-    permittivity: float,
-    potentials: Array,
-    signs: Array | None = None,
-) -> Array:
+def sigma(block: Block, influence: Array, permittivity: float, potentials: Array) -> Array:
     """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count.
 
-    signs: of potentials in each symmetric part of the foam, over those in the first; 1 by default.
+    influence: of all symmetric parts of the foam together, shape (2, panel, panel).
     """
-    potential, field = influence(block, layer, signs)
-    sheets = 2 * len(block.panels)
+    sheets, (potential, field) = 2 * len(block.panels), influence
     system = np.concatenate([potential[:sheets], (1 - permittivity) * field[sheets:]])
     side = np.arange(sheets, len(system))
     system[side, side] += (permittivity + 1) / 2
@@ -62,27 +56,18 @@ def sigma(
     return solve(system, driven, overwrite_a=True, overwrite_b=True)
 
 
-def influence(block: Block, layer: Layer | None, signs: Array | None = None) -> tuple[Array, Array]:
-    """Of each panel's sigma: potentials in m, and fields off the foam, both (panel, panel).
+def influence(block: Block, layer: Layer | None) -> Array:
+    """Potentials in m and fields off the foam by sigma of each panel: (2, part, panel, panel).
 
-    At the middles of the panels of the bottom sheet, of the top one and of the side faces. Fields
-    are the mean of both sides; on sheets they are none. signs: as of `sigma`.
+    At the middles of the panels of the bottom sheet, of the top one and of the side faces, by the
+    last index's panel in each symmetric part of the foam. Fields are the mean of both sides; on
+    sheets they are none.
     """
     points = block.points
-    potential, slope = np.zeros((2, len(points), len(points)))  # by panel, then by point
-    fill_influence(
-        points, block.normals, block.corners, _images(block, layer, signs), potential.T, slope.T
-    )
-    return potential.T / (4 * np.pi), slope.T / (-4 * np.pi)
-
-
-def _images(block: Block, layer: Layer | None, signs: Array | None) -> Array:
-    """Those in a plane of each part of the foam, shape (image, 7)."""
-    each = np.ones(len(block.mirrors)) if signs is None else signs
-    return np.array(
-        [
-            (sx, sy, sz, dx, dy, dz, weight * sign)
-            for (sx, sy, dx, dy), sign in zip(block.mirrors, each, strict=True)
-            for sz, dz, weight in images(layer)
-        ]
-    )
+    found = np.zeros((2, len(block.mirrors), len(points), len(points)))  # by panel, then point
+    for part, (sx, sy, dx, dy) in enumerate(block.mirrors):
+        mirrored = np.array([(sx, sy, sz, dx, dy, dz, weight) for sz, dz, weight in images(layer)])
+        potential, slope = found[:, part].transpose(0, 2, 1)
+        fill_influence(points, block.normals, block.corners, mirrored, potential, slope)
+    found *= np.array([1.0, -1.0])[:, None, None, None] / (4 * np.pi)
+    return found.transpose(0, 1, 3, 2)

@@ -19,13 +19,13 @@ from ..sweeps import InputError
 from . import kept
 from .block import Block, quarter
 from .blocks import Shape, shape_of
-from .charges import sigma
+from .charges import influence, sigma
 from .polynomials import Polynomials, polynomials
 from .reflections import Layer, layer
 
 Array = NDArray[np.float64]
 KEPT = 16
-PANELS, EVEN = (12, 18), 0.5
+PANELS, EVEN = (15, 22), 0.5
 """From the edge of a skin to its middle, of a coarse and of a fine block; and the share of them
 that is spread evenly, for potentials that vary there."""
 MARGIN = 0.1
@@ -119,7 +119,7 @@ def excess(block: Block, layer: Layer | None, permittivity: float, basis: Polyno
     Polynomials are those of the whole skin; where the block is a part of it that mirrors make up,
     even ones and odd ones are solved for apart.
     """
-    found = np.zeros((2, basis.count, 2, basis.count))
+    found, of_parts = np.zeros((2, basis.count, 2, basis.count)), influence(block, layer)
     for odd in np.unique(basis.odd, axis=1).T if len(block.mirrors) > 1 else [None]:
         own, signs = np.arange(basis.count), np.ones(len(block.mirrors))
         if odd is not None:
@@ -128,7 +128,9 @@ def excess(block: Block, layer: Layer | None, permittivity: float, basis: Polyno
         values, slopes = basis.at(block.middles)[own], basis.slopes_at(block.middles)[:, own]
         height = block.points[:, 2] / block.thickness
         psi = np.concatenate([(1 - height) * values, height * values]).T
-        charge = block.areas[:, None] * sigma(block, layer, permittivity, psi, signs)
+        charge = block.areas[:, None] * sigma(
+            block, np.tensordot(of_parts, signs, axes=(1, 0)), permittivity, psi
+        )
         beyond = psi.T @ charge - _local(block, layer, values, slopes)
         both = (beyond + beyond.T).reshape(2, len(own), 2, len(own)) / 2
         found[:, own[:, None], :, own] = both.transpose(1, 3, 0, 2)
