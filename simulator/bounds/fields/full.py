@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ...fem.charged import Charged, Mass
 from ...fem.estimate import ROUNDING
 from ...fem.excitation import Combination, Drive, combination
 from ...fem.factors import one_blas_thread
@@ -47,7 +48,7 @@ class _Pressed(NamedTuple):
 
     space: Galerkin
     weights: Weights
-    mass: csc_matrix
+    mass: Mass
     masses: Mapping[str, csc_matrix]
     gauges: Mapping[str, NDArray[np.float64] | None]
     skin_unknown: bool
@@ -85,7 +86,7 @@ class Fields:
         masses = {name: self._laying.by_press(each, foam) for name, each in directions.items()}
         if of_foam is not None:
             masses |= {name: self._laying.by_foam(each, foam) for name, each in of_foam.items()}
-            masses |= self._laying.by_surroundings
+            masses |= self._laying.by_skin(pressed)
         on = _Pressed(
             self._family.skin(weights),
             weights,
@@ -97,7 +98,7 @@ class Fields:
         s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
-        Y = combined.admittance(np.stack([own for own, _ in found]))
+        Y = np.asarray(combined.admittance(np.stack([own for own, _ in found])), dtype=complex)
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
         by = {name: combined.admittance(each) for name, each in by.items()}
         return at_meter(1 / Y, by, self.scene.leads, frequency)
@@ -152,7 +153,7 @@ class Fields:
             return Y, by
         by_s = _energy(parts, on.space.restricted(on.mass))
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
-        by |= {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
+        by = {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")} | by
         if on.weights is not None:
             sheets = sheets * on.weights[: len(sheets), None]
         return Y, by | self._by_resistance(
@@ -173,7 +174,8 @@ class Fields:
         what rounding leaves of all charges.
         """
         driven, space = on.space.driven(drive), on.space
-        lost = ROUNDING * np.abs(s) * np.abs(space.restricted(on.mass)).sum()
+        near = on.mass.near if isinstance(on.mass, Charged) else on.mass
+        lost = ROUNDING * np.abs(s) * np.abs(space.restricted(near)).sum()
         g, sheets = driven.potential, driven.floating[:, driven.common]
         if sheets.size:
             charge = space.restricted(on.mass) @ sheets
@@ -196,7 +198,7 @@ class Fields:
         return found
 
 
-def _energy(parts: NDArray[np.float64], matrix: csc_matrix) -> NDArray[np.complex128]:
+def _energy(parts: NDArray[np.float64], matrix: Mass) -> NDArray[np.complex128]:
     """u'Mu in W of a symmetric M. parts: of u, real ones beside imaginary, (unknown, 2 s)."""
     Mu, count = matrix @ parts, parts.shape[1] // 2
     own = np.einsum("ik,ik->k", parts, Mu)

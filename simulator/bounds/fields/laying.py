@@ -52,14 +52,18 @@ class Laying:
         """The same as the foam's own capacitance does; the field across it goes with that."""
         return self._change(change, self.parts.across(foam) / foam)
 
-    @property
-    def by_surroundings(self) -> dict[str, Array]:
-        """The same by the logarithms of what no press changes: bodies, and the rim."""
+    def by_skin(self, pressed: Array) -> dict[str, Array]:
+        """The same by the logarithms of what no press changes, bodies and the rim, and, where there
+        is more than the foam, of the foam's capacitance."""
         fixed = enumerate(self.parts.fixed, self.parts.touched)
         found = dict[str, Array]()
         for number, name in fixed:
             if name != SOLVED:
                 found.setdefault(name, np.zeros(self.parts.count))[number] = 1.0
+        if self.parts.around:
+            of_foam = np.r_[self.parts.kind[0], self.parts.kind[2]]
+            found["capacitance"] = np.zeros(self.parts.count)
+            found["capacitance"][of_foam] = pressed[of_foam]
         return found
 
     def _change(self, change: Array, across: Array) -> Array:

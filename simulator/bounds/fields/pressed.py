@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...fem.excitation import Combination
 from ...models.network.skin import wiring_of
 from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
 from ...models.reduced.skin import ReducedSkin
@@ -21,22 +22,25 @@ from ...models.reduced.skin import ReducedSkin
 @dataclass(frozen=True)
 class Potentials:
     """of_terminals: at 1 V of each terminal, shape (N + n, N, s). at: the terminals' potentials of
-    each reading at 1 V, shape (reading, N, s). Y: in S, shape (reading, s)."""
+    each excitation, V, shape (excitation, N, s). Y: in S, shape (reading, s). combination: how
+    excitations combine to readings."""
 
     of_terminals: NDArray[np.complex128]
     at: NDArray[np.complex128]
     Y: NDArray[np.complex128]
+    combination: Combination
 
     def energy(self, form: NDArray[np.float64]) -> NDArray[np.complex128]:
         """u'(form)u of each reading, shape (reading, s); form: shape (N + n, N + n)."""
         T, count = self.of_terminals, len(form)
         turned = (form @ T.reshape(count, -1)).reshape(T.shape)
         own = np.einsum("ias,ibs->abs", T, turned)
-        return np.einsum("ras,abs,rbs->rs", self.at, own, self.at, optimize=True)
+        each = np.einsum("ras,abs,rbs->rs", self.at, own, self.at, optimize=True)
+        return np.asarray(self.combination.admittance(each), dtype=np.complex128)
 
 
 class PressedSkin:
-    """A skin of a model that is trained for all terminals, under presses that are maps of c."""
+    """A skin of a model that is trained for all terminals, under presses of any of its parts."""
 
     def __init__(self, skin: ReducedSkin) -> None:
         self._skin = skin
@@ -47,10 +51,15 @@ class PressedSkin:
         return mass_of(self._skin.rest, np.zeros(0, dtype=np.int64), np.zeros(0))
 
     def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a map of c over that at rest, of any shape of its cells, adds to M in F."""
-        cells = np.flatnonzero(change)
-        weights = change.ravel()[cells] * self._skin.rest_factors[cells]
-        return added(self._skin.rest.factors, cells, weights)
+        """What a change of each part over the scene's own, shape (part,), adds to M in F."""
+        skin, weights = self._skin, change * self._skin.rest_factors
+        factors = skin.rest.factors
+        cells = np.flatnonzero(weights[: len(factors)])
+        found = added(factors, cells, weights[cells])
+        if weights[len(factors) :].any():
+            fixed = np.tensordot(weights[len(factors) :], skin.reduced.fixed, axes=1)
+            found += skin.turn.T @ fixed @ skin.turn
+        return found
 
     def solved(self, M: NDArray[np.float64], s: NDArray[np.complex128]) -> Potentials:
         """Of a press with this M, at s in rad/s."""
@@ -72,4 +81,6 @@ class PressedSkin:
         inside = (axes @ weighed.reshape(len(axes), -1)).reshape(weighed.shape)
         u = np.empty((N + len(inside), N, len(s)), dtype=np.complex128)
         u[:N], u[N:] = np.eye(N)[:, :, None], inside
-        return Potentials(u, np.stack(at), np.stack(Y))
+        combined = skin.combination
+        shown = np.asarray(combined.admittance(np.stack(Y)), dtype=np.complex128)
+        return Potentials(u, np.stack(at), shown, combined)

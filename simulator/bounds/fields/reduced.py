@@ -27,6 +27,7 @@ from ...scene.scene import Scene
 from ..touches.cells import Cells, TouchSize
 from .full import CELLS_PER_PIXEL, Maps
 from .full import RTOL as MESH_RTOL
+from .laying import Laying
 from .pressed import Potentials, PressedSkin
 
 RTOL = 4e-4
@@ -42,6 +43,7 @@ class ReducedFields:
         self.scene, self.cells, self._leads = scene, cells, leads or scene.leads
         self.grid = scene.divided(cells).pixels.shape
         self._skin, self._pressed = skin, PressedSkin(skin)
+        self._laying = Laying(skin.reduced.scene)
 
     def respond(
         self,
@@ -51,14 +53,19 @@ class ReducedFields:
         of_foam: Maps | None = None,
     ) -> Response:
         """Of one map of c, as `Fields` does."""
-        s = laplace_variable(frequency, self._skin.loss)
+        s, laying, skin = laplace_variable(frequency, self._skin.loss), self._laying, self._pressed
+        pressed = laying.pressed(factors)
+        foam = pressed[laying.foam]
+        maps = {name: laying.by_press(change, foam) for name, change in directions.items()}
+        if of_foam is not None:
+            maps |= {name: laying.by_foam(change, foam) for name, change in of_foam.items()}
+            maps |= laying.by_skin(pressed)
         with one_blas_thread():
-            M = self._pressed.rest + self._pressed.mass(factors - 1)
-            u = self._pressed.solved(M, s)
-            maps = {**directions, **(of_foam or {})}
-            by = {name: s * u.energy(self._pressed.mass(change)) for name, change in maps.items()}
+            M = skin.rest + skin.mass(pressed - laying.parts.resting)
+            u = skin.solved(M, s)
+            by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
             if of_foam is not None:
-                by |= self._by_skin(u, M, frequency)
+                by = self._by_skin(u, M, frequency) | by
         return at_meter(1 / u.Y, by, self._leads, frequency)
 
     def _by_skin(

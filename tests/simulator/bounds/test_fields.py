@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import Fields, TouchSize
+from rcskin.simulator.bounds.fields.reduced import ReducedFields
 from rcskin.simulator.bounds.touches.cells import Cells, covered_about
 from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
@@ -126,3 +128,26 @@ def test_earth_that_nothing_reaches_changes_no_slope(make_scene):
     np.testing.assert_allclose(earthed.Z, alone.Z, rtol=1e-4)
     for name in ("rise", "foam", "sheet_resistance"):
         np.testing.assert_allclose(earthed.by_parameter[name], alone.by_parameter[name], rtol=1e-3)
+
+
+def test_a_reduced_model_of_all_terminals_tells_the_same_near_earth():
+    """Of a press by a finger: the capacitance of the foam alone is that of its map."""
+    around = {
+        "body": {"distance": 5e-3},
+        "cover": {"thickness": 1e-3, "relative_permittivity": 1.0},
+        "rim": {"mutual": 5e-12, "top": 6e-12, "bottom": 6e-12},
+    }
+    scene = load_scene("sheet-5x5").with_({"pixels": 2, "surroundings": around})
+    model = read(trained(scene, 1e-2), scene.interfaces)
+    pressed = np.array([[[1.0, 2.0], [1.0, 1.0]], [[0.0, 4e-12], [0.0, 0.0]]])
+    directions = {"finger": np.zeros_like(pressed)}
+    directions["finger"][1, 0, 1] = 1.0
+    of_foam = {"foam": pressed * np.array([1.0, 0.0])[:, None, None]}
+    asked = pressed, directions, np.array([1e3, 1e5]), of_foam
+    found = ReducedFields(scene, model.skin(None), 1).respond(*asked)
+    expected = Fields(scene, 1e5, 1).respond(*asked)
+    np.testing.assert_allclose(found.Z, expected.Z, rtol=1e-3)
+    assert found.by_parameter.keys() == expected.by_parameter.keys()
+    for name in ("finger", "capacitance", "body", "rim", "loss_tangent"):
+        assert_close(found.by_parameter[name], expected.by_parameter[name], 0.02)
+    assert_close(found.by_parameter["capacitance"], found.by_parameter["foam"], 1e-9)
