@@ -1,7 +1,7 @@
 """Whether sweeps are of the skin they are asked of, by what no session and no calibration changes.
 
 These are size, outline, pixels, foils and how they are driven. Resistances, capacitance, loss,
-leads and the meter may differ.
+leads, what is around the skin and the meter may differ.
 """
 
 from __future__ import annotations
