@@ -13,6 +13,7 @@ from ..shown import say, terminal
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..scene.scene import Scene
     from ..sweeps.importing.grouping import Defaults
 
 TRANSFER = (
@@ -149,7 +150,7 @@ def check(
     sweeps = join([_read(file) for file in files], files)
     try:
         scene = scene_of_sweeps(sweeps)
-        two_poles = scene is None or scene.two_poles
+        two_poles = scene is None or scene.two_poles or not _beside_the_meter(scene, sweeps)
         judgements = examine(sweeps, noise, tolerance, two_poles=two_poles)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
@@ -164,10 +165,22 @@ def check(
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
     say(f"{flagged} of {len(judgements)} spectra break a law")
-    if flagged and scene is None:
+    if flagged and two_poles:
         say(PERHAPS_EARTH)
     if flagged:
         raise typer.Exit(FLAGGED)
+
+
+def _beside_the_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
+    """Whether anything around a skin may take current past the meter, or a finger that a press
+    names does."""
+    from ..press.press import press_on
+
+    around = scene.surroundings
+    assert around is not None
+    presses = {str(press) for press in sweeps["press"].values}
+    fingers = any(press_on(scene, press).fingers for press in presses)
+    return fingers or bool(around.body) or around.rim is not False or around.solved
 
 
 def _read(file: Path) -> xr.Dataset:

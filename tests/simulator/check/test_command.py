@@ -61,10 +61,12 @@ def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, ma
     code, out, err = run("check", path, "--noise", "1e-3")
     assert code == 0 and "0 of 1 spectra break a law" in out
     assert "what is read is a transfer impedance" in err
-    write(touched.drop_attrs(), plain)
-    code, out, err = run("check", plain, "--noise", "1e-3")
-    assert code == 1 and "1 of 1 spectra break a law" in out
-    assert "a body or a finger that takes current to earth breaks these laws" in out
+    rod = touched.assign_coords(press=("sweep", ["1,2:2.0"]))
+    for unsaid in (touched.drop_attrs(), rod):
+        write(unsaid, plain)
+        code, out, err = run("check", plain, "--noise", "1e-3")
+        assert code == 1 and "1 of 1 spectra break a law" in out
+        assert "a body or a finger that takes current to earth breaks these laws" in out
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
