@@ -98,10 +98,11 @@ class Fields:
         s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
-        Y = np.asarray(combined.admittance(np.stack([own for own, _ in found])), dtype=complex)
+        Y = combined.admittance(np.stack([own for own, _ in found])).astype(np.complex128)
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
         by = {name: combined.admittance(each) for name, each in by.items()}
-        return at_meter(1 / Y, by, self.scene.leads, frequency)
+        Z = (1 / Y).astype(np.complex128)
+        return at_meter(Z, by, self.scene.leads, frequency)
 
     @cached_property
     def _combined(self) -> Combination:
@@ -175,7 +176,7 @@ class Fields:
         """
         driven, space = on.space.driven(drive), on.space
         near = on.mass.near if isinstance(on.mass, Charged) else on.mass
-        lost = ROUNDING * np.abs(s) * np.abs(space.restricted(near)).sum()
+        lost = ROUNDING * np.abs(s) * np.abs(space.restricted(near).data).sum()
         g, sheets = driven.potential, driven.floating[:, driven.common]
         if sheets.size:
             charge = space.restricted(on.mass) @ sheets
