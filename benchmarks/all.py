@@ -106,6 +106,8 @@ IN_ORDER = (
     _designed("column"),
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
+    Benchmark("localization/fingers"),
+    Benchmark("localization/foreign_twin", kept=("--found", "foreign_twin")),
     Benchmark("localization/adaptation"),
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),

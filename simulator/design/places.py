@@ -27,9 +27,10 @@ class Touches:
     """Touches as large as a pixel, anywhere on a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises InputError for pixels that are groups."""
+        """Raises InputError for pixels that are groups, and for a scene with surroundings."""
         if scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
+        scene.require_sheets_alone("a design for positions")
         rows, columns = (CELLS * count for count in scene.pixels.shape)
         self.divided = scene.on_grid(rows, columns)
         self.size: TouchSize = chosen_touch(scene)

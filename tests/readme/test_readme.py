@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.__main__ import app, main
-from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text
+from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -24,6 +24,7 @@ PAGES = (
     "simulator/README.md",
     *PAGES_OF_USES,
     "simulator/OWN_SKIN.md",
+    "simulator/limits/FINGERS.md",
     "simulator/scene/pages/SKINS.md",
     "simulator/scene/pages/KEYS.md",
     "simulator/scene/pages/FORMULAS.md",
@@ -180,6 +181,31 @@ def run(monkeypatch, line):
 def test_the_skin_of_ones_own_is_a_built_in_scene():
     (scene,) = blocks("simulator/OWN_SKIN.md", "toml")
     assert scene == builtin_text("glove") + AROUND.format(low="virtual earth")
+
+
+def scene_of_fingers(folder):
+    """What the page of fingers has one save, as it says."""
+    (scene,) = blocks("simulator/limits/FINGERS.md", "toml")
+    path = folder / "finger.toml"
+    path.write_text(scene, encoding="utf-8")
+    return path
+
+
+def test_the_scene_of_fingers_is_one(tmp_path):
+    scene = load_scene(scene_of_fingers(tmp_path))
+    assert scene.press.finger and scene.dataset.press.without_press
+    lines = commands("simulator/limits/FINGERS.md")
+    assert {line: missing_inputs(line, {"finger.toml"}) for line in lines[:4]} == dict.fromkeys(
+        lines[:4], set()
+    )
+
+
+@pytest.mark.slow
+def test_what_a_finger_buys_runs_in_its_order(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene_of_fingers(tmp_path)
+    for line in commands("simulator/limits/FINGERS.md"):
+        run(monkeypatch, line)
 
 
 @pytest.mark.slow

@@ -7,9 +7,7 @@ import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.meter.accuracy import DERIVED, read_table
 from rcskin.simulator.measure.readout import Meter
-from rcskin.simulator.press.capacitance import touched_cells
-from rcskin.simulator.press.press import Press, check_press, parse_press
-from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.press.press import check_press, parse_press
 from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import build
 
@@ -22,7 +20,7 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
     scene = twin.scene
     factor = scene.press.capacitance_factor
     asked = [check_press(parse_press(press, factor), scene) for press in presses]
-    Z = np.array([_impedance(twin, press, event) for event, press in enumerate(asked)])
+    Z = np.array([twin.impedances(press, event) for event, press in enumerate(asked)])
     return build(
         _measured(Z, scene.readout, np.random.default_rng([twin.seed, twin.number]), ranges),
         scene.frequencies,
@@ -46,11 +44,3 @@ def _measured(
         measured = Meter(readout, Z.shape[1], random).measure(Z)
         shown[used == number] = measured[used == number]
     return shown
-
-
-def _impedance(twin: Twin, asked: Press, event: int) -> np.ndarray:
-    scene, drawn = twin.scene, twin.drawn
-    touched = touched_cells(twin.family.scene, twin.pressed(asked, event))
-    s = laplace_variable(scene.frequencies, drawn.variation.loss)
-    Z = twin.skin(event).sweep(*touched, s)
-    return drawn.leads.seen_through(Z, scene.frequencies)

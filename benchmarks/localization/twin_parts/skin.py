@@ -78,14 +78,25 @@ class Twin:
 
     def skin(self, event: int) -> ReducedSkin:
         """The skin as it is at its event-th press."""
-        random, drift = self._random(DRIFT), self.drift
-        slope = random.standard_normal(2) * (drift.capacitance, drift.resistance) / drift.presses
-        steps = drift.step * random.standard_normal((event + 1, 2)).sum(axis=0)
-        c, R = np.exp(slope * event + steps)
+        c, R = self.drifted(event)
         own = self.drawn.variation
         return self.family.skin(
             replace(own, top=own.top / R, bottom=own.bottom / R, capacitance=own.capacitance * c)
         )
+
+    def drifted(self, event: int) -> NDArray[np.float64]:
+        """Factors of the foam's capacitance and of the sheets' resistance by drift, shape (2,)."""
+        random, drift = self._random(DRIFT), self.drift
+        slope = random.standard_normal(2) * (drift.capacitance, drift.resistance) / drift.presses
+        steps = drift.step * random.standard_normal((event + 1, 2)).sum(axis=0)
+        return np.exp(slope * event + steps)
+
+    def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
+        """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press."""
+        touched = touched_cells(self.family.scene, self.pressed(asked, event))
+        s = laplace_variable(self.scene.frequencies, self.drawn.variation.loss)
+        Z = self.skin(event).sweep(*touched, s)
+        return self.drawn.leads.seen_through(Z, self.scene.frequencies)
 
     def at(self, interface: str) -> Bench:
         """The twin with a meter at one interface. Raises InputError where there is none."""

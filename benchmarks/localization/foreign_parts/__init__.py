@@ -1,0 +1,1 @@
+"""What `foreign_twin.py` is made of."""

@@ -1,0 +1,112 @@
+"""A twin that rcskin's model did not make: a skin of the three-dimensional solve under a hand.
+
+Its sheets and foam are uneven, its leads and meter are drawn, and it drifts, as `twin_parts.skin`
+has it. Around it is what its effect says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rcskin.benchmarks.accuracy.three_dimensions_parts.blocks import block_of
+from rcskin.benchmarks.accuracy.three_dimensions_parts.layers import body
+from rcskin.benchmarks.accuracy.three_dimensions_parts.lines import Grid
+from rcskin.benchmarks.accuracy.three_dimensions_parts.skin import ForeignSkin
+from rcskin.benchmarks.accuracy.three_dimensions_parts.solved import Solved
+from rcskin.benchmarks.accuracy.three_dimensions_parts.statics import Static
+from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch
+from rcskin.benchmarks.localization.foreign_parts.effects import BODY, Effect
+from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
+from rcskin.simulator.models.parameters import WAVES, mode_values
+from rcskin.simulator.press.pixels import cell_centres
+from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.touch import Rectangle
+from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.scene import Scene
+
+THICKNESS = 4e-3
+"""m: of the paper's foam."""
+FINGER = 103
+"""Kind of random numbers, beside those of `twin_parts.skin`."""
+SHARE, TIME = 0.1, 1.0
+"""Of the rise of c, that comes with the foam's creep, and its time constant, s."""
+GRID = (12, 12)
+"""Cells of the foam, of which its waves are told."""
+
+
+def solved(scene: Scene, folder: Path, grid: Grid) -> dict[bool, Solved]:
+    """What is around a scene's skin, without a body and with one, kept in a folder."""
+    files = {there: folder / f"{'body' if there else 'air'}.npz" for there in (False, True)}
+    if not all(file.exists() for file in files.values()):
+        static = Static(block_of(scene, thickness=THICKNESS, grid=grid))
+        static.solved().save(files[False])
+        static.solved(below=body(BODY)).save(files[True])
+    return {there: Solved.load(file) for there, file in files.items()}
+
+
+@dataclass(frozen=True)
+class Foreign(Twin):
+    """A twin of an effect. around: what is around its scene's skin."""
+
+    effect: Effect = Effect("")
+    around: Solved | None = None
+
+    @cached_property
+    def drawn(self) -> DrawnSkin:
+        """The skin and its leads at the first press."""
+        scene = self.scene.on_grid(*GRID)
+        return drawn_skin(scene, self.seed, self.number, GRID, len(WAVES))
+
+    @cached_property
+    def foreign(self) -> ForeignSkin:
+        """The skin at the first press."""
+        assert self.around is not None
+        own = self.drawn.variation
+        centres = mode_values(self.scene, cell_centres(self.scene, GRID), len(WAVES))
+        foam, *_ = np.linalg.lstsq(
+            centres.reshape(len(WAVES), -1).T, own.capacitance.ravel(), rcond=None
+        )
+
+        def along(waves: NDArray[np.float64], x: NDArray, y: NDArray) -> NDArray[np.float64]:
+            return waves @ mode_values(self.scene, np.stack([x, y]), len(WAVES))
+
+        return ForeignSkin(
+            self.scene,
+            self.around,
+            top=lambda x, y: 1 / along(own.top, x, y),
+            bottom=lambda x, y: 1 / along(own.bottom, x, y),
+            foam=lambda x, y: along(foam, x, y),
+            edges=self.effect.edges,
+        )
+
+    def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
+        """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press.
+
+        With both sheets r times as resistive and all capacitance c times as large, Z at s is r
+        times that at r c s.
+        """
+        f, (c, r) = self.scene.frequencies, self.drifted(event)
+        s = laplace_variable(f, self.drawn.variation.loss)
+        hand = self.pressed(asked, event).touches
+        patches = [self._patch(touch, event) for touch in hand if isinstance(touch, Rectangle)]
+        Z = r * self.foreign.impedance(patches, r * c * s)
+        return self.drawn.leads.seen_through(Z, f)
+
+    def _patch(self, touch: Rectangle, event: int) -> Patch:
+        random, (least, most) = self._random(FINGER, event), self.effect.finger
+        box, finger = touch.box, float(random.uniform(least, most))
+        return Patch(*box, factor=1 + (touch.factor - 1) * self._given_way, finger=finger)
+
+    @property
+    def _given_way(self) -> NDArray[np.float64] | float:
+        """Of the rise of c, by frequency: frequencies are read one after the other."""
+        if not self.effect.creep:
+            return 1.0
+        count = len(self.scene.frequencies)
+        time = self.effect.creep * (np.arange(count) + 1) / count
+        return 1 - SHARE * np.exp(-time / TIME)
