@@ -38,10 +38,11 @@ def draw(path: Path, table: pd.DataFrame) -> None:
                 for goal, style in zip(goals, (":", "--"), strict=True):
                     axes.axhline(goal, color="0.6", lw=0.9, ls=style)
                 axes.set_xlabel(along)
-        panels[0][0].legend(loc="lower right", fontsize=8)
+        lines = panels[0][0].get_legend_handles_labels()
+        figure.legend(*lines, loc="outside lower center", ncols=len(lines[0]))
         figure.suptitle(
             "The paper's sheet over an earthed body (5 mm below, but for the last panels): "
-            "what two dimensions leave of three",
+            "what two dimensions leave of three. Grey: 0.5 and 1 %, 0.1 and 1 σ",
             x=0.01,
             ha="left",
         )

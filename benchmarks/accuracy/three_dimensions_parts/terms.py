@@ -22,8 +22,8 @@ TERMS: dict[str, dict[str, object] | None] = {
     "two sheets alone": None,
     "earth": {},
     "earth, rim": {"rim": True},
-    "earth, rim, thickness": {"rim": True, "thickness": True, "edges": True},
-    "solved, thickness": {"solved": True, "thickness": True, "edges": True},
+    "earth, rim, thickness, edges": {"rim": True, "thickness": True, "edges": True},
+    "solved, thickness, edges": {"solved": True, "thickness": True, "edges": True},
 }
 """Keys of the table `surroundings` beside `low` and `body`; None for a scene without it."""
 
@@ -68,10 +68,11 @@ def settings(run: Run) -> list[Setting]:
     sheet = load_scene("sheet-5x5")
     if run.quick:
         return [Setting(BASE, 0.0, with_foam(sheet), AROUND, QUICK)]
-    everything = (*AROUND, *(Near(body=distance) for distance in DISTANCES))
+    distances = tuple(Near(body=distance) for distance in DISTANCES)
     strip = with_foam(load_scene("strip-1x5"), THICKNESS, None)
     found = [
-        Setting(BASE, 0.0, with_foam(sheet), everything, Grid()),
+        Setting(BASE, 0.0, with_foam(sheet), AROUND, Grid()),
+        Setting(BASE, 0.0, with_foam(sheet), distances, SWEPT),
         Setting(STRIP, 0.0, strip, AROUND, SWEPT),
     ]
     for thickness in (1e-3, 2e-3, 10e-3):
