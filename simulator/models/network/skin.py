@@ -59,7 +59,8 @@ class NetworkSkin:
         Z, combination = impedances(Y, wiring), Combination(wiring.weights)
         if combination.alone:
             return Z
-        return np.moveaxis(combination.impedance(1 / np.moveaxis(Z, 1, 0)), 0, 1)
+        forms: NDArray[np.complex128] = np.reciprocal(np.moveaxis(Z, 1, 0))
+        return np.moveaxis(combination.impedance(forms), 0, 1)
 
 
 def wiring_of(
