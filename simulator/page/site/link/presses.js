@@ -18,8 +18,7 @@ export function parsed(text, skin) {
 /** The touches as text that names rods, too: what else presses by the scene's finger. @param {Touch[]} touches @param {any} data of the page */
 export function unmistakable(touches, data) {
   if (!data.finger) return pressText(touches);
-  const named = (/** @type {Touch} */ each) =>
-    pressText([each]) + (each.finger ? "" : ":rod");
+  const named = (/** @type {Touch} */ each) => pressText([each]) + (each.finger ? "" : ":rod");
   return touches.map(named).join("+") || "none";
 }
 

@@ -201,8 +201,7 @@ export class Model {
         }
       }
     }
-    if (this.fixed)
-      for (let k = 0; k < M.length; k++) M[k] += touched.fixed * this.fixed[k];
+    if (this.fixed) for (let k = 0; k < M.length; k++) M[k] += touched.fixed * this.fixed[k];
     return M;
   }
 
