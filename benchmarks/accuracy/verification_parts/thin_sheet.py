@@ -15,7 +15,7 @@ from rcskin.benchmarks.accuracy.verification_parts.formulas import uniform
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.fem.assembly import quadrilateral
-from rcskin.simulator.models.validity import lateral_error
+from rcskin.simulator.models.stray import straight_share
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, FacetBasis, MeshQuad
@@ -62,7 +62,7 @@ def checks(ratios: tuple[float, ...]) -> Iterator[Check]:
         thin = line(s, np.ones(1))
         predicted = deviation(line(s, with_foam_beside(s)), thin)
         true = deviation(resolved(s[0]), thin)
-        bound = lateral_error(ratio, 1.0)
+        bound = straight_share(ratio, 1.0)
         off = max(abs(t - p) for t, p in zip(true, predicted, strict=True))
         yield Check(
             f"d/δ = {ratio:g}: Rs, Cp off by",

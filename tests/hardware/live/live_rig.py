@@ -35,6 +35,14 @@ class Cushion:
         column = 0 if press == "none" else int(press.split(",")[1])
         return R + 1 / (2j * math.pi * frequency * C * (1 + RISE * column))
 
+    def hold(self, press, now):
+        """As `check`: nothing creeps."""
+        return self.check(press)
+
+    def momentary(self, press, at):
+        """The same at any time."""
+        return press
+
     def depths(self, press):
         """A press has no forces."""
         return ""
