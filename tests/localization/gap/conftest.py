@@ -128,12 +128,13 @@ def uncalibrated(monkeypatch):
     monkeypatch.setattr("rcskin.simulator.calibration.explained.gap_by_parameter", refuse)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def nothing_tried():
+ADDABLE = "rcskin.simulator.calibration.explained.addable"
+
+
+@pytest.fixture(autouse=True)
+def nothing_tried(monkeypatch):
     """What surrounds a skin is tried in the tests of calibrations: its training takes seconds."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rcskin.simulator.calibration.explained.addable", lambda scene: [])
-        yield
+    monkeypatch.setattr(ADDABLE, lambda scene: [])
 
 
 @pytest.fixture(scope="session")
@@ -143,7 +144,9 @@ def make_findings():
     def make(simulated, other, target="column", touches=2, estimator="ksvm-ovo"):
         question = Question(target, estimator, seed=0, draws=2, touches=touches)
         pair = paired(simulated, other, scene=None, seed=0)
-        return find(prepared(pair, question), silent)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(ADDABLE, lambda scene: [])
+            return find(prepared(pair, question), silent)
 
     return make
 
