@@ -21,13 +21,13 @@ import xarray as xr
 from rcskin.benchmarks.accuracy.coverage_parts.metered import metered
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.hardware.meter.errors import ReadingError
-from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.centered_model import Model, model_of
 from rcskin.simulator.calibration.fit import model_tolerance
-from rcskin.simulator.calibration.measured import measured
-from rcskin.simulator.calibration.model import Model, model_of
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import Kind, Prior, priors
 from rcskin.simulator.calibration.run import Calibration, calibrate
-from rcskin.simulator.calibration.sheets import sheets
+from rcskin.simulator.calibration.sheet_intervals import sheets
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, scene_with
@@ -125,7 +125,7 @@ def _drawn_twin(
     truth = own_values(scene)
     for names in (FACTORS, VALUES):
         sweeps = _read(replace(case, read=_read_out), scene, truth, np.random.default_rng(0))
-        known = priors(measured(scene, sweeps), kind)
+        known = priors(measurements_of(scene, sweeps), kind)
         truth |= {name: _drawn(known[name], random) for name in names if name in known}
     return truth
 

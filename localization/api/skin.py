@@ -124,7 +124,7 @@ def calibrate(
     anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
     ToleranceError where no model holds.
     """
-    from ...simulator.calibration.choice import Options
+    from ...simulator.calibration.fit_options import Options
     from ...simulator.calibration.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
     from ...simulator.models.mechanics.in_depths import foldable

@@ -23,7 +23,7 @@ from .trial import Trial
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.calibration.explained import Explained
+    from ...simulator.calibration.misfit import Explained
 
 ALL = "all"
 
@@ -162,7 +162,7 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
 
 
 def _causes(trial: Trial) -> tuple[Sequence[Explained], list[str]]:
-    from ...simulator.calibration.explained import gap_by_parameter
+    from ...simulator.calibration.misfit import gap_by_parameter
 
     notes: list[str] = []
 

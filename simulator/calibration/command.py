@@ -98,7 +98,7 @@ def calibrate(
     from ..scene.frequency import parse_band
     from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
-    from .choice import Options
+    from .fit_options import Options
     from .prior import checked_kind
     from .report import WRITTEN, correlations, explanations, table, write_report
     from .run import calibrate as calibrated

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from ..models.parameters import FACTORS, SLOW_WAVES, VALUES, own_values
 from ..scene.scene import Scene
+from .derived_quantities import products
 from .fit import Fit
-from .information import Information
-from .likelihood.law import CONFIDENCE, cut_normal
-from .likelihood.laws import Laws
-from .products import products
-from .sheets import (
+from .identifiability import Information
+from .likelihood.distributions import Laws
+from .likelihood.profile_distribution import CONFIDENCE, cut_normal
+from .sheet_intervals import (
     COMMON,
     MISMATCH,
     SUM,
@@ -86,7 +86,7 @@ def intervals(
     width = quantile(freedom)
     hanging = hang_on_ratio(scene, information)
     found = {}
-    for (name, prior), own in zip(fit.asked.fitted.items(), information.deviation, strict=True):
+    for (name, prior), own in zip(fit.spec.fitted.items(), information.deviation, strict=True):
         value, deviation = fit.values[name], prior.deviation * float(own)
         if hanging and name == COMMON:
             found[name] = _series(scene, fit, information, width, laws)[COMMON]
@@ -153,7 +153,7 @@ def _sum_of_waves(pair: Pair, fit: Fit, information: Information, width: float) 
     """Of conductance, each sheet's weighed by its share of the resistance of both."""
     weights, value, names = np.zeros(len(information.names)), 0.0, (pair.first, pair.second)
     for name, share in zip(names, pair.shares, strict=True):
-        weights[information.names.index(name)] = share * fit.asked.fitted[name].deviation
+        weights[information.names.index(name)] = share * fit.spec.fitted[name].deviation
         value += share * fit.values[name]
     spread = width * math.sqrt(weights @ information.covariance @ weights)
     told = information.narrows(weights)
@@ -169,7 +169,7 @@ def _factor(
     laws: Laws | None,
 ) -> Quantity:
     """Its logarithm is a sum of parameters, or of a sheet in series its interval is given."""
-    steps = np.array([prior.deviation for prior in fit.asked.fitted.values()])
+    steps = np.array([prior.deviation for prior in fit.spec.fitted.values()])
     weights = slopes_of(product, information.names) * steps
     spread = math.exp(width * math.sqrt(weights @ information.covariance @ weights))
     low, high = series or (product.value / spread, product.value * spread)
@@ -229,7 +229,7 @@ def _direction(fit: Fit, information: Information, direction: NDArray[np.float64
         return f"{parts[0]}: not identified by the data; prior kept"
     steps = {
         name: prior.deviation * float(step)
-        for (name, prior), step in zip(fit.asked.fitted.items(), direction, strict=True)
+        for (name, prior), step in zip(fit.spec.fitted.items(), direction, strict=True)
         if name in parts
     }
     names = " and ".join(parts)
@@ -243,4 +243,4 @@ def _direction(fit: Fit, information: Information, direction: NDArray[np.float64
 
 
 def _unit(fit: Fit, name: str) -> float:
-    return 1.0 if name in FACTORS else fit.asked.fitted[name].deviation
+    return 1.0 if name in FACTORS else fit.spec.fitted[name].deviation

@@ -18,9 +18,9 @@ from ..fem.factors import one_blas_thread
 from ..progress import Progress, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
-from .model import Around, around, movable
-from .problem import Asked, Problem
-from .starts import starts
+from .centered_model import Around, around, movable
+from .initial_values import initial_values
+from .problem import FitSpec, LeastSquaresProblem
 
 Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ROUNDS = 10
@@ -32,12 +32,12 @@ SHARE_OF_NOISE = 0.03
 """Of the meter's noise: asked of the model."""
 SMALL_BESIDE_NOISE = 0.2
 """Of the meter's noise: what the certificate of the model may be at the solution."""
-CERTIFIED = 8
+CERTIFIED_PRESSES = 8
 EXPLAINED = 2.0
 """Chi-squared over how many numbers there are, below which no other start is tried."""
 FINEST, COARSEST = 1e-6, 1e-3
 CLOSE = 1e-8
-MOST_STEPS = 300
+MAX_STEPS = 300
 INSIDE = 1e-2
 """Deviations of its prior from a bound that an unknown begins at; from the bound it does not go."""
 AT_BOUND = 1e-6
@@ -53,20 +53,20 @@ class Fit:
     on what the model leaves out of Rs and Cp. trained: how often it was trained anew.
     """
 
-    problem: Problem = field(repr=False)
+    problem: LeastSquaresProblem = field(repr=False)
     u: NDArray[np.float64]
     certificate: float = 0.0
     trained: int = 0
 
     @property
-    def asked(self) -> Asked:
+    def spec(self) -> FitSpec:
         """What was fitted to what."""
-        return self.problem.asked
+        return self.problem.spec
 
     @property
     def values(self) -> dict[str, float]:
         """All parameters."""
-        return self.asked.values(self.u)
+        return self.spec.values(self.u)
 
     @property
     def cost(self) -> float:
@@ -77,16 +77,16 @@ class Fit:
     @property
     def chi_squared(self) -> float:
         """Of all readings."""
-        of_parameters = self.u[: len(self.asked.fitted)]
+        of_parameters = self.u[: len(self.spec.fitted)]
         residuals = self.problem.residuals(self.u)
         return float(residuals @ residuals - of_parameters @ of_parameters)
 
     @property
     def rms_error(self) -> float:
         """Of Z, relative to |Z|, without the meter's fixed errors."""
-        measured = np.stack([reading.Z for reading in self.asked.measured.readings])
+        measured = np.stack([reading.Z for reading in self.spec.measurements.sweeps])
         off = np.abs(self.problem.fitted(self.u) / measured - 1)
-        return float(np.sqrt(np.mean(off[:, self.asked.measured.read] ** 2)))
+        return float(np.sqrt(np.mean(off[:, self.spec.measurements.read] ** 2)))
 
 
 def model_tolerance(readout: Readout) -> float:
@@ -95,9 +95,9 @@ def model_tolerance(readout: Readout) -> float:
     return float(np.clip(SHARE_OF_NOISE * noise, FINEST, COARSEST))
 
 
-def fitted(
-    asked: Asked,
-    ready: Around,
+def best_fit(
+    spec: FitSpec,
+    model: Around,
     begin: Mapping[str, float] | None = None,
     progress: Progress = silent,
 ) -> Fit:
@@ -107,38 +107,42 @@ def fitted(
     """
     with one_blas_thread():
         for trained in range(ROUNDS):
-            problem = Problem(asked, ready)
-            begins = starts(problem) if begin is None else [begin]
-            fit = best(problem, begins, progress)
-            certificate = certified(fit)
-            if not held(fit) and (certificate <= allowed(asked) or near(fit)):
+            problem = LeastSquaresProblem(spec, model)
+            begins = initial_values(problem) if begin is None else [begin]
+            fit = best_of_starts(problem, begins, progress)
+            certificate = largest_certificate(fit)
+            if not at_reach_limit(fit) and (
+                certificate <= certificate_limit(spec) or trained_nearby(fit)
+            ):
                 return Fit(problem, fit.u, certificate, trained)
             begin = fit.values
-            progress(_again(fit, certificate))
-            rtol = model_tolerance(asked.readout)
-            ready = around(asked.measured.scene, begin, rtol, progress, ready.uneven)
+            progress(_retraining_reason(fit, certificate))
+            rtol = model_tolerance(spec.readout)
+            model = around(spec.measurements.scene, begin, rtol, progress, model.uneven)
     raise InputError(
-        f"{asked.measured.scene.name} is too unlike what was measured: its factors run away"
+        f"{spec.measurements.scene.name} is too unlike what was measured: its factors run away"
     )
 
 
-def best(
-    problem: Problem, begins: Sequence[Mapping[str, float]], progress: Progress = silent
+def best_of_starts(
+    problem: LeastSquaresProblem, begins: Sequence[Mapping[str, float]], progress: Progress = silent
 ) -> Fit:
     """From several starts, as many as it takes to explain the readings."""
     fits: list[Fit] = []
     for begin in begins:
-        fits.append(solved(problem, begin, progress))
-        if fits[-1].chi_squared < EXPLAINED * problem.asked.measured.numbers:
+        fits.append(solve_from(problem, begin, progress))
+        if fits[-1].chi_squared < EXPLAINED * problem.spec.measurements.numbers:
             break
     return min(fits, key=lambda fit: fit.cost)
 
 
-def solved(problem: Problem, begin: Mapping[str, float], progress: Progress = silent) -> Fit:
+def solve_from(
+    problem: LeastSquaresProblem, begin: Mapping[str, float], progress: Progress = silent
+) -> Fit:
     """From one start, within the model's reach."""
     low, high = problem.bounds()
     inside = np.minimum(INSIDE, (high - low) / 4)
-    u = np.clip(problem.asked.unknowns(begin), low + inside, high - inside)
+    u = np.clip(problem.spec.unknowns(begin), low + inside, high - inside)
     if not len(u):
         return Fit(problem, u)
 
@@ -150,7 +154,7 @@ def solved(problem: Problem, begin: Mapping[str, float], progress: Progress = si
 
     exact: Any = slopes
     found = least_squares(
-        _watched(residuals, progress),
+        _with_progress(residuals, progress),
         u,
         exact,
         bounds=(low, high),
@@ -159,12 +163,12 @@ def solved(problem: Problem, begin: Mapping[str, float], progress: Progress = si
         ftol=CLOSE,
         xtol=CLOSE,
         gtol=CLOSE,
-        max_nfev=MOST_STEPS,
+        max_nfev=MAX_STEPS,
     )
     return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
 
 
-def _watched(residuals: Residuals, progress: Progress) -> Residuals:
+def _with_progress(residuals: Residuals, progress: Progress) -> Residuals:
     """The same, telling how much nearer the fit is to where its sum of squares stays as it is."""
     before, share = np.inf, 0.0
 
@@ -181,40 +185,40 @@ def _watched(residuals: Residuals, progress: Progress) -> Residuals:
     return watched
 
 
-def held(fit: Fit) -> list[str]:
+def at_reach_limit(fit: Fit) -> list[str]:
     """Factors that only the model's reach keeps where they are."""
     around = fit.problem.around
     return [
         name
-        for name in movable(fit.asked.measured.scene)
-        if name in fit.asked.names
+        for name in movable(fit.spec.measurements.scene)
+        if name in fit.spec.names
         and abs(fit.values[name] - around.about[name]) > around.reach(name) - EDGE
     ]
 
 
-def near(fit: Fit) -> bool:
+def trained_nearby(fit: Fit) -> bool:
     """Whether the model was trained about the solution, as far as that helps."""
     about = fit.problem.around.about
     return all(abs(fit.values[name] - at) < NEAR for name, at in about.items())
 
 
-def allowed(asked: Asked) -> float:
+def certificate_limit(spec: FitSpec) -> float:
     """What the model may leave out of Rs and Cp."""
-    noise = min(asked.readout.magnitude_noise, asked.readout.phase_noise)
+    noise = min(spec.readout.magnitude_noise, spec.readout.phase_noise)
     return SMALL_BESIDE_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
 
 
-def certified(fit: Fit) -> float:
+def largest_certificate(fit: Fit) -> float:
     """Largest bound on what the model leaves out, over the first presses."""
     problem, values = fit.problem, fit.values
     return max(
         problem.around.certificate(cells, problem.rises(fit.u, k), values)
-        for k, (cells, _) in enumerate(problem.cells[:CERTIFIED])
+        for k, (cells, _) in enumerate(problem.cells[:CERTIFIED_PRESSES])
     )
 
 
-def _again(fit: Fit, certificate: float) -> str:
-    edge = held(fit)
+def _retraining_reason(fit: Fit, certificate: float) -> str:
+    edge = at_reach_limit(fit)
     why = (
         f"{', '.join(edge)} beyond the model's reach"
         if edge

@@ -23,7 +23,7 @@ from ..scene.meter import Readout
 from ..scene.ranges import MOST_INDUCTANCE
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .measured import Measured
+from .measurements import Measurements
 
 Kind = Literal["wide", "session"]
 
@@ -57,7 +57,7 @@ def checked_kind(name: str) -> Kind:
 
 
 def priors(
-    measured: Measured, kind: Kind, uneven: Uneven = EVEN, effects: Sequence[str] = ()
+    measured: Measurements, kind: Kind, uneven: Uneven = EVEN, effects: Sequence[str] = ()
 ) -> dict[str, Prior]:
     """Of every parameter that is not known. uneven: what slow waves are among them. effects: those
     of EFFECTS that are, though nothing draws them."""
@@ -73,14 +73,14 @@ def priors(
     return found | {name: effect_prior(measured, name) for name in effects}
 
 
-def effect_prior(measured: Measured, name: str) -> Prior:
+def effect_prior(measured: Measurements, name: str) -> Prior:
     """Of one of EFFECTS, where nothing else is known.
 
     No touch has less to earth than nothing, so that the least that its press says is the limit.
     """
     if name != "finger":
         return Prior(0.0, WIDE, *limits(name))
-    touches = [touch for reading in measured.readings for touch in reading.press.touches]
+    touches = [touch for reading in measured.sweeps for touch in reading.press.touches]
     least = min((touch.finger for touch in touches), default=0.0)
     return Prior(0.0, FINGER, -least)
 
@@ -111,10 +111,10 @@ def limits(name: str) -> tuple[float, float]:
     return LEAST_EXPONENT if name == "phase_exponent" else 0.0, most.get(name, math.inf)
 
 
-def wide(measured: Measured) -> dict[str, Spread]:
+def wide(measured: Measurements) -> dict[str, Spread]:
     """Far more than sessions differ."""
     omega = 2 * np.pi * measured.scene.frequencies
-    size = np.abs([reading.Z for reading in measured.readings])
+    size = np.abs([reading.Z for reading in measured.sweeps])
     least = np.where(measured.read, size, np.inf).min(axis=(0, 1))
     most = np.where(measured.read, size, 0.0).max(axis=(0, 1))
     deviations = {
@@ -151,12 +151,12 @@ class Noise:
     guessed: bool = False
 
 
-def noise_of(measured: Measured) -> Noise:
+def noise_of(measured: Measurements) -> Noise:
     """Of the scene's readout, else of repeats of the skin at rest, else a first guess."""
     readout = measured.scene.readout
     if readout.magnitude_noise > 0 and readout.phase_noise > 0:
         return Noise(readout, "the scene's readout")
-    repeated = [each for each in measured.readings if each.deviation is not None]
+    repeated = [each for each in measured.sweeps if each.deviation is not None]
     readings = int(measured.read.sum())
     freedom = sum((each.averaged - 1) * readings for each in repeated)
     if freedom < LEAST_FREEDOM:

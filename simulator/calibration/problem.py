@@ -20,23 +20,23 @@ from ..measure.readout import ErrorModel, observed, observed_slope
 from ..models.parameters import FACTORS, KNOWN, foam_parts
 from ..press.press import pressed_factor
 from ..scene.meter import Readout
-from .likelihood.condensed import Block, Condensed, condensed
-from .measured import Measured, Reading
-from .model import Around
+from .centered_model import Around
+from .likelihood.qr_reduction import Block, Condensed, condensed
+from .measurements import MeasuredSweep, Measurements
 from .prior import Prior
 
-LEAST_RISE = -0.9
+MIN_RISE = -0.9
 
 
 @dataclass(frozen=True)
-class Asked:
+class FitSpec:
     """What is fitted to what.
 
     fitted: priors of the parameters that are fitted. fixed: values of the others. strengths:
     whether those of presses are unknown.
     """
 
-    measured: Measured
+    measurements: Measurements
     readout: Readout
     fitted: Mapping[str, Prior]
     fixed: Mapping[str, float]
@@ -58,20 +58,20 @@ class Asked:
 
     def unknowns(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """From values of parameters; all else at its center."""
-        u = np.zeros(len(self.fitted) + self.touches + self.errors)
+        u = np.zeros(len(self.fitted) + self.touch_count + self.error_count)
         for k, (name, prior) in enumerate(self.fitted.items()):
             u[k] = (values[name] - prior.center) / prior.deviation
         return u
 
     @property
-    def touches(self) -> int:
+    def touch_count(self) -> int:
         """Unknown strengths."""
         return sum(map(len, self.spreads))
 
     @property
-    def errors(self) -> int:
+    def error_count(self) -> int:
         """Fixed errors of the meter: of |Z| and phase, for each session."""
-        return len(self.accuracy) * len(self.measured.sessions) * self.measured.fixed
+        return len(self.accuracy) * len(self.measurements.sessions) * self.measurements.fixed
 
     @cached_property
     def accuracy(self) -> dict[int, float]:
@@ -82,22 +82,22 @@ class Asked:
     @cached_property
     def spreads(self) -> list[list[float]]:
         """Standard deviation of the rise of each touch of each reading that is unknown."""
-        scene = self.measured.scene
+        scene = self.measurements.scene
         relative = scene.press.factor_spread
         if not (self.strengths and relative > 0):
-            return [[] for _ in self.measured.readings]
-        pressed = [reading.press.touches for reading in self.measured.readings]
+            return [[] for _ in self.measurements.sweeps]
+        pressed = [reading.press.touches for reading in self.measurements.sweeps]
         rises = [[pressed_factor(scene, touch) - 1 for touch in each] for each in pressed]
         return [[relative * max(abs(own), 1e-3) for own in each if own] for each in rises]
 
 
-class Problem:
+class LeastSquaresProblem:
     """Residuals and Jacobian at any unknowns, by one model."""
 
-    def __init__(self, asked: Asked, around: Around) -> None:
-        self.asked, self.around = asked, around
-        self.cells = [around.model.cells(each.press) for each in asked.measured.readings]
-        self._deviation = np.stack([deviation_of(asked, each) for each in asked.measured.readings])
+    def __init__(self, spec: FitSpec, around: Around) -> None:
+        self.spec, self.around = spec, around
+        self.cells = [around.model.cells(each.press) for each in spec.measurements.sweeps]
+        self._deviation = np.stack([deviation_of(spec, each) for each in spec.measurements.sweeps])
         self._last: tuple[bytes, list[Block]] | None = None
         self._turned: tuple[bytes, float, Condensed] | None = None
 
@@ -119,54 +119,56 @@ class Problem:
         """Residuals and Jacobian turned to few more rows than unknowns: all their products are
         those of the whole ones. scale: that chi-squared is over, but not priors of parameters."""
         if self._turned is None or self._turned[:2] != (u.tobytes(), scale):
-            found = condensed(self._blocks(u), u, len(self.asked.fitted), scale)
+            found = condensed(self._blocks(u), u, len(self.spec.fitted), scale)
             self._turned = u.tobytes(), scale, found
         return self._turned[2]
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Of the unknowns: what makes sense, and what the model reaches."""
-        low = np.full(len(self.asked.unknowns(self._centers)), -np.inf)
+        low = np.full(len(self.spec.unknowns(self._centers)), -np.inf)
         high = -low
-        for k, (name, prior) in enumerate(self.asked.fitted.items()):
+        for k, (name, prior) in enumerate(self.spec.fitted.items()):
             limits = prior.low, prior.high
             if name in FACTORS:
                 about, reach = self.around.about[name], self.around.reach(name)
                 limits = about - reach, about + reach
             low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
         rises, spreads = self._all_rises()
-        of_touches = slice(len(self.asked.fitted), len(self.asked.fitted) + len(rises))
-        least = LEAST_RISE if self.asked.measured.scene.press.plain else 0.0
+        of_touches = slice(len(self.spec.fitted), len(self.spec.fitted) + len(rises))
+        least = MIN_RISE if self.spec.measurements.scene.press.plain else 0.0
         low[of_touches] = np.minimum((least - rises) / spreads, -1e-3)
         return low, high
 
     def rises(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
         """Of what the touches of one reading change: of c by their strengths first, then fingers,
         F."""
-        rises, spreads = self.cells[k][1].copy(), self.asked.spreads[k]
+        rises, spreads = self.cells[k][1].copy(), self.spec.spreads[k]
         unknown = u[self._firsts[k] : self._firsts[k] + len(spreads)]
         rises[: len(spreads)] += np.array(spreads) * unknown
         return rises
 
     def strengths(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
         """Rises of c under the touches of one reading."""
-        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.asked.measured.scene)]
+        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
 
     def fitted(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of each reading without the meter's errors, (reading, interface, frequency)."""
-        found = np.empty((len(self.cells), *self.asked.measured.readings[0].Z.shape), dtype=complex)
+        found = np.empty(
+            (len(self.cells), *self.spec.measurements.sweeps[0].Z.shape), dtype=complex
+        )
         for block in self._blocks(u):
             found[block.readings] = block.Z
         return found
 
     @property
     def _centers(self) -> dict[str, float]:
-        return {name: prior.center for name, prior in self.asked.fitted.items()}
+        return {name: prior.center for name, prior in self.spec.fitted.items()}
 
     def _all_rises(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Of the touches of unknown strength, and their spreads."""
-        known = [self.cells[k][1][: len(own)] for k, own in enumerate(self.asked.spreads)]
+        known = [self.cells[k][1][: len(own)] for k, own in enumerate(self.spec.spreads)]
         rises = np.concatenate([np.zeros(0), *known])
-        return rises, np.array([each for own in self.asked.spreads for each in own])
+        return rises, np.array([each for own in self.spec.spreads for each in own])
 
     def _blocks(self, u: NDArray[np.float64]) -> list[Block]:
         if self._last is None or self._last[0] != u.tobytes():
@@ -176,18 +178,18 @@ class Problem:
     @cached_property
     def _firsts(self) -> list[int]:
         """Of each reading, the first unknown that is the strength of one of its touches."""
-        counts = np.cumsum([0, *map(len, self.asked.spreads[:-1])])
-        return (len(self.asked.fitted) + counts).tolist()
+        counts = np.cumsum([0, *map(len, self.spec.spreads[:-1])])
+        return (len(self.spec.fitted) + counts).tolist()
 
     @cached_property
     def _groups(self) -> list[NDArray[np.int64]]:
         """Readings by how many touches they are of, and how many of these are unknown."""
-        own = [(len(c), len(s)) for (c, _), s in zip(self.cells, self.asked.spreads, strict=True)]
+        own = [(len(c), len(s)) for (c, _), s in zip(self.cells, self.spec.spreads, strict=True)]
         return [np.flatnonzero([each == kind for each in own]) for kind in sorted(set(own))]
 
     def _block(self, u: NDArray[np.float64], group: NDArray[np.int64]) -> Block:
         """Of readings of one group, over their own deviations."""
-        asked, readings = self.asked, [self.asked.measured.readings[k] for k in group]
+        asked, readings = self.spec, [self.spec.measurements.sweeps[k] for k in group]
         cells = np.stack([self.cells[k][0] for k in group])
         rises = np.stack([self.rises(u, int(k)) for k in group])
         response = self.around.respond_together(cells, rises, asked.values(u))
@@ -212,26 +214,28 @@ class Problem:
             group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
         )
 
-    def _columns(self, group: NDArray[np.int64], readings: Sequence[Reading]) -> NDArray[np.int64]:
+    def _columns(
+        self, group: NDArray[np.int64], readings: Sequence[MeasuredSweep]
+    ) -> NDArray[np.int64]:
         """Unknowns that each reading depends on: its touches, parameters, errors of its session."""
-        asked, count = self.asked, self._errors.shape[2]
-        size = len(asked.fitted) + asked.touches + asked.errors
-        sessions = [asked.measured.sessions.index(reading.session) for reading in readings]
+        asked, count = self.spec, self._errors.shape[2]
+        size = len(asked.fitted) + asked.touch_count + asked.error_count
+        sessions = [asked.measurements.sessions.index(reading.session) for reading in readings]
         touches = len(asked.spreads[group[0]])
         return np.column_stack(
             [
                 np.array([self._firsts[k] for k in group])[:, None] + np.arange(touches),
                 np.tile(np.arange(len(asked.fitted)), (len(group), 1)),
-                size - asked.errors + count * np.array(sessions)[:, None] + np.arange(count),
+                size - asked.error_count + count * np.array(sessions)[:, None] + np.arange(count),
             ]
         )
 
     @cached_property
     def _errors(self) -> NDArray[np.float64]:
         """How the meter's fixed errors of a session enter, shape (reading, 2 * Z.size, error)."""
-        asked = self.asked
-        which = np.stack([reading.fixed.ravel() for reading in asked.measured.readings])
-        own = np.eye(asked.measured.fixed)[which]
+        asked = self.spec
+        which = np.stack([reading.fixed.ravel() for reading in asked.measurements.sweeps])
+        own = np.eye(asked.measurements.fixed)[which]
         found = np.zeros((len(which), 2, which.shape[1], 0))
         for half, spread in asked.accuracy.items():
             entering = spread * np.eye(2)[half][:, None, None] * own[:, None]
@@ -239,11 +243,11 @@ class Problem:
         return found.reshape(len(which), 2 * which.shape[1], -1)
 
 
-def deviation_of(asked: Asked, reading: Reading) -> NDArray[np.float64]:
+def deviation_of(spec: FitSpec, reading: MeasuredSweep) -> NDArray[np.float64]:
     """Of each number of a reading by the noise, shape (2 * Z.size,); infinite where none was
     read, or in no range that is known, which then counts for nothing."""
-    used = asked.measured.read & reading.known
-    own = ErrorModel(asked.readout, np.ones_like(used), reading.averaged).deviation
+    used = spec.measurements.read & reading.known
+    own = ErrorModel(spec.readout, np.ones_like(used), reading.averaged).deviation
     return np.where(np.tile(used.ravel(), 2), own, np.inf)
 
 

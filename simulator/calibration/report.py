@@ -15,9 +15,9 @@ from ..report.files import files_in, filled_at_once, write_json, write_rows, wri
 from ..report.terminal import table as in_columns
 from ..scene.files import scene_text
 from ..shown import shown
-from .chart import draw_residuals
 from .estimates import HEADER
-from .sheets import MISMATCH, RATIO
+from .residual_chart import draw_residuals
+from .sheet_intervals import MISMATCH, RATIO
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -55,7 +55,7 @@ def write_report(
         write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
         names = "parameter", *_names(calibration)
         write_rows(made / "correlation.csv", names, _tied(calibration))
-        interfaces = calibration.fit.asked.measured.scene.interfaces
+        interfaces = calibration.fit.spec.measurements.scene.interfaces
         for k, name in enumerate(_file_names([each.name for each in interfaces])):
             draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
         return files_in(made)
@@ -105,7 +105,7 @@ def correlations(calibration: Calibration, console: Console) -> Table | str:
 
 def explanations(calibration: Calibration) -> list[str]:
     """What else is to be said, a line each."""
-    readout, asked = calibration.noise.readout, calibration.fit.asked
+    readout, asked = calibration.noise.readout, calibration.fit.spec
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
@@ -118,7 +118,7 @@ def explanations(calibration: Calibration) -> list[str]:
             f"intervals are {calibration.information.scale**0.5:.2g} times as wide as the noise "
             "alone would make them, because the fit leaves more than the noise"
         )
-    if asked.touches:
+    if asked.touch_count:
         lines.append(_strengths_told(calibration))
     lines += _not_told(calibration)
     lines += _ties(calibration)
@@ -129,11 +129,11 @@ def explanations(calibration: Calibration) -> list[str]:
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
     """All of it, for JSON."""
     fit, noise = calibration.fit, calibration.noise
-    readings = zip(fit.asked.measured.readings, calibration.strengths, strict=True)
+    readings = zip(fit.spec.measurements.sweeps, calibration.strengths, strict=True)
     ideal = calibration.ideal
     return {
         "measured": source,
-        "scene": fit.asked.measured.scene.name,
+        "scene": fit.spec.measurements.scene.name,
         "values": calibration.values,
         "intervals_95": calibration.intervals,
         "told": calibration.told,

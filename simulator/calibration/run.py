@@ -21,19 +21,19 @@ from ..models.slow.waves import Uneven
 from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..shown import Tabular
-from .choice import Options, candidates
+from .centered_model import Around, Model, around, checked_model, model_of
 from .estimates import HEADER, Quantity, intervals, quantile, quantities, told_together
-from .explained import Comparison, compared
-from .fit import Fit, allowed, fitted, model_tolerance
-from .information import Information, information, with_unknown
-from .likelihood.laws import Laws
-from .measured import Measured, measured
-from .model import Around, Model, around, checked_model, model_of
+from .fit import Fit, best_fit, certificate_limit, model_tolerance
+from .fit_options import Options, candidates
+from .identifiability import Information, information, with_unknown
+from .initial_values import capacitance_off
+from .likelihood.distributions import Laws
+from .measurements import Measurements, measurements_of
+from .misfit import Comparison, compared
 from .prior import Noise, Prior, drawn_uneven, noise_of, priors, with_noise
-from .problem import Asked
-from .sheets import MISMATCH
-from .starts import capacitance_off
-from .tried import gains, surrounded
+from .problem import FitSpec
+from .sheet_intervals import MISMATCH
+from .surroundings_trials import gains, surrounded
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,7 +84,7 @@ class Calibration(Tabular):
     @property
     def strengths(self) -> list[NDArray[np.float64]]:
         """Rise of capacitance (factor - 1) of each touch of each reading."""
-        readings = range(len(self.fit.asked.measured.readings))
+        readings = range(len(self.fit.spec.measurements.sweeps))
         return [self.fit.problem.strengths(self.fit.u, k) for k in readings]
 
 
@@ -106,7 +106,7 @@ def calibrate(
     unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
     scene = surrounded(scene, options.also)
     folded(scene, "a calibration")
-    data = measured(scene, sweeps, options.band, options.session)
+    data = measurements_of(scene, sweeps, options.band, options.session)
     job = _Job(data, options, unknown_effects, model, progress)
     fit, noise = job.done()
     told = information(fit, job.held)
@@ -115,7 +115,7 @@ def calibrate(
     laws = _laws(scene, unknown, told, degrees, job.held)
     bounds = intervals(scene, unknown, told, degrees, laws)
     gained = [] if noise.guessed else gains(fit, told.freedom, progress)
-    names = fit.asked.names
+    names = fit.spec.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
         values=fit.values,
@@ -152,7 +152,7 @@ class _Job:
 
     def __init__(
         self,
-        measured: Measured,
+        measured: Measurements,
         options: Options,
         effects: Sequence[str],
         model: Model | None,
@@ -181,14 +181,14 @@ class _Job:
 
     def _fit(self) -> Fit:
         own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
-        asked = Asked(
+        asked = FitSpec(
             self.measured,
             self.noise.readout,
             {name: self.priors[name] for name in self.names},
             {name: value for name, value in own.items() if name not in self.names},
             self.options.strengths,
         )
-        fit = fitted(asked, self._ready, self._begin, self._remark)
+        fit = best_fit(asked, self._ready, self._begin, self._remark)
         self._ready, self._begin = fit.problem.around, fit.values
         return fit
 
@@ -232,6 +232,6 @@ def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Unev
 
 def _left_out(fit: Fit) -> list[str]:
     """What the model leaves out, where that is not small beside the meter's error."""
-    if fit.certificate <= allowed(fit.asked):
+    if fit.certificate <= certificate_limit(fit.spec):
         return []
     return [f"the model leaves out up to {fit.certificate:.1e} of Rs and Cp at the solution"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.localization.study.point import Trial, impedances
 from rcskin.simulator.bounds.position import chosen_touch
-from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import reduced as family_of
 from rcskin.simulator.dataset.plan import Plan

@@ -18,7 +18,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.registered import estimators
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.model.model import Model
-from rcskin.simulator.calibration.choice import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.model import Reduced

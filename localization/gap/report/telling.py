@@ -13,7 +13,7 @@ from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from ....simulator.calibration.estimates import Quantity
-    from ....simulator.calibration.explained import Explained
+    from ....simulator.calibration.misfit import Explained
     from ..accuracy import Accuracy
     from ..findings import Findings
 

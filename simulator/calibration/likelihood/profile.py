@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from ...fem.factors import one_blas_thread
 from ..fit import INSIDE, Fit
-from .law import Interval, Law
+from .profile_distribution import Interval, Law
 
 Gradient = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
 STEP, MOST_STEPS, MOST_SOLVER_STEPS = 0.8, 14, 60

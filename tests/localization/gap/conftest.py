@@ -125,10 +125,10 @@ def uncalibrated(monkeypatch):
         raise InputError("left out")
 
     monkeypatch.setattr("rcskin.simulator.calibration.run.calibrate", refuse)
-    monkeypatch.setattr("rcskin.simulator.calibration.explained.gap_by_parameter", refuse)
+    monkeypatch.setattr("rcskin.simulator.calibration.misfit.gap_by_parameter", refuse)
 
 
-ADDABLE = "rcskin.simulator.calibration.explained.addable"
+ADDABLE = "rcskin.simulator.calibration.misfit.addable"
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ from rcskin.localization.gap.report import pages as report
 from rcskin.localization.gap.report.charts import charts_of
 from rcskin.localization.gap.report.numbers import KEYS, numbers
 from rcskin.localization.gap.report.telling import cause_told, rows_of
-from rcskin.simulator.calibration.explained import Explained
+from rcskin.simulator.calibration.misfit import Explained
 from rcskin.simulator.charts import STYLE
 
 CHARTS = {

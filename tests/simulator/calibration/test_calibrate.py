@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.explained import gap_by_parameter
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values, scene_with
@@ -105,7 +105,7 @@ def test_strengths_taken_as_stated_are_not_fitted(line, read):
     sweeps = read(line, TRUTH, (*REST, "1,2:2.0"))
     found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), strengths=False))
     assert found.strengths[1].tolist() == [1.0]
-    assert found.fit.asked.touches == 0
+    assert found.fit.spec.touch_count == 0
 
 
 def test_sheets_of_one_field_are_told_only_together(line, read):
@@ -235,7 +235,7 @@ def test_frequencies_are_those_of_the_sweeps(line, read):
         update={"sweep": line.sweep.model_copy(update={"frequencies": (2e3, 1e4, 9e4)})}
     )
     found = calibrate(line, read(other, TRUTH, REST), Options(fit=tuple(TRUTH)))
-    assert found.fit.asked.measured.scene.sweep == other.sweep
+    assert found.fit.spec.measurements.scene.sweep == other.sweep
     assert found.scene.sweep == line.sweep
     assert not outside(found, TRUTH)
 
@@ -244,16 +244,16 @@ def test_only_the_band_and_the_session_asked_for_count(line, read):
     sweeps = read(line, TRUTH, REST)
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
     found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), band=(2e3, 1e5), session=2))
-    f = found.fit.asked.measured.scene.frequencies
+    f = found.fit.spec.measurements.scene.frequencies
     assert 2e3 <= f[0] < f[-1] <= 1e5
-    assert found.fit.asked.measured.sessions == [2]
+    assert found.fit.spec.measurements.sessions == [2]
 
 
 def test_presses_that_are_no_pixels_are_left_out(line, read):
     presses = ("none", "rect(0.05,0.04,0.02,0.08):2", "1,2:2")
     sweeps = read(line, TRUTH, presses, called=("none", presses[1], "a thumb"))
     found = calibrate(line, sweeps, Options(fit=("capacitance",)))
-    assert [each.press.touches for each in found.fit.asked.measured.readings] == [()]
+    assert [each.press.touches for each in found.fit.spec.measurements.sweeps] == [()]
     assert "only whole pixels" in found.remarks[0]
     assert "a thumb" in found.remarks[1]
 

@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.likelihood.law import NORMAL, Law, cut_normal
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.likelihood.profile import Along, Profile
+from rcskin.simulator.calibration.likelihood.profile_distribution import NORMAL, Law, cut_normal
 from rcskin.simulator.calibration.prior import Prior
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.sheets import COMMON, MISMATCH, of_series
+from rcskin.simulator.calibration.sheet_intervals import COMMON, MISMATCH, of_series
 from rcskin.simulator.models.parameters import own_values
 from scipy.optimize import least_squares
 from scipy.special import ndtr

@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.fit import solved
-from rcskin.simulator.calibration.measured import measured
-from rcskin.simulator.calibration.model import around
+from rcskin.simulator.calibration.centered_model import around
+from rcskin.simulator.calibration.fit import solve_from
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
-from rcskin.simulator.calibration.problem import Asked, Problem
+from rcskin.simulator.calibration.problem import FitSpec, LeastSquaresProblem
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values
@@ -49,11 +49,11 @@ def own(shared):
 
 
 def problem_of(scene, sweeps):
-    data, values = measured(scene, sweeps), own_values(scene)
+    data, values = measurements_of(scene, sweeps), own_values(scene)
     known = priors(data, "wide")
     fixed = {name: value for name, value in values.items() if name not in NAMES}
-    asked = Asked(data, scene.readout, {name: known[name] for name in NAMES}, fixed)
-    return Problem(asked, around(scene, {}, 1e-4))
+    asked = FitSpec(data, scene.readout, {name: known[name] for name in NAMES}, fixed)
+    return LeastSquaresProblem(asked, around(scene, {}, 1e-4))
 
 
 def test_what_was_read_counts_as_ever_and_what_was_not_for_nothing(own, shared, read):
@@ -68,7 +68,7 @@ def test_what_was_read_counts_as_ever_and_what_was_not_for_nothing(own, shared, 
     np.testing.assert_allclose(residuals[kept], all_residuals[kept], rtol=1e-9)
     assert not residuals[~kept].any() and not slopes[~kept].any()
     np.testing.assert_allclose(slopes[kept, :2], all_slopes[kept, :2], rtol=1e-9)
-    assert parts[0].asked.measured.numbers == 2 * own.taken.sum() * len(parts[0].cells)
+    assert parts[0].spec.measurements.numbers == 2 * own.taken.sum() * len(parts[0].cells)
 
 
 def test_the_scene_may_say_other_frequencies_than_were_read(own, shared, read):
@@ -110,11 +110,11 @@ def test_noise_is_told_by_repeats_of_what_was_read(own, shared, simulated):
 
 def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, read):
     sweeps = restricted(read(shared, TRUTH, PRESSES), own.taken)
-    data = measured(own, sweeps, (FREQUENCIES[8] - 1, np.inf))
+    data = measurements_of(own, sweeps, (FREQUENCIES[8] - 1, np.inf))
     assert [each.name for each in data.scene.interfaces] == ["left"]
     assert data.scene.taken is None and data.scene.frequencies.size == 2
     with pytest.raises(InputError, match="`band` must hold frequencies"):
-        measured(own, sweeps, (1e7, np.inf))
+        measurements_of(own, sweeps, (1e7, np.inf))
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -134,7 +134,7 @@ def test_the_command_takes_them(own, shared, read, run, tmp_path, earth_alone):
 
 def test_a_solution_does_not_hang_on_what_stands_where_nothing_was_read(own, shared, read):
     problem = problem_of(shared, restricted(read(shared, TRUTH, PRESSES), own.taken))
-    fit = solved(problem, {name: 0.0 for name in NAMES})
-    for reading in problem.asked.measured.readings:
+    fit = solve_from(problem, {name: 0.0 for name in NAMES})
+    for reading in problem.spec.measurements.sweeps:
         reading.Z[~own.taken] = 7 - 3j
-    assert solved(problem, {name: 0.0 for name in NAMES}).u == pytest.approx(fit.u, rel=1e-12)
+    assert solve_from(problem, {name: 0.0 for name in NAMES}).u == pytest.approx(fit.u, rel=1e-12)

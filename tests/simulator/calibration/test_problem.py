@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit import solved
-from rcskin.simulator.calibration.measured import measured
-from rcskin.simulator.calibration.model import around
+from rcskin.simulator.calibration.centered_model import around
+from rcskin.simulator.calibration.fit import solve_from
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
-from rcskin.simulator.calibration.problem import Asked, Problem, difference
+from rcskin.simulator.calibration.problem import FitSpec, LeastSquaresProblem, difference
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.models.parameters import own_values
 
@@ -17,16 +17,18 @@ NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")
 
 
 def asked_of(scene, sweeps, names=()):
-    data, own = measured(scene, sweeps), own_values(scene)
+    data, own = measurements_of(scene, sweeps), own_values(scene)
     known = priors(data, "wide")
     fixed = {name: value for name, value in own.items() if name not in names}
-    return Asked(data, scene.readout, {name: known[name] for name in names}, fixed)
+    return FitSpec(data, scene.readout, {name: known[name] for name in names}, fixed)
 
 
 def test_slopes_are_exact(line, read):
     asked = asked_of(line, read(line, presses=PRESSES), NAMES)
-    problem = Problem(asked, around(line, {}, 1e-4))
-    u = 0.3 * np.random.default_rng(1).standard_normal(len(NAMES) + asked.touches + asked.errors)
+    problem = LeastSquaresProblem(asked, around(line, {}, 1e-4))
+    u = 0.3 * np.random.default_rng(1).standard_normal(
+        len(NAMES) + asked.touch_count + asked.error_count
+    )
     u[2] = -abs(u[2])
     u[3] = abs(u[3])
     slopes = problem.jacobian(u)
@@ -38,16 +40,18 @@ def test_slopes_are_exact(line, read):
 
 def test_unknown_are_strengths_of_touches_and_the_meters_fixed_errors(line, read):
     asked = asked_of(line, read(line, presses=PRESSES), NAMES)
-    assert asked.touches == 3
-    assert asked.errors == 2
-    assert asked.measured.readings[0].averaged == 2
+    assert asked.touch_count == 3
+    assert asked.error_count == 2
+    assert asked.measurements.sweeps[0].averaged == 2
 
 
 def test_every_session_has_errors_of_its_own(line, read):
     sweeps = read(line, presses=PRESSES)
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
     asked = asked_of(line, sweeps, NAMES)
-    slopes = Problem(asked, around(line, {}, 1e-4)).jacobian(np.zeros(len(NAMES) + 3 + 4))
+    slopes = LeastSquaresProblem(asked, around(line, {}, 1e-4)).jacobian(
+        np.zeros(len(NAMES) + 3 + 4)
+    )
     seen = np.abs(slopes[:72, -4:]).reshape(3, 2, 12, 4).any(axis=2).any(axis=1)
     assert seen.tolist() == [[True, True, False, False]] + 2 * [[False, False, True, True]]
 
@@ -56,9 +60,9 @@ def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     sweeps = read(line, {"capacitance": 0.01}, presses=("none",), seed=3)
     asked = asked_of(line, sweeps)
     ready = around(line, {}, 1e-4)
-    fit = solved(Problem(asked, ready), asked.fixed)
+    fit = solve_from(LeastSquaresProblem(asked, ready), asked.fixed)
     Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
-    off = difference(Z, asked.measured.readings[0].Z)
+    off = difference(Z, asked.measurements.sweeps[0].Z)
     whitened = ErrorModel(line.readout, np.ones((1, 12), bool)).whitened(off)
     assert fit.chi_squared == pytest.approx(whitened @ whitened, rel=1e-9)
 
@@ -69,8 +73,10 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
     sweeps = read(line, presses=(*PRESSES, "1,1:1.7", "1,3:2.2"))
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2, 1, 3]))
     asked = replace(asked_of(line, sweeps, NAMES), strengths=strengths)
-    problem = Problem(asked, around(line, {}, 1e-4))
-    u = 0.3 * np.random.default_rng(2).standard_normal(len(NAMES) + asked.touches + asked.errors)
+    problem = LeastSquaresProblem(asked, around(line, {}, 1e-4))
+    u = 0.3 * np.random.default_rng(2).standard_normal(
+        len(NAMES) + asked.touch_count + asked.error_count
+    )
     whole = np.column_stack([problem.jacobian(u), problem.residuals(u)])
     divided = np.r_[: len(whole) - len(u), len(whole) - len(u) + len(NAMES) : len(whole)]
     whole[divided] /= np.sqrt(scale)

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.choice import Options
-from rcskin.simulator.calibration.explained import gap_by_parameter
-from rcskin.simulator.calibration.measured import measured
-from rcskin.simulator.calibration.model import model_of
+from rcskin.simulator.calibration.centered_model import model_of
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
+from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.tried import surrounded
+from rcskin.simulator.calibration.surroundings_trials import surrounded
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.effects import EFFECTS
@@ -44,7 +44,7 @@ def model(scene):
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "rcskin.simulator.calibration.model.reduced_for",
+            "rcskin.simulator.calibration.centered_model.reduced_for",
             lambda scene, *given, **more: replace(known, scene=scene),
         )
         yield found
@@ -80,10 +80,10 @@ def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words
 def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
     twin = scene.with_({"surroundings": {}})
     sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, "1,2:2.0:5.3pF")])
-    (reading,) = (found := measured(scene, sweeps)).readings
+    (reading,) = (found := measurements_of(scene, sweeps)).sweeps
     assert [str(touch) for touch in reading.press.touches] == ["1,2:2.0"]
     assert found.left_out == ("what presses say of fingers, for scene has no [surroundings]",)
-    (reading,) = measured(twin, sweeps).readings
+    (reading,) = measurements_of(twin, sweeps).sweeps
     assert reading.press.touches[0].finger == 5.3e-12
 
 

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.information import error_model
 from rcskin.simulator.bounds.position import SkinUnknowns
-from rcskin.simulator.calibration.measured import measured
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin
 from rcskin.simulator.measure.simulate import simulate
@@ -51,7 +51,7 @@ def test_spreads_are_those_of_drawn_skins(scene):
 
 def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
     told = {name: each for name, each in session_spreads(scene).items() if each.deviation > 0}
-    prior = priors(measured(scene, simulate(Solver(scene), [Press()])), "session")
+    prior = priors(measurements_of(scene, simulate(Solver(scene), [Press()])), "session")
     for name, each in told.items():
         assert prior[name].deviation == each.deviation
         assert prior[name].center == each.shift

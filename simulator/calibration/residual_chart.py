@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..charts import AT_REST, COLOURS, chart, frequency_axis
 from ..sweeps import parallel_capacitance
 from .fit import Fit
-from .measured import Reading
+from .measurements import MeasuredSweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,14 +25,14 @@ def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
     Of |Z|, phase, Rs and Cp, each of shape (reading, interface, frequency); the meter's fixed
     errors of the session are part of what is fitted. Nothing is left where nothing was read.
     """
-    asked = fit.asked
-    Z = np.stack([reading.Z for reading in asked.measured.readings])
-    averaged = np.sqrt([reading.averaged for reading in asked.measured.readings])[:, None, None]
+    asked = fit.spec
+    Z = np.stack([reading.Z for reading in asked.measurements.sweeps])
+    averaged = np.sqrt([reading.averaged for reading in asked.measurements.sweeps])[:, None, None]
     magnitude = asked.readout.magnitude_noise / averaged
     phase = asked.readout.phase_noise / averaged
     off = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
     fitted = Z * np.exp(off[:, 0] * magnitude + 1j * off[:, 1] * phase)
-    frequency = asked.measured.scene.frequencies
+    frequency = asked.measurements.scene.frequencies
     omega, Y = 2 * np.pi * frequency, 1 / fitted
     of_Rs = np.hypot(fitted.real * magnitude, fitted.imag * phase)
     of_Cp = np.hypot(Y.imag * magnitude, Y.real * phase) / omega
@@ -52,13 +52,13 @@ FAINT = 0.35
 
 def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None:
     """Residuals of |Z|, phase, Rs and Cp at one interface against frequency, as a PNG."""
-    measured = calibration.fit.asked.measured
+    measured = calibration.fit.spec.measurements
     read = measured.read[interface]
     frequency = measured.scene.frequencies[read]
     with chart(path, 9, 6.2) as figure:
         grid = figure.subplots(2, 2, sharex=True)
         for axes, (name, left) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
-            _draw(axes, frequency, left[:, interface, read], measured.readings)
+            _draw(axes, frequency, left[:, interface, read], measured.sweeps)
             axes.set_title(name)
         for axes in grid[1]:
             frequency_axis(axes)
@@ -77,7 +77,7 @@ def _draw(
     axes: Axes,
     frequency: NDArray[np.float64],
     left: NDArray[np.float64],
-    readings: tuple[Reading, ...],
+    readings: tuple[MeasuredSweep, ...],
 ) -> None:
     """Readings at rest black, presses in colours: each a line while they are few.
 
@@ -94,7 +94,7 @@ def _draw(
         axes.plot(kHz, group.mean(axis=0), marker=".", linewidth=1, color=colour, label=label)
 
 
-def _told(reading: Reading, few: bool) -> tuple[str, str]:
+def _told(reading: MeasuredSweep, few: bool) -> tuple[str, str]:
     """Name and colour of a reading, or of all that are drawn together."""
     if not reading.press.touches:
         return "at rest", AT_REST

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .fit import Fit
 from .prior import Prior
-from .problem import Problem
+from .problem import LeastSquaresProblem
 
 TOLD = 0.25
 """Of the prior's deviation: what is left of it where the data tell a parameter."""
@@ -132,15 +132,15 @@ def information(fit: Fit, held: Mapping[str, Prior] | None = None) -> Informatio
     """At a solution. held: priors of parameters that the fit left as they are, unknown though."""
     data = _of_data(fit)
     taken = np.trace(np.linalg.solve(data + np.eye(len(data)), data))
-    freedom = max(fit.asked.measured.numbers - float(taken), 1.0)
+    freedom = max(fit.spec.measurements.numbers - float(taken), 1.0)
     scale = max(1.0, fit.chi_squared / freedom)
     opened = with_unknown(fit, held or {})
-    return Information(opened.asked.names, _of_data(opened) / scale, freedom, scale)
+    return Information(opened.spec.names, _of_data(opened) / scale, freedom, scale)
 
 
 def with_unknown(fit: Fit, held: Mapping[str, Prior]) -> Fit:
     """The same solution of the problem where the parameters that were held are unknown too."""
-    asked, values = fit.asked, fit.values
+    asked, values = fit.spec, fit.values
     unknown = {**asked.fitted, **held}
     opened = replace(
         asked,
@@ -149,13 +149,13 @@ def with_unknown(fit: Fit, held: Mapping[str, Prior]) -> Fit:
     )
     u = opened.unknowns(values)
     u[len(opened.fitted) :] = fit.u[len(asked.fitted) :]
-    return replace(fit, problem=Problem(opened, fit.problem.around), u=u)
+    return replace(fit, problem=LeastSquaresProblem(opened, fit.problem.around), u=u)
 
 
 def _of_data(fit: Fit) -> NDArray[np.float64]:
     """Information of the data on the parameters, in units of their priors'."""
     J = fit.problem.jacobian(fit.u)
-    count, readings = len(fit.asked.fitted), len(J) - len(fit.u)
+    count, readings = len(fit.spec.fitted), len(J) - len(fit.u)
     own, others = J[:readings, :count], J[:readings, count:]
     between = own.T @ others
     known = others.T @ others + np.eye(others.shape[1])

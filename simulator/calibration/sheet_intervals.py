@@ -17,8 +17,8 @@ from ..models.parameters import BOTTOM_WAVES, TOP_WAVES
 from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
-from .information import Information
-from .likelihood.law import CONFIDENCE, Interval, Law
+from .identifiability import Information
+from .likelihood.profile_distribution import CONFIDENCE, Interval, Law
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"
@@ -94,7 +94,7 @@ def of_series(
     of the logarithm of the sum, where that is not normal.
     """
     of = {each.name: each for each in sheets(scene, fit.values)}
-    steps = np.array([prior.deviation for prior in fit.asked.fitted.values()])
+    steps = np.array([prior.deviation for prior in fit.spec.fitted.values()])
     pair = np.array([slopes_of(of[name], information.names) for name in (RATIO, SUM)]) * steps
     covariance = pair @ information.covariance @ pair.T
     log_ratio, log_sum = _law(covariance, width)

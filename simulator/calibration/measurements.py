@@ -33,14 +33,14 @@ from ..sweeps.schema import taken_of
 if TYPE_CHECKING:
     import xarray as xr
 
-EITHER = -1
+UNKNOWN_RANGE = -1
 """Number of the fixed error of a reading that may have been taken in either of two ranges."""
 NEAR_EDGE = 3.0
 """Deviations of a reading of |Z| from the edge of a range, within which the range is not known."""
 
 
 @dataclass(frozen=True)
-class Reading:
+class MeasuredSweep:
     """One press in one session.
 
     Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: which of the meter's
@@ -60,11 +60,11 @@ class Reading:
     @property
     def known(self) -> NDArray[np.bool_]:
         """Whether it is known which fixed error a reading has, shape (interface, frequency)."""
-        return self.fixed != EITHER
+        return self.fixed != UNKNOWN_RANGE
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurements:
     """What was measured on a scene.
 
     scene: at the interfaces and frequencies of the sweeps. left_out: one line for each press that
@@ -72,7 +72,7 @@ class Measured:
     """
 
     scene: Scene
-    readings: tuple[Reading, ...]
+    sweeps: tuple[MeasuredSweep, ...]
     left_out: tuple[str, ...] = ()
 
     @cached_property
@@ -83,30 +83,30 @@ class Measured:
     @cached_property
     def numbers(self) -> int:
         """How many numbers were measured: two for every reading that is used."""
-        return 2 * sum(int((self.read & reading.known).sum()) for reading in self.readings)
+        return 2 * sum(int((self.read & reading.known).sum()) for reading in self.sweeps)
 
     @cached_property
     def fixed(self) -> int:
         """How many fixed errors of one kind the meter has in a session."""
-        return 1 + max(0, *(int(reading.fixed.max()) for reading in self.readings))
+        return 1 + max(0, *(int(reading.fixed.max()) for reading in self.sweeps))
 
     @cached_property
     def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
         """Frequencies in Hz and Z in ohm of the first press at the first interface."""
-        return self.scene.frequencies[self.read[0]], self.readings[0].Z[0, self.read[0]]
+        return self.scene.frequencies[self.read[0]], self.sweeps[0].Z[0, self.read[0]]
 
     @cached_property
     def sessions(self) -> list[int]:
         """Sessions in which something was measured."""
-        return sorted({reading.session for reading in self.readings})
+        return sorted({reading.session for reading in self.sweeps})
 
 
-def measured(
+def measurements_of(
     scene: Scene,
     sweeps: xr.Dataset,
     band: tuple[float, float] | None = None,
     session: int | None = None,
-) -> Measured:
+) -> Measurements:
     """Sweeps on a scene: those at rest averaged in each session, every press on its own.
 
     band: lowest and highest frequency that counts, Hz; interfaces that were read at none of it are
@@ -128,7 +128,7 @@ def measured(
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
-    return Measured(bare, readings, left_out)
+    return Measurements(bare, readings, left_out)
 
 
 def _of_session(sweeps: xr.Dataset, session: int) -> xr.Dataset:
@@ -218,7 +218,7 @@ def _fixed(Z: NDArray[np.complex128], settings: str | None, readout: Readout) ->
     error = math.hypot(readout.magnitude_accuracy, readout.magnitude_noise) / math.log(10)
     numbers = np.unique(np.ceil(size), return_inverse=True)[1].reshape(Z.shape)
     near = np.abs(size - np.round(size)) < NEAR_EDGE * error
-    return np.where(near & ~near.all(), EITHER, numbers)
+    return np.where(near & ~near.all(), UNKNOWN_RANGE, numbers)
 
 
 def _readings(
@@ -226,7 +226,7 @@ def _readings(
     fixed: NDArray[np.int64],
     presses: Sequence[Press | None],
     sessions: Sequence[int],
-) -> Iterator[Reading]:
+) -> Iterator[MeasuredSweep]:
     at_rest: dict[int, list[int]] = {}
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and not press.touches:
@@ -235,12 +235,12 @@ def _readings(
         yield _averaged(Z[members], fixed[members], session)
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and press.touches:
-            yield Reading(press, session, Z[k], fixed[k])
+            yield MeasuredSweep(press, session, Z[k], fixed[k])
 
 
-def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> Reading:
+def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> MeasuredSweep:
     """Of the skin at rest, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
-    own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], EITHER)
+    own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], UNKNOWN_RANGE)
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
     deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None
-    return Reading(Press(), session, mean.astype(np.complex128), own, len(Z), deviation)
+    return MeasuredSweep(Press(), session, mean.astype(np.complex128), own, len(Z), deviation)

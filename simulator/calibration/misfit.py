@@ -15,14 +15,14 @@ from ..models.parameters import own_values
 from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
-from .choice import Options, candidates
+from .centered_model import Around, Model, checked_model, model_of
 from .estimates import changed
-from .fit import EXPLAINED, Fit, fitted, model_tolerance, solved
-from .measured import measured
-from .model import Around, Model, checked_model, model_of
+from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
+from .fit_options import Options, candidates
+from .measurements import measurements_of
 from .prior import Prior, noise_of, priors
-from .problem import Asked, Problem, difference
-from .tried import Trials, addable, in_words
+from .problem import FitSpec, LeastSquaresProblem, difference
+from .surroundings_trials import Trials, addable, in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,25 +63,25 @@ def gap_by_parameter(
     those of EFFECTS that the scene has not are tried, too. Arguments, errors: as of `calibrate`; of
     `options.fit`, where given, only those.
     """
-    data = measured(scene, sweeps, options.band, options.session)
+    data = measurements_of(scene, sweeps, options.band, options.session)
     effects = effects_of(data.scene) if options.prior == "wide" else ()
     readout, known = noise_of(data).readout, priors(data, options.prior, effects=effects)
-    asked = Asked(data, readout, {}, own_values(data.scene), options.strengths)
+    asked = FitSpec(data, readout, {}, own_values(data.scene), options.strengths)
     own = checked_model(model, data.scene) if model else None
     ready = Around(own or model_of(data.scene, model_tolerance(readout), progress), {})
     unknown = candidates(data, ready.model.free, known, options.fit, options.fix)
     names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
     with one_blas_thread():
-        before = solved(Problem(asked, ready), asked.fixed).chi_squared
+        before = solve_from(LeastSquaresProblem(asked, ready), asked.fixed).chi_squared
         found = [_alone(asked, ready, name, known[name], before) for name in names]
         if not options.fit and before > EXPLAINED * data.numbers:
             found += _tried(asked, before, progress)
     return tuple(sorted(found, key=lambda each: each.after))
 
 
-def _tried(asked: Asked, before: float, progress: Progress) -> list[Explained]:
+def _tried(asked: FitSpec, before: float, progress: Progress) -> list[Explained]:
     """What each of EFFECTS alone does that the scene has not."""
-    if not addable(asked.measured.scene):
+    if not addable(asked.measurements.scene):
         return []
     try:
         trials = Trials(asked, {}, progress)
@@ -95,12 +95,12 @@ def _tried(asked: Asked, before: float, progress: Progress) -> list[Explained]:
     ]
 
 
-def _alone(asked: Asked, ready: Around, name: str, prior: Prior, before: float) -> Explained:
+def _alone(asked: FitSpec, ready: Around, name: str, prior: Prior, before: float) -> Explained:
     alone = replace(asked, fitted={name: prior})
-    fit = solved(Problem(alone, ready), asked.fixed)
+    fit = solve_from(LeastSquaresProblem(alone, ready), asked.fixed)
     value = fit.values[name]
     if name in EFFECTS:
-        told = in_words(asked.measured.scene, name, value)
+        told = in_words(asked.measurements.scene, name, value)
     else:
         told = changed(name, value - asked.fixed[name])
     return Explained(name, value, before, fit.chi_squared, told)
@@ -123,17 +123,17 @@ class Comparison:
 
 def compared(fit: Fit, progress: Progress) -> Comparison:
     """With the exponent held at 1 and without loss, all else fitted alike."""
-    fixed = {**fit.asked.fixed, **IDEAL}
-    others = {name: prior for name, prior in fit.asked.fitted.items() if name not in IDEAL}
-    asked = replace(fit.asked, fitted=others, fixed=fixed)
-    ideal = fitted(asked, fit.problem.around, progress=progress)
+    fixed = {**fit.spec.fixed, **IDEAL}
+    others = {name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL}
+    asked = replace(fit.spec, fitted=others, fixed=fixed)
+    ideal = best_fit(asked, fit.problem.around, progress=progress)
     told = _told(fit, ideal)
     return Comparison(ideal, fit.rms_error, ideal.rms_error, told)
 
 
 def _told(fit: Fit, ideal: Fit) -> tuple[str, ...]:
-    frequency, Z = fit.asked.measured.first
-    read = fit.asked.measured.read[0]
+    frequency, Z = fit.spec.measurements.first
+    read = fit.spec.measurements.read[0]
     ours, theirs = (each.problem.fitted(each.u)[0, 0, read] for each in (fit, ideal))
     exponent = fit.values["phase_exponent"]
     lines = [

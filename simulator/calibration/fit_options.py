@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..models.parameters import KNOWN
 from ..models.varied.meshes import single_field
 from ..sweeps import InputError
-from .measured import Measured
+from .measurements import Measurements
 from .prior import Kind, Prior
 
 OTHERS = "others"
@@ -24,7 +24,7 @@ class Candidates(NamedTuple):
 
 
 def candidates(
-    measured: Measured,
+    measured: Measurements,
     free: Sequence[str],
     priors: Mapping[str, Prior],
     fit: Sequence[str],

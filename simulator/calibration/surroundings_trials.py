@@ -13,10 +13,10 @@ from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
-from .fit import EXPLAINED, Fit, allowed, solved
-from .model import Around, around
+from .centered_model import Around, around
+from .fit import EXPLAINED, Fit, certificate_limit, solve_from
 from .prior import effect_prior
-from .problem import Asked, Problem
+from .problem import FitSpec, LeastSquaresProblem
 
 BODY = 8e-3
 """m: of a body from the sheet that is not touched, where none is known; a factor of 30 on its
@@ -88,8 +88,8 @@ def gains(fit: Fit, freedom: float, progress: Progress = silent) -> list[str]:
 
     freedom: of the fit. Nothing where the fit explains the readings.
     """
-    asked, left = fit.asked, fit.chi_squared / freedom
-    if left < EXPLAINED or not addable(asked.measured.scene):
+    asked, left = fit.spec, fit.chi_squared / freedom
+    if left < EXPLAINED or not addable(asked.measurements.scene):
         return []
     try:
         trials = Trials(asked, fit.values, progress)
@@ -109,24 +109,24 @@ def gains(fit: Fit, freedom: float, progress: Progress = silent) -> list[str]:
 class Trials:
     """Each of EFFECTS that a scene has not, fitted beside what a problem has already."""
 
-    def __init__(self, asked: Asked, at: dict[str, float], progress: Progress = silent) -> None:
+    def __init__(self, asked: FitSpec, at: dict[str, float], progress: Progress = silent) -> None:
         """asked: of the scene without them. at: values of its parameters that a fit begins at."""
-        self.names = addable(asked.measured.scene)
-        scene = surrounded(asked.measured.scene, self.names)
+        self.names = addable(asked.measurements.scene)
+        scene = surrounded(asked.measurements.scene, self.names)
         none = {name: NONE[name] for name in self.names}
         self.asked = replace(
-            asked, measured=replace(asked.measured, scene=scene), fixed={**asked.fixed, **none}
+            asked, measured=replace(asked.measurements, scene=scene), fixed={**asked.fixed, **none}
         )
         self._at = at
-        self._ready: Around = around(scene, at, allowed(asked), progress)
+        self._ready: Around = around(scene, at, certificate_limit(asked), progress)
 
     def fit(self, name: str) -> Fit:
         """The best fit with one of them."""
-        both = {**self.asked.fitted, name: effect_prior(self.asked.measured, name)}
+        both = {**self.asked.fitted, name: effect_prior(self.asked.measurements, name)}
         fixed = {n: value for n, value in self.asked.fixed.items() if n != name}
         asked = replace(self.asked, fitted=both, fixed=fixed)
-        return solved(Problem(asked, self._ready), {**self._at, name: 0.0})
+        return solve_from(LeastSquaresProblem(asked, self._ready), {**self._at, name: 0.0})
 
     def in_words(self, fit: Fit, name: str) -> str:
         """What it found of one."""
-        return in_words(self.asked.measured.scene, name, fit.values[name])
+        return in_words(self.asked.measurements.scene, name, fit.values[name])

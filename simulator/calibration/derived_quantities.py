@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from ..models.effects import effects_of
 from ..scene.scene import Scene
 from ..surroundings.rim import rim_densities
-from .sheets import Product, sheets
+from .sheet_intervals import Product, sheets
 
 
 def products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..models.line_slopes import LineModel
 from ..scene.scene import Scene
-from .measured import Measured
-from .problem import Asked, Problem
+from .measurements import Measurements
+from .problem import FitSpec, LeastSquaresProblem
 
 SHARES = (0.03, 0.1, 0.3, 1.0)
 """Of the largest resistance read: what may be the skin's and not the leads'."""
@@ -25,22 +25,22 @@ LEAST_INDUCTANCE = 1e-4
 LOSSY = 0.95
 
 
-def starts(problem: Problem) -> list[dict[str, float]]:
+def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
     """Values of all parameters to begin at: several for a line, else the nearest of a coarse grid.
 
     A grid, because a fit by a reduced model costs more than a look at each of its points.
     """
-    asked, around = problem.asked, problem.around
+    asked, around = problem.spec, problem.around
     own = asked.values(asked.unknowns({n: p.center for n, p in asked.fitted.items()}))
     if isinstance(around.model, LineModel):
         return [own, *({**own, **_fitted_only(asked, each)} for each in _of_line(asked))]
     begun = own | {name: at for name, at in around.about.items() if name in asked.fitted}
-    if _misfit(problem, begun) < NEAR * asked.measured.numbers:
+    if _misfit(problem, begun) < NEAR * asked.measurements.numbers:
         return [begun]
     return [min(_grid(begun, asked), key=lambda values: _misfit(problem, values))]
 
 
-def _grid(values: Mapping[str, float], asked: Asked) -> list[dict[str, float]]:
+def _grid(values: Mapping[str, float], asked: FitSpec) -> list[dict[str, float]]:
     """Steps up and down of the sheets and of the foam, the values themselves first."""
     steps = [
         STEPS if name in asked.fitted else (0.0,) for name in ("sheet_resistance", "capacitance")
@@ -55,12 +55,12 @@ def _grid(values: Mapping[str, float], asked: Asked) -> list[dict[str, float]]:
     ]
 
 
-def _misfit(problem: Problem, values: Mapping[str, float]) -> float:
-    residuals = problem.residuals(problem.asked.unknowns(values))
+def _misfit(problem: LeastSquaresProblem, values: Mapping[str, float]) -> float:
+    residuals = problem.residuals(problem.spec.unknowns(values))
     return float(residuals @ residuals)
 
 
-def capacitance_off(measured: Measured) -> float:
+def capacitance_off(measured: Measurements) -> float:
     """Logarithm of what the lowest frequency shows over the scene's capacitance, 0 where near."""
     frequency, Z = measured.first
     if Z.imag[0] >= 0:
@@ -76,13 +76,13 @@ def total_capacitance(scene: Scene) -> float:
     return skin.foam.rest_capacitance_per_area * skin.length * skin.width
 
 
-def _fitted_only(asked: Asked, values: Mapping[str, float]) -> dict[str, float]:
+def _fitted_only(asked: FitSpec, values: Mapping[str, float]) -> dict[str, float]:
     return {name: value for name, value in values.items() if name in asked.fitted}
 
 
-def _of_line(asked: Asked) -> list[dict[str, float]]:
+def _of_line(asked: FitSpec) -> list[dict[str, float]]:
     """The line's share of the resistance from little to all of it."""
-    scene, (frequency, Z) = asked.measured.scene, asked.measured.first
+    scene, (frequency, Z) = asked.measurements.scene, asked.measurements.first
     omega = 2 * np.pi * frequency
     total, floor = float(Z.real.max()), float(np.abs(Z.real).min())
     skin, edge = scene.skin, scene.contacts[0].edge

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ...scene.scene import Scene
 from ..fit import Fit
-from ..information import Information
-from ..sheets import COMMON, MISMATCH, RATIO, SUM, Product, hang_on_ratio, sheets
-from .law import Interval, Law
+from ..identifiability import Information
+from ..sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, hang_on_ratio, sheets
 from .profile import Along, Profile
+from .profile_distribution import Interval, Law
 
 ANY = (-math.inf, math.inf)
 
@@ -37,14 +37,14 @@ class Laws:
         return self._once(name, lambda: self._linear({name: 1.0}, 0.0, self._limits(name)))
 
     def _limits(self, name: str) -> Interval:
-        prior = self._fit.asked.fitted[name]
+        prior = self._fit.spec.fitted[name]
         return prior.low, prior.high
 
     def of_product(self, product: Product) -> Law | None:
         """Of its logarithm."""
         if product.name == SUM:
-            return self._once(SUM, self._sum) if COMMON in self._fit.asked.names else None
-        names = self._fit.asked.names
+            return self._once(SUM, self._sum) if COMMON in self._fit.spec.names else None
+        names = self._fit.spec.names
         slopes = {name: slope for name, slope in product.slopes.items() if name in names}
         values = self._fit.values
         level = math.log(product.value) - sum(slopes[name] * values[name] for name in slopes)
@@ -61,7 +61,7 @@ class Laws:
 
     def _linear(self, slopes: Mapping[str, float], level: float, within: Interval) -> Along:
         """A sum of parameters."""
-        names, priors = self._fit.asked.names, self._fit.asked.fitted
+        names, priors = self._fit.spec.names, self._fit.spec.fitted
         own = np.zeros(len(self._fit.u))
         for name, slope in slopes.items():
             own[names.index(name)] = slope * priors[name].deviation
@@ -75,7 +75,7 @@ class Laws:
 
     def _sum(self) -> Along:
         """The logarithm of both sheets in series."""
-        asked, scene = self._fit.asked, self._scene
+        asked, scene = self._fit.spec, self._scene
 
         def read(u: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
             both = next(each for each in sheets(scene, asked.values(u)) if each.name == SUM)
