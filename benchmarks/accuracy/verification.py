@@ -1,7 +1,8 @@
 """Whether the equations are solved right, how well the error is known, and whether others agree.
 
 Code verification, solution verification, cross-code comparison and the limits of the model, as
-ASME V&V 10 and NAFEMS keep them apart. Writes VERIFICATION.md; exits with 1 where a line fails.
+ASME V&V 10 and NAFEMS keep them apart. Writes results/verification.md; exits with 1 where a line
+fails.
 
 Run: python benchmarks/accuracy/verification.py [--quick]
 """
@@ -71,7 +72,7 @@ def main(run: Run) -> int:
     for title, says, found in chapters:
         lines += [f"## {title}", "", says, ""]
         lines += [line for section in found for line in section.lines()]
-    with whole_file(run.folder / "VERIFICATION.md") as unfinished:
+    with whole_file(run.results / "verification.md") as unfinished:
         unfinished.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
     print(f"{verdict} {time.perf_counter() - start:.0f} s")
     return 1 if failed else 0

@@ -1,4 +1,4 @@
-"""The gallery: every picture of GALLERY.md, made by the command that stands beneath it.
+"""The gallery: every picture of results/gallery.md, made by the command that stands beneath it.
 
 Run: python benchmarks/pictures/gallery.py [--quick] [PICTURE ...]
 """
@@ -103,7 +103,7 @@ def make(picture: Picture, output: Path, more: str) -> None:
 def page() -> str:
     """The page with all pictures, captions and commands."""
     parts = [
-        f"![{picture.file}](results/gallery/{picture.file})\n\n{picture.caption}\n\n"
+        f"![{picture.file}](gallery/{picture.file})\n\n{picture.caption}\n\n"
         f"```\n{command(picture)}\n```\n"
         for picture in PICTURES
     ]
@@ -124,7 +124,7 @@ def main(run: Run) -> None:
         if more is not None and picture.file in (run.asked.pictures or [picture.file]):
             print(picture.file, flush=True)
             make(picture, folder / picture.file, more)
-    (run.folder / "GALLERY.md").write_text(page(), encoding="utf-8")
+    (run.results / "gallery.md").write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":

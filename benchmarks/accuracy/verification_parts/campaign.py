@@ -98,7 +98,7 @@ class Kinds(Section):
         rows = ((*kind.row(), each) for kind, each in zip(self.kinds, verdicts, strict=True))
         for row in (HEADER, ["---"] * len(HEADER), *rows):
             yield f"| {' | '.join(row)} |"
-        yield from ("", f"![{self.title}](results/{self.chart})", "")
+        yield from ("", f"![{self.title}]({self.chart})", "")
 
 
 def section(run: Run) -> Section:

@@ -41,7 +41,7 @@ class Section:
             yield f"| {check.what} | {check.expected} | {check.measured} | {verdict} |"
         yield ""
         if self.chart:
-            yield from (f"![{self.title}](results/{self.chart})", "")
+            yield from (f"![{self.title}]({self.chart})", "")
 
 
 def below(what: str, limit: float, *measured: float) -> Check:

@@ -19,8 +19,9 @@ from .tables import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
 
-Made by `rcskin keys` from the models that check scene files. A scene is TOML in SI units. What the
-keys do is explained in [SKINS.md](SKINS.md), what they compute in [FORMULAS.md](FORMULAS.md).
+`rcskin keys` prints this page from the models that check scene files. A scene is a TOML file in SI
+units. [Describe a skin](../how-to/describe-a-skin.md) explains the keys, and
+[Formulas](formulas.md) states what they compute.
 """
 COLUMNS = ("key", "type", "unit", "default", "range")
 PLAIN = {float: "number", int: "whole number", bool: "true or false", str: "text"}

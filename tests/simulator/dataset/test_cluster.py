@@ -83,7 +83,7 @@ def test_many_blocks_go_into_one_task_of_a_large_data_set():
 COMMANDS = {"scheduler": dask_scheduler.main, "worker": dask_worker.main}
 STARTED = re.findall(
     r"^dask (\w+) (.*?) &",
-    (Path(dataset.__file__).parent / "README.md").read_text(encoding="utf-8"),
+    (Path(dataset.__file__).parents[2] / "docs/how-to/make-data-sets.md").read_text("utf-8"),
     re.MULTILINE,
 )
 

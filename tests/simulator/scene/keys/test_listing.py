@@ -7,13 +7,14 @@ from rcskin.simulator.scene import keys
 from rcskin.simulator.scene.keys.tables import paths
 from rcskin.simulator.scene.scene import Scene
 
-PAGE = (Path(keys.__file__).parents[1] / "pages" / "KEYS.md").read_text(encoding="utf-8")
+ROOT = Path(keys.__file__).parents[3]
+PAGE = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
 
 
 def test_the_page_is_what_the_command_prints(run):
     code, out, err = run("keys")
     assert (code, err) == (0, "")
-    assert out == PAGE, "rcskin keys > simulator/scene/pages/KEYS.md"
+    assert out == PAGE, "rcskin keys > docs/reference/keys.md"
 
 
 def test_every_key_stands_on_the_page():

@@ -1,11 +1,11 @@
-"""Every formula of FORMULAS.md is quoted, word for word, by a test of this folder."""
+"""Every formula of the page of formulas is quoted, word for word, by a test of this folder."""
 
 import ast
 import re
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PAGE = HERE.parents[3] / "simulator" / "scene" / "pages" / "FORMULAS.md"
+PAGE = HERE.parents[3] / "docs" / "reference" / "formulas.md"
 
 
 def formulas():

@@ -1,11 +1,8 @@
-"""What the READMEs say holds: links lead somewhere, commands exist, examples run in their order."""
+"""Commands and examples on the pages exist, and run in the order in which they stand."""
 
-import os
 import re
 import shlex
 import sys
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -13,80 +10,43 @@ from rcskin.__main__ import app, main
 from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
-ROOT = Path(__file__).parents[2]
-USES = ("calibration", "dataset", "design", "limits", "models", "page", "view")
-PAGES_OF_USES = (
-    *(f"simulator/{room}/README.md" for room in USES),
-    "localization/study/README.md",
-)
-PAGES = (
-    "README.md",
-    "simulator/README.md",
-    *PAGES_OF_USES,
-    "simulator/OWN_SKIN.md",
-    "simulator/limits/FINGERS.md",
-    "simulator/scene/pages/SKINS.md",
-    "simulator/scene/pages/KEYS.md",
-    "simulator/scene/pages/FORMULAS.md",
-    "localization/README.md",
-    "hardware/README.md",
-    "benchmarks/README.md",
-)
-LINKING = (
-    *PAGES,
-    "tests/README.md",
-    *(f"benchmarks/{name}.md" for name in ("LOCALIZATION", "VERIFICATION", "GALLERY")),
-)
+from .reading import blocks, commands, pages, text
+
+OWN_SKIN = "docs/tutorials/your-own-skin.md"
+FINGERS = "docs/tutorials/what-a-finger-buys.md"
 SELF_MADE = (
     "README.md",
-    "simulator/README.md",
-    *PAGES_OF_USES,
-    "simulator/OWN_SKIN.md",
-    "simulator/scene/pages/SKINS.md",
+    OWN_SKIN,
+    *(
+        f"docs/how-to/{name}.md"
+        for name in (
+            "calibrate-a-scene",
+            "choose-a-sheet",
+            "describe-a-skin",
+            "design-a-skin",
+            "find-the-limits",
+            "make-data-sets",
+            "press-in-a-browser",
+            "see-the-fields",
+            "simulate-sweeps",
+        )
+    ),
+    "docs/explanation/how-skins-are-solved.md",
 )
 """Pages whose commands take built-in scenes and what earlier commands made."""
-WITH_PYTHON = (
-    "README.md",
-    "simulator/README.md",
-    "simulator/models/README.md",
-    "simulator/calibration/README.md",
-    "benchmarks/LOCALIZATION.md",
-)
 OF_A_SCENE = {
     *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies"),
     *("design", "calibrate"),
 }
 FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
 FOLDERS = ("limits", "judged")
-
-
-def text(page):
-    return (ROOT / page).read_text(encoding="utf-8")
-
-
-def blocks(page, language):
-    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", text(page), flags=re.DOTALL | re.MULTILINE)
-    return [block for name, block in fenced if name == language]
-
-
 EXAMPLES = [each.epilog.split(": ", 1)[1] for each in app.registered_commands if each.epilog]
 
 
-def commands(page):
-    """The lines of its blocks that call rcskin, without what is said of them."""
-    lines = [line for block in blocks(page, "") for line in block.splitlines()]
-    return [re.split(r" {2,}| +#", line)[0] for line in lines if line.startswith("rcskin ")]
-
-
 def walked(page):
-    """Those of its walk-through, which comes before it says how to do each task."""
+    """The commands of its walk-through, which stands before the instructions for single tasks."""
     first, how_to, _ = text(page).partition("\n## How to\n")
     return [line for line in commands(page) if not how_to or line in first]
-
-
-def anchors(page):
-    headings = re.findall(r"^#+ (.+)$", text(page), flags=re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", each).strip().lower().replace(" ", "-") for each in headings}
 
 
 def test_two_commands_do_all_the_set_up():
@@ -97,32 +57,7 @@ def test_two_commands_do_all_the_set_up():
     assert "pytest" in both[1]
 
 
-def test_the_front_page_is_read_in_one_go():
-    assert len(text("README.md").splitlines()) <= 200
-
-
-@pytest.mark.parametrize("page", LINKING)
-def test_every_link_leads_to_a_file_and_a_heading(page):
-    links = re.findall(r"\]\(([^)]+)\)", text(page))
-    for link in links:
-        file, _, anchor = link.partition("#")
-        target = (ROOT / page).parent / file if file else ROOT / page
-        assert target.exists(), link
-        assert not anchor or anchor in anchors(os.path.relpath(target, ROOT)), link
-
-
-@pytest.mark.parametrize("page", (*PAGES, "tests/README.md"))
-def test_every_path_and_module_that_is_named_exists(page):
-    here = (ROOT / page).parent
-    for path in re.findall(r"`((?!results/)[\w.-]+/[\w./-]*)`", text(page)):
-        roots = [root for root in (ROOT, here) if (root / path.partition("/")[0]).is_dir()]
-        assert not roots or any((root / path).exists() for root in roots), path
-    for name in re.findall(r"rcskin(?:\.\w+)+", "".join(re.findall(r"`[^`]+`", text(page)))):
-        module, _, last = name.rpartition(".")
-        assert find_spec(name) or hasattr(import_module(module), last), name
-
-
-@pytest.mark.parametrize("lines", [*map(commands, PAGES), EXAMPLES])
+@pytest.mark.parametrize("lines", [*map(commands, pages()), EXAMPLES])
 def test_every_command_shown_exists_with_its_options(lines):
     known = get_command(app).commands
     for line in lines:
@@ -134,7 +69,7 @@ def test_every_command_shown_exists_with_its_options(lines):
         assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
 
 
-@pytest.mark.parametrize("page", WITH_PYTHON)
+@pytest.mark.parametrize("page", [page for page in pages() if blocks(page, "python")])
 def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}
@@ -164,7 +99,7 @@ def missing_inputs(line, made):
 
 @pytest.mark.parametrize("page", SELF_MADE)
 def test_commands_take_what_is_built_in_or_was_made_before(page):
-    made = {"run.nc"} if page == "simulator/OWN_SKIN.md" else set()  # which `meter record` writes
+    made = {"run.nc"} if page == OWN_SKIN else set()  # which `meter record` writes
     assert {line: missing_inputs(line, made) for line in commands(page)} == dict.fromkeys(
         commands(page), set()
     )
@@ -179,13 +114,13 @@ def run(monkeypatch, line):
 
 
 def test_the_skin_of_ones_own_is_a_built_in_scene():
-    (scene,) = blocks("simulator/OWN_SKIN.md", "toml")
+    (scene,) = blocks(OWN_SKIN, "toml")
     assert scene == builtin_text("glove") + AROUND.format(low="virtual earth")
 
 
 def scene_of_fingers(folder):
     """What the page of fingers has one save, as it says."""
-    (scene,) = blocks("simulator/limits/FINGERS.md", "toml")
+    (scene,) = blocks(FINGERS, "toml")
     path = folder / "finger.toml"
     path.write_text(scene, encoding="utf-8")
     return path
@@ -194,7 +129,7 @@ def scene_of_fingers(folder):
 def test_the_scene_of_fingers_is_one(tmp_path):
     scene = load_scene(scene_of_fingers(tmp_path))
     assert scene.press.finger and scene.dataset.press.without_press
-    lines = commands("simulator/limits/FINGERS.md")
+    lines = commands(FINGERS)
     assert {line: missing_inputs(line, {"finger.toml"}) for line in lines[:4]} == dict.fromkeys(
         lines[:4], set()
     )
@@ -204,13 +139,13 @@ def test_the_scene_of_fingers_is_one(tmp_path):
 def test_what_a_finger_buys_runs_in_its_order(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene_of_fingers(tmp_path)
-    for line in commands("simulator/limits/FINGERS.md"):
+    for line in commands(FINGERS):
         run(monkeypatch, line)
 
 
 @pytest.mark.slow
 def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
-    page = "simulator/OWN_SKIN.md"
+    page = OWN_SKIN
     monkeypatch.chdir(tmp_path)
     offline = [line for line in commands(page) if not re.search(r"meter|live|run\.nc", line)]
     assert len(offline) >= 8
@@ -220,7 +155,9 @@ def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", ["README.md", "simulator/README.md", "localization/README.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/how-to/simulate-sweeps.md", "docs/how-to/train-a-localizer.md"]
+)
 def test_a_walk_through_runs_in_its_order(page, tmp_path, monkeypatch):
     """Without `view`, which needs something to draw with, and `study`, which takes a minute."""
     monkeypatch.chdir(tmp_path)

@@ -1,0 +1,51 @@
+"""Every page is short, has one title and is linked; every link, path and module exists."""
+
+import os
+import re
+from importlib import import_module
+from importlib.util import find_spec
+
+import pytest
+
+from .reading import RESULTS, ROOT, anchors, links, pages, prose, text
+
+LINES_OF_THE_FRONT_PAGE = 200
+TABLES = [path.relative_to(ROOT).as_posix() for path in RESULTS.glob("*.md")]
+DOCS = [page for page in pages() if page.startswith("docs/")]
+GENERATED = ("docs/reference/keys.md",)
+
+
+def targets(page):
+    """Files that a page links to, as (link, path from the top, anchor)."""
+    for link in links(page):
+        file, _, anchor = link.partition("#")
+        if not re.match(r"[a-z]+:", file):
+            path = os.path.normpath(os.path.join(os.path.dirname(page), file)) if file else page
+            yield link, path, anchor
+
+
+@pytest.mark.parametrize("page", [*pages(), *TABLES])
+def test_every_link_leads_to_a_file_and_a_heading(page):
+    for link, path, anchor in targets(page):
+        assert (ROOT / path).exists(), link
+        assert not anchor or anchor in anchors(path), link
+
+
+@pytest.mark.parametrize("page", pages())
+def test_every_page_has_one_title(page):
+    assert len(re.findall(r"^# ", prose(page), flags=re.MULTILINE)) == 1
+
+
+def test_the_front_page_is_read_in_one_go():
+    assert len(text("README.md").splitlines()) <= LINES_OF_THE_FRONT_PAGE
+
+
+@pytest.mark.parametrize("page", [page for page in pages() if page != "CHANGELOG.md"])
+def test_every_path_and_module_that_is_named_exists(page):
+    here = (ROOT / page).parent
+    for path in re.findall(r"`((?!results/)[\w.-]+/[\w./-]*)`", text(page)):
+        roots = [root for root in (ROOT, here) if (root / path.partition("/")[0]).is_dir()]
+        assert not roots or any((root / path).exists() for root in roots), path
+    for name in re.findall(r"rcskin(?:\.\w+)+", "".join(re.findall(r"`[^`]+`", text(page)))):
+        module, _, last = name.rpartition(".")
+        assert find_spec(name) or hasattr(import_module(module), last), name
