@@ -11,7 +11,7 @@ import typer
 from ..simulator.asked.options import complete_scene
 from ..simulator.shown import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
-from .record.output import gather_command
+from .record.recording_output import gather_command
 from .record_command import record
 
 if TYPE_CHECKING:
@@ -58,8 +58,8 @@ def serve(
     ] = None,
 ) -> None:
     """Serve a virtual IM3523 on TCP until interrupted."""
-    from .counting import counting
-    from .meter.accuracy import DERIVED
+    from .event_counter import counting
+    from .meter.accuracy_table import DERIVED
     from .virtual import serving
 
     exhibit = _exhibit(scene, recorded, interface, seed)
@@ -98,7 +98,7 @@ def identify(
     baud: Baud = 9600,
 ) -> None:
     """Tell which meters answer, and at what resources."""
-    from .meter.finding import answering, found_resources
+    from .meter.discovery import answering, found_resources
 
     names = resources or found_resources()
     answers = [(name, answering(name, timeout, baud)) for name in names]
@@ -120,9 +120,9 @@ def correct(
 ) -> None:
     """Acquire open or short correction, or end it."""
     from .meter.correction import correct as acquire
-    from .meter.ending import ending_in_order
     from .meter.hioki import open_meter
-    from .record.station import Station
+    from .meter.termination import ending_in_order
+    from .record.managed_meter import Station
 
     with ending_in_order() as tell:
         station = Station(lambda: open_meter(resource, timeout, baud), tell=tell)
@@ -143,7 +143,7 @@ def press(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Press the skin of a virtual meter that is being served, until the next press."""
-    from .steer import ask
+    from .control_client import ask
 
     say(ask(control, "press", press=press))
     if depths := ask(control, "depths"):
@@ -156,7 +156,7 @@ def select(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Connect a virtual meter to another interface of its skin."""
-    from .steer import ask
+    from .control_client import ask
 
     say(ask(control, "select", interface=interface))
 
@@ -175,7 +175,7 @@ def misbehave(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Have a virtual meter misbehave at its next answers."""
-    from .steer import ask
+    from .control_client import ask
 
     ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
 
@@ -201,7 +201,7 @@ def _exhibit(
 def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
     """The page that was asked for. Raises InputError where there is none."""
     from ..simulator.sweeps import InputError
-    from .page.document import Document
+    from .page.page_document import Document
     from .virtual import serving
 
     if not page:

@@ -21,14 +21,14 @@ from .options import (
     SwitchWith,
     Timeout,
 )
-from .record.output import finish, going_on_later, remarkable
+from .record.recording_output import finish, going_on_later, remarkable
 
 if TYPE_CHECKING:
     from ..simulator.scene.scene import Scene
-    from .record.journal import Header
     from .record.operators import Operator
-    from .record.order import Step
-    from .record.terminal import Screen
+    from .record.press_order import Step
+    from .record.recording_journal import Header
+    from .record.recording_terminal import Screen
 
 
 def record(
@@ -72,14 +72,14 @@ def record(
     from ..simulator.asked.scene import asked_scene, warn_of_earth
     from ..simulator.scene.reading import checked_interfaces
     from ..simulator.sweeps import checked_output, counted
-    from .meter.accuracy import DERIVED, read_table
-    from .meter.ending import ending_in_order
+    from .meter.accuracy_table import DERIVED, read_table
     from .meter.hioki import open_meter
-    from .record.checks import Limits
-    from .record.journal import Journal
+    from .meter.termination import ending_in_order
     from .record.recorder import Task
     from .record.recorder import record as record_task
-    from .switch.asked import asked_switch
+    from .record.recording_journal import Journal
+    from .record.sweep_checks import Limits
+    from .switch.switch_options import asked_switch
 
     checked_output(output)
     asked = asked_scene(scene)
@@ -123,7 +123,7 @@ def header_of(
     """
     from ..simulator.scene.files import scene_text
     from ..simulator.scene.reading import through
-    from .record.journal import Header
+    from .record.recording_journal import Header
 
     read = through(scene, interfaces)
     whole = tuple(read.frequencies.tolist())
@@ -160,7 +160,7 @@ def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[Step]:
     from itertools import product
 
     from ..simulator.press.pixels import pixels_with_skin
-    from .record.order import read_order, standard_order
+    from .record.press_order import read_order, standard_order
 
     rows, columns = scene.pixels.shape
     if order:
@@ -210,7 +210,7 @@ def _operator(
 
     from ..simulator.sweeps import InputError
     from .record.operators import Machine, pressing_by_command, pressing_virtually
-    from .record.terminal import Person, Screen
+    from .record.recording_terminal import Person, Screen
 
     console = terminal(stderr=True, highlight=False)
     if control and press_with:

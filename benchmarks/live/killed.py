@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.hardware.record.journal import Journal
+from rcskin.hardware.record.recording_journal import Journal
 
 SCENE, MOMENTS = "strip-1x3", 10
 LONGEST = 4.0

@@ -25,8 +25,8 @@ import numpy as np
 import pandas as pd
 import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.hardware.meter.accuracy import Conditions
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
+from rcskin.hardware.meter.accuracy_table import Conditions
 from rcskin.simulator.scene.files import scene_text
 
 SCENE, PIXELS, FEW_PIXELS = "sheet-5x5-two-interfaces", 5, 3

@@ -21,7 +21,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.live.page_parts.commands import Linked, ended_in, linked, memory, run
 from rcskin.benchmarks.live.page_parts.hostile import Target, besieged, fuzzed
 from rcskin.benchmarks.live.page_parts.viewers import NEVER, Watching
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
 from rcskin.simulator.scene.files import load_scene
 
 SEED = 5

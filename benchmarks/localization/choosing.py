@@ -20,7 +20,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE
 from rcskin.hardware.virtual.measurement import conditions
-from rcskin.hardware.virtual.state import Settings
+from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.localization.filtering.asking import Asker
 from rcskin.localization.model.model import Model
 from rcskin.localization.model.training import train

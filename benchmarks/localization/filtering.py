@@ -31,12 +31,12 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
-from rcskin.hardware.live.answer import NOTHING_PRESSED
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.localizer import Localizer
-from rcskin.hardware.live.log import Log
-from rcskin.hardware.live.rest import Rest
-from rcskin.hardware.live.session import Session
+from rcskin.hardware.live.live_baseline import Rest
+from rcskin.hardware.live.live_localizer import Localizer
+from rcskin.hardware.live.live_meter import Link
+from rcskin.hardware.live.live_session import Session
+from rcskin.hardware.live.session_log import Log
+from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
 from rcskin.localization.filtering.asking import Asker
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.model import Model

@@ -23,7 +23,7 @@ from pathlib import Path
 
 from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.live.live_interfaces import rcskin_command, served
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
 from rich.console import Console
 from rich.text import Text
 

@@ -23,10 +23,10 @@ from ..options import (
 
 if TYPE_CHECKING:
     from ...localization.model.model import Model
-    from ..record.journal import Journal
-    from .localizer import Localizer
-    from .rest import Rest
-    from .session import Session, Show
+    from ..record.recording_journal import Journal
+    from .live_baseline import Rest
+    from .live_localizer import Localizer
+    from .live_session import Session, Show
 
 MOST_REST = 1000
 
@@ -95,15 +95,15 @@ def live(
 ) -> None:
     """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
     from ...localization.filtering.touching import Touching
-    from ..meter.accuracy import DERIVED, read_table
-    from ..meter.ending import ending_in_order
+    from ..meter.accuracy_table import DERIVED, read_table
     from ..meter.hioki import open_meter
-    from ..record.checks import Limits
-    from ..switch.asked import asked_switch
-    from .link import Link
-    from .localizer import localizer_of
-    from .log import Log
-    from .session import Session
+    from ..meter.termination import ending_in_order
+    from ..record.sweep_checks import Limits
+    from ..switch.switch_options import asked_switch
+    from .live_localizer import localizer_of
+    from .live_meter import Link
+    from .live_session import Session
+    from .session_log import Log
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
     journal = _journal(log) if log else None
@@ -158,7 +158,7 @@ def _journal(log: Path) -> Journal:
     """Of a log that may be written. Raises InputError where something is there to be lost."""
     from ...simulator.sweeps import InputError, checked_output
     from ...simulator.sweeps.writing import occasion
-    from ..record.journal import Journal
+    from ..record.recording_journal import Journal
 
     journal = Journal(checked_output(log))
     if occasion().overwrite_measured or journal.header() is None:
@@ -181,11 +181,11 @@ def _run(session: Session, answers: int | None) -> None:
 def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
     from ...simulator.scene.reading import reading_at, through
-    from ..counting import counting
-    from ..page.document import Document
-    from ..page.thread import beside
-    from ..record.dataset import taken_at
-    from .shown import Shown
+    from ..event_counter import counting
+    from ..page.page_document import Document
+    from ..page.page_thread import beside
+    from ..record.recording_dataset import taken_at
+    from .page_display import Shown
 
     model = localizer.model
     taken = taken_at(model.interfaces, model.frequencies, model.of_each)
@@ -203,10 +203,10 @@ def _showing(
 ) -> Iterator[tuple[Show, Callable[[], str]]]:
     import sys
 
-    from .keys import keys
-    from .plain import Plain
-    from .screen import Screen
-    from .shown import Together
+    from .key_input import keys
+    from .line_output import Plain
+    from .live_screen import Screen
+    from .page_display import Together
 
     console = terminal()
     if plain or not console.is_terminal:
@@ -218,8 +218,8 @@ def _showing(
 
 def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: bool) -> Rest:
     from ...simulator.sweeps import InputError
-    from .log import read_rest
-    from .rest import Rest
+    from .live_baseline import Rest
+    from .session_log import read_rest
 
     if not 1 <= wanted <= MOST_REST:
         raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")

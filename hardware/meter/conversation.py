@@ -10,7 +10,6 @@ from time import monotonic
 from typing import TypeVar
 
 from .connection import Connection
-from .ending import look
 from .errors import (
     GarbledError,
     LostConnectionError,
@@ -19,6 +18,7 @@ from .errors import (
     RefusedError,
     RestartedError,
 )
+from .termination import look
 
 Answer = TypeVar("Answer")
 IN_STEP = re.compile(r"(\d{1,3});.*HIOKI.*", re.IGNORECASE)

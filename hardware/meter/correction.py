@@ -7,9 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from ...simulator.sweeps import InputError
-from .ending import shielded
 from .errors import CorrectionError, MeterError
 from .hioki import Meter
+from .termination import shielded
 
 COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
 ADVICE = {

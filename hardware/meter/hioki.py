@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any, ClassVar, Self
 
 from ...simulator.sweeps.reach import REACH
-from .accuracy import Conditions
+from .accuracy_table import Conditions
 from .connection import Connection, connect
 from .conversation import Conversation
 from .errors import (
@@ -17,9 +17,9 @@ from .errors import (
     NoConnectionError,
     WrongMeterError,
 )
-from .identity import MODELS, Identity, parse_identity
-from .putting_back import KEEPER, not_as_found, put_back
-from .reading import Reading, parse_reading
+from .meter_identity import MODELS, Identity, parse_identity
+from .meter_reading import Reading, parse_reading
+from .original_settings import KEEPER, not_as_found, put_back
 from .setting import Choice, Number, Registers, Report, Setting, Switch, Whole
 
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")

@@ -8,7 +8,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
 
 from ...simulator.sweeps import InputError
-from .accuracy import RANGES
+from .accuracy_table import RANGES
 
 if TYPE_CHECKING:
     from .conversation import Conversation

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError
-from .board import Board
+from .latest_state import Board
 from .messages import Press, Seen, read_message
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from ..command_template import Template
 from ..meter.errors import MeterError, PressError
-from ..meter.reading import Reading
-from ..template import Template
-from .order import Step
-from .sweep import Sweep
+from ..meter.meter_reading import Reading
+from .measured_sweep import Sweep
+from .press_order import Step
 
 Press = Callable[[Step], None]
 
@@ -153,7 +153,7 @@ def pressing_by_command(command: str) -> Press:
 
 def pressing_virtually(control: str) -> Press:
     """Presses a virtual meter's skin through its control port."""
-    from ..steer import ask
+    from ..control_client import ask
 
     def press(step: Step) -> None:
         ask(control, "press", press=step.press)

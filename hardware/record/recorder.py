@@ -12,19 +12,19 @@ from pathlib import Path
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ..meter.accuracy import AccuracyTable
-from ..meter.ending import shielded
+from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import MeterError
 from ..meter.hioki import Meter
-from ..meter.snapshot import apply, require, restore, snapshot
+from ..meter.settings_snapshot import apply, require, restore, snapshot
+from ..meter.termination import shielded
 from ..switch.switch import Switch
-from .change import unseen_press
-from .checks import Judge, Limits
-from .journal import Entry, Header, Journal, differences, tell_if_set_back
+from .managed_meter import Station
+from .measured_sweep import Sweep, check_frequencies, measure_sweep, now
 from .operators import Operator, StepStatus
-from .order import REST, Step, parse_step
-from .station import Station
-from .sweep import Sweep, check_frequencies, measure_sweep, now
+from .press_detection import unseen_press
+from .press_order import REST, Step, parse_step
+from .recording_journal import Entry, Header, Journal, differences, tell_if_set_back
+from .sweep_checks import Judge, Limits
 
 LATEST = 12
 """Steps by which the time left is told."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...simulator.sweeps import InputError
-from ..counting import Report
-from ..page.head import WORD
+from ..event_counter import Report
+from ..page.request_head import WORD
 
 LONGEST_LINE = 2048
 END = re.compile(rb"[\r\n]")

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...simulator.sweeps import UNPRESSED
 from ...simulator.sweeps.reach import VIRTUAL_MODEL
-from ..counting import Report
-from ..meter.identity import VIRTUAL_SERIAL
-from .correcting import Corrections
+from ..event_counter import Report
+from ..meter.meter_identity import VIRTUAL_SERIAL
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
-from .state import Measuring, Registers, Settings, Standard
+from .meter_state import Measuring, Registers, Settings, Standard
+from .virtual_corrections import Corrections
 from .worker import Worker
 
 if TYPE_CHECKING:

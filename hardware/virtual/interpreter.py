@@ -5,10 +5,10 @@ from __future__ import annotations
 import inspect
 
 from .instrument import Instrument
-from .language.command import Command
+from .language.meter_command import Command
 from .language.parser import CommandError, ExecutionError, Message, messages
 from .language.vocabulary import find
-from .state import Standard
+from .meter_state import Standard
 
 
 async def answer(meter: Instrument, line: str) -> str:

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..meter.accuracy import AccuracyTable, Conditions, Drive, full_scale
+from ..meter.accuracy_table import AccuracyTable, Conditions, Drive, full_scale
 from .language import values as numbers
-from .state import Settings
+from .meter_state import Settings
 
 if TYPE_CHECKING:
     from ...simulator.measure.specimen import Specimen
-    from .recorded import Recorded
+    from .recorded_skin import Recorded
 
     Skin = Specimen | Recorded
 

@@ -13,21 +13,21 @@ from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reach import VIRTUAL_MODEL, beyond_reach
-from ..meter.accuracy import DERIVED, read_table
-from ..page.address import LOOPBACK
+from ..meter.accuracy_table import DERIVED, read_table
+from ..page.page_address import LOOPBACK
 from .control import Control
 from .instrument import Instrument
 from .measurement import Bench, Readout
-from .presses import Routine, at_random, read_script, scripted
-from .recorded import Recorded, exact
-from .server import Ports, listening
+from .meter_server import Ports, listening
+from .press_routines import Routine, at_random, read_script, scripted
+from .recorded_skin import Recorded, exact
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.scene.scene import Scene
-    from ..page.address import Address
-    from ..page.document import Document
+    from ..page.page_address import Address
+    from ..page.page_document import Document
     from .measurement import Skin
 
 
@@ -167,9 +167,9 @@ def serve(
 @asynccontextmanager
 async def paged(control: Control, paging: Paging) -> AsyncIterator[Address]:
     """The skin's page, while the block runs. Raises InputError where the port cannot be had."""
-    from ..page.board import Board
-    from ..page.server import Site
-    from ..page.watch import posted, watching
+    from ..page.latest_state import Board
+    from ..page.page_server import Site
+    from ..page.state_watch import posted, watching
 
     board = Board()
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin import __main__ as front
-from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.model.file import save
 from rcskin.simulator.measure.readout import read_out
@@ -141,7 +141,7 @@ def test_what_is_recorded_calibrates(scene, recorded, folder):
 
 
 def test_live_tells_pixels_from_all(model, ports, switch):
-    from rcskin.hardware.steer import ask
+    from rcskin.hardware.control_client import ask
 
     control, where = f"127.0.0.1:{ports.control}", ["--resource", ports.resource]
     ask(control, "press", press="none")

@@ -10,15 +10,15 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import Bench
-from rcskin.hardware.virtual.recorded import exact
-from rcskin.hardware.virtual.server import running
-from rcskin.hardware.virtual.state import PerRange, Settings
+from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_state import PerRange, Settings
+from rcskin.hardware.virtual.recorded_skin import exact
 from rcskin.simulator.scene.files import load_scene
 from typer.testing import CliRunner
 from websockets.sync.client import connect

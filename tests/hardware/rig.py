@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rcskin.__main__ import meter as app
 from rcskin.hardware.virtual import serving
-from rcskin.hardware.virtual.recorded import exact
+from rcskin.hardware.virtual.recorded_skin import exact
 from rcskin.simulator.scene.reading import checked_interfaces, through
 from rcskin.simulator.sweeps import InputError
 

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
-from rcskin.hardware.virtual.recorded import Recorded
+from rcskin.hardware.virtual.meter_state import Settings
+from rcskin.hardware.virtual.recorded_skin import Recorded
 from rcskin.hardware.virtual.serving import instrument, recorded
-from rcskin.hardware.virtual.state import Settings
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rich.console import Console
 

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 import pyvisa
-from rcskin.hardware.live.keys import keys
+from rcskin.hardware.command_template import Template
+from rcskin.hardware.live.key_input import keys
 from rcskin.hardware.meter.connection import connect
+from rcskin.hardware.meter.discovery import found_resources
 from rcskin.hardware.meter.errors import NoConnectionError
-from rcskin.hardware.meter.finding import found_resources
-from rcskin.hardware.template import Template
 from rcskin.hardware.virtual.serving import serve as serve_until_told
 from rcskin.simulator.sweeps import read
 

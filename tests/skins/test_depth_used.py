@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.virtual.control import Control
-from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.under_touches import factors_under

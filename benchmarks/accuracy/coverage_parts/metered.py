@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
-from rcskin.hardware.meter.reading import Reading, parse_reading
-from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.meter.meter_reading import Reading, parse_reading
+from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.virtual.measurement import Bench, written
-from rcskin.hardware.virtual.state import Settings
+from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.simulator.measure.specimen import SessionErrors, Specimen
 from rcskin.simulator.scene.scene import Scene, interface_names
 from rcskin.simulator.sweeps import build

@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.localizer import Localizer
-from rcskin.hardware.meter.accuracy import Conditions, read_table
+from rcskin.hardware.control_client import ask
+from rcskin.hardware.live.live_localizer import Localizer
+from rcskin.hardware.live.live_meter import Link
+from rcskin.hardware.meter.accuracy_table import Conditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.checks import Limits
-from rcskin.hardware.steer import ask
+from rcskin.hardware.record.sweep_checks import Limits
 from rcskin.hardware.virtual.control import Control
-from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import Exhibit, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy import DERIVED, read_table
+from rcskin.hardware.meter.accuracy_table import DERIVED, read_table
 from rcskin.simulator.measure.readout import Meter
 from rcskin.simulator.press.press import check_press, parse_press
 from rcskin.simulator.scene.meter import Readout

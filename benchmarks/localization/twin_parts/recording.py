@@ -8,16 +8,16 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy import DERIVED, read_table
+from rcskin.hardware.meter.accuracy_table import DERIVED, read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.dataset import gather
 from rcskin.hardware.record.operators import Machine, pressing_virtually
-from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import Task, record
-from rcskin.hardware.record.terminal import Screen
+from rcskin.hardware.record.recording_dataset import gather
+from rcskin.hardware.record.recording_terminal import Screen
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import Control
-from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import Exhibit, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
 from rcskin.simulator.sweeps import side_by_side

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.session import Moment
-from rcskin.hardware.record.sweep import Sweep, Watch
+from rcskin.hardware.live.live_meter import Link
+from rcskin.hardware.live.live_session import Moment
+from rcskin.hardware.record.measured_sweep import Sweep, Watch
 
 
 @dataclass

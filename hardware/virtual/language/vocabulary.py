@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from ....simulator.sweeps.reach import VIRTUAL_MODEL
-from .command import Command, forms
+from .meter_command import Command, forms
 
 
 def find(words: tuple[str, ...], model: str, compatible: bool) -> Command | None:
@@ -18,9 +18,9 @@ def find(words: tuple[str, ...], model: str, compatible: bool) -> Command | None
 
 @cache
 def _commands() -> dict[tuple[str, ...], Command]:
-    from .common import COMMON
-    from .measuring import MEASURING
-    from .stored import STORED
+    from .common_commands import COMMON
+    from .measuring_commands import MEASURING
+    from .setting_commands import STORED
 
     return {
         form: command

@@ -1,7 +1,7 @@
 """Pages on the line, in a browser: pressed on the one, measured, answered on the other."""
 
 import pytest
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
 
 LATEST = 30_000
 """ms, on a machine that does much besides."""

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 import typer
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.live.command import live as command
-from rcskin.hardware.live.link import Link
-from rcskin.hardware.live.log import Log
-from rcskin.hardware.live.rest import Rest
-from rcskin.hardware.live.session import Session
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.live.live_baseline import Rest
+from rcskin.hardware.live.live_meter import Link
+from rcskin.hardware.live.live_session import Session
+from rcskin.hardware.live.session_log import Log
+from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.checks import Limits
-from rcskin.hardware.steer import ask
+from rcskin.hardware.record.sweep_checks import Limits
 from rcskin.simulator.asked.replacing import with_replacing
 from typer.testing import CliRunner
 
@@ -72,7 +72,7 @@ def start(spawn, ports):
 def live(ports, monkeypatch):
     """A function that runs the command in this process; gives the typer result."""
     monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", _rig["document"])
-    monkeypatch.setattr("rcskin.hardware.live.localizer.localizer_of", _rig["localizer_of"])
+    monkeypatch.setattr("rcskin.hardware.live.live_localizer.localizer_of", _rig["localizer_of"])
     app = typer.Typer()
     app.command("live")(command)
     with_replacing(app)
@@ -119,4 +119,4 @@ def session(ports):
 @pytest.fixture
 def impatient(monkeypatch):
     """Waits between connections that a test has time for."""
-    monkeypatch.setattr("rcskin.hardware.live.link.FIRST_WAIT", 0.01)
+    monkeypatch.setattr("rcskin.hardware.live.live_meter.FIRST_WAIT", 0.01)

@@ -6,8 +6,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from rcskin.hardware.live.answer import answer_of_classes
 from rcskin.hardware.live.command import live
+from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.cli import app, run
@@ -134,7 +134,7 @@ def document(data, kind, nonce):
 
 
 if __name__ == "__main__":
-    sys.modules["rcskin.hardware.live.localizer"] = SimpleNamespace(localizer_of=localizer_of)
+    sys.modules["rcskin.hardware.live.live_localizer"] = SimpleNamespace(localizer_of=localizer_of)
     linked.linked_page = document
     app.command()(live)
     with_replacing(app)

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.meter.errors import NoConnectionError
-from rcskin.hardware.steer import ask
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.state import PerRange
+from rcskin.hardware.virtual.meter_state import PerRange
 from rcskin.simulator.sweeps import UNPRESSED, read, write
 
 SOON = 5

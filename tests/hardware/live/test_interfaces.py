@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.sweep import measure_readings, measure_sweep
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
+from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
 from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
-from rcskin.hardware.switch.virtual import VirtualSwitch
+from rcskin.hardware.switch.virtual_switch import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read
 

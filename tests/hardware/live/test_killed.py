@@ -4,7 +4,7 @@ import copy
 import json
 
 import pytest
-from rcskin.hardware.record.journal import Journal
+from rcskin.hardware.record.recording_journal import Journal
 from rcskin.simulator.sweeps import InputError, read
 
 

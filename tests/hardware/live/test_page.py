@@ -7,10 +7,10 @@ import socket
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.live.answer import Answer
-from rcskin.hardware.live.session import Moment, Seen
-from rcskin.hardware.live.shown import Shown
-from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.live.live_session import Moment, Seen
+from rcskin.hardware.live.page_display import Shown
+from rcskin.hardware.live.touch_answer import Answer
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner

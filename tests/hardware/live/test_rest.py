@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.answer import NOTHING_PRESSED, Answer
-from rcskin.hardware.live.log import rest_dataset
-from rcskin.hardware.live.rest import RENEWED_AFTER, Rest
-from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.live.live_baseline import RENEWED_AFTER, Rest
+from rcskin.hardware.live.session_log import rest_dataset
+from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, Answer
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
 from rcskin.localization.inputs.rest import OPENING, RECENT, log_at_rest, means_at_rest
 from rcskin.simulator.sweeps import build
 

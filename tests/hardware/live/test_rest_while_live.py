@@ -4,8 +4,8 @@ import runpy
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.live.rest import RENEWED_AFTER
-from rcskin.hardware.live.session import END_KEY
+from rcskin.hardware.live.live_baseline import RENEWED_AFTER
+from rcskin.hardware.live.live_session import END_KEY
 from rcskin.hardware.meter.errors import MeterError
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))

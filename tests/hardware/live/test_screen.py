@@ -7,12 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.answer import CANNOT_TELL, NOTHING_PRESSED, Answer, answer_of_classes
-from rcskin.hardware.live.grid import MARKER, Grid, fitting
-from rcskin.hardware.live.plain import Plain
-from rcskin.hardware.live.screen import Screen
-from rcskin.hardware.live.session import Moment, Seen
-from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.live.line_output import Plain
+from rcskin.hardware.live.live_screen import Screen
+from rcskin.hardware.live.live_session import Moment, Seen
+from rcskin.hardware.live.pixel_grid import MARKER, Grid, fitting
+from rcskin.hardware.live.touch_answer import (
+    CANNOT_TELL,
+    NOTHING_PRESSED,
+    Answer,
+    answer_of_classes,
+)
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
 from rich.console import Console
 
 Columns = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))["Columns"]

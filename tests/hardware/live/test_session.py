@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.rest import RENEWED_AFTER
-from rcskin.hardware.live.session import END_KEY, REST_KEY
+from rcskin.hardware.live.live_baseline import RENEWED_AFTER
+from rcskin.hardware.live.live_session import END_KEY, REST_KEY
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError, ReadingError
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance

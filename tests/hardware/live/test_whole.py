@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.steer import ask
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.model.file import save
 from rcskin.localization.model.training import train

@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.meter.accuracy import DERIVED, Conditions, full_scale, read_table
+from rcskin.hardware.meter.accuracy_table import DERIVED, Conditions, full_scale, read_table
 from rcskin.simulator.sweeps import InputError
 
 TABLE = read_table()

@@ -5,6 +5,7 @@ import re
 
 import pytest
 from rcskin.hardware.meter.correction import correct
+from rcskin.hardware.meter.discovery import answering
 from rcskin.hardware.meter.errors import (
     CorrectionError,
     NoConnectionError,
@@ -12,11 +13,10 @@ from rcskin.hardware.meter.errors import (
     RefusedError,
     RestartedError,
 )
-from rcskin.hardware.meter.finding import answering
 from rcskin.hardware.meter.hioki import IM3523, open_meter
-from rcskin.hardware.meter.reading import Status, parse_reading
-from rcskin.hardware.meter.snapshot import apply, require, restore, snapshot
-from rcskin.hardware.record.sweep import check_frequencies, measure_sweep
+from rcskin.hardware.meter.meter_reading import Status, parse_reading
+from rcskin.hardware.meter.settings_snapshot import apply, require, restore, snapshot
+from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 SETTINGS = {
@@ -144,7 +144,7 @@ def test_a_skin_that_has_no_answer_fails_inside_the_meter(
 
 
 def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
-    from rcskin.hardware.meter.accuracy import Conditions
+    from rcskin.hardware.meter.accuracy_table import Conditions
 
     seconds = [Conditions(1e4, 5, speed).seconds for speed in ("FAST", "MEDIUM", "SLOW", "SLOW2")]
     assert seconds == sorted(set(seconds))

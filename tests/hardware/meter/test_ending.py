@@ -9,7 +9,7 @@ from threading import Thread
 from types import SimpleNamespace
 
 import pytest
-from rcskin.hardware.meter.ending import Ending, ending_in_order, look, shielded
+from rcskin.hardware.meter.termination import Ending, ending_in_order, look, shielded
 
 
 class Deaf:
@@ -44,11 +44,12 @@ def test_an_ignored_signal_stays_ignored(monkeypatch):
 
 def test_who_insists_gets_out(monkeypatch, capfd):
     ending = Ending(shields=1)
-    monkeypatch.setattr("rcskin.hardware.meter.ending._ending", ending)
+    monkeypatch.setattr("rcskin.hardware.meter.termination._ending", ending)
     for seconds, number in enumerate((15, 2, 15, 2, 15, 2), start=1):
         with shielded() as insisting:
             assert not insisting()
-        monkeypatch.setattr("rcskin.hardware.meter.ending.monotonic", lambda now=2 * seconds: now)
+        later = 2 * seconds
+        monkeypatch.setattr("rcskin.hardware.meter.termination.monotonic", lambda now=later: now)
         ending.hear(number, None)
     with shielded() as insisting:
         assert insisting()
@@ -57,7 +58,7 @@ def test_who_insists_gets_out(monkeypatch, capfd):
 
 
 def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monkeypatch):
-    kernel, handlers = "rcskin.hardware.meter.console.sys", []
+    kernel, handlers = "rcskin.hardware.meter.windows_console.sys", []
     keep = lambda handler, add: (handlers.append if add else handlers.remove)(handler)  # noqa: E731
     windll = SimpleNamespace(kernel32=SimpleNamespace(SetConsoleCtrlHandler=keep))
     monkeypatch.setattr(kernel, SimpleNamespace(platform="win32"))

@@ -10,10 +10,10 @@ from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.hioki import IM3523, HiokiMeter, open_meter
 from rcskin.hardware.meter.setting import Setting
-from rcskin.hardware.record.journal import Journal
-from rcskin.hardware.record.station import Station
+from rcskin.hardware.record.managed_meter import Station
+from rcskin.hardware.record.recording_journal import Journal
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.state import Settings
+from rcskin.hardware.virtual.meter_state import Settings
 
 NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
 SETTERS = {
@@ -126,7 +126,7 @@ def test_a_meter_that_stays_away_is_told_of(ports, instrument):
 
 
 def test_a_slow_line_is_given_time_for_each_answer(ports, instrument, as_found, monkeypatch):
-    monkeypatch.setattr("rcskin.hardware.record.station.PARTING", 0.3)
+    monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.3)
     station = Station(lambda: open_meter(ports.resource, 1))
     station.ready().speed = "SLOW2"
     instrument.faults.add(Fault("late", times=10**6, seconds=0.06))

@@ -6,9 +6,9 @@ from contextlib import asynccontextmanager
 
 import pytest
 from rcskin.benchmarks.live.page_parts import hostile
-from rcskin.hardware.page.board import Board, written
-from rcskin.hardware.page.document import Document
-from rcskin.hardware.page.server import Site
+from rcskin.hardware.page.latest_state import Board, written
+from rcskin.hardware.page.page_document import Document
+from rcskin.hardware.page.page_server import Site
 from rcskin.simulator.sweeps import InputError
 from websockets.asyncio.client import connect
 

@@ -7,10 +7,10 @@ import socket
 from http import HTTPStatus
 
 import pytest
-from rcskin.hardware.page.address import Address
-from rcskin.hardware.page.board import Board, written
-from rcskin.hardware.page.guest import MOST_VIEWERS
-from rcskin.hardware.page.server import Site
+from rcskin.hardware.page.latest_state import Board, written
+from rcskin.hardware.page.page_address import Address
+from rcskin.hardware.page.page_connection import MOST_VIEWERS
+from rcskin.hardware.page.page_server import Site
 from rcskin.simulator.sweeps import InputError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -124,7 +124,7 @@ def test_get_and_head_of_http_1_1_are_answered(served, request_, status, how):
 
 
 def test_a_head_that_comes_slowly_is_not_waited_for(served, monkeypatch):
-    monkeypatch.setattr("rcskin.hardware.page.guest.HEAD_SECONDS", 0.05)
+    monkeypatch.setattr("rcskin.hardware.page.page_connection.HEAD_SECONDS", 0.05)
 
     async def act(page):
         return await sent(page, b"GET / HTTP/1.1\r\n")

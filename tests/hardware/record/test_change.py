@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.record.change import percent_of_rest, unseen_press
-from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
+from rcskin.hardware.record.press_detection import percent_of_rest, unseen_press
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 Q = np.sqrt(2j * np.pi * FREQUENCY * 1e-5)

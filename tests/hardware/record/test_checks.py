@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.meter.accuracy import read_table
-from rcskin.hardware.record.checks import Judge, Limits
-from rcskin.hardware.record.sweep import Sweep, Trace
+from rcskin.hardware.meter.accuracy_table import read_table
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
+from rcskin.hardware.record.sweep_checks import Judge, Limits
 from rcskin.hardware.virtual.measurement import conditions
-from rcskin.hardware.virtual.state import Settings
+from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCY = np.geomspace(1e3, 1e5, 9)

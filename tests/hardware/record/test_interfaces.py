@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.journal import Header, Journal
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.record.operators import Machine
-from rcskin.hardware.steer import ask
+from rcskin.hardware.record.recording_journal import Header, Journal
 from rcskin.hardware.switch.errors import StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
 from rcskin.hardware.tokens import read_token
@@ -158,7 +158,7 @@ def test_a_stuck_switch_ends_it_with_what_is_done_on_disk(recorded, control, swi
 def impatient(monkeypatch):
     """A switch that has less time than a user's."""
     short = partial(Turning, patience=0.3)
-    monkeypatch.setattr("rcskin.hardware.switch.asked.Turning", short)
+    monkeypatch.setattr("rcskin.hardware.switch.switch_options.Turning", short)
 
 
 def test_a_command_is_a_switch(recorded, control, ports, rig_skins):

@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.record.journal import Journal
-from rcskin.hardware.record.order import standard_order
+from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.recording_journal import Journal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations
 

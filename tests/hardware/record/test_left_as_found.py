@@ -8,7 +8,7 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.journal import FOUND, Journal
+from rcskin.hardware.record.recording_journal import FOUND, Journal
 from rcskin.hardware.virtual.faults import Fault
 
 NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
@@ -42,7 +42,7 @@ def test_a_recording_leaves_it_as_found(command, recording, instrument, as_found
 def test_a_good_recording_that_leaves_it_changed_says_so_in_its_code(
     command, recording, instrument, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.hardware.record.station.PARTING", 0.2)
+    monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.2)
     keep = Journal.keep
 
     def last(journal, number, entry):

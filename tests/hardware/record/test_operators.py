@@ -5,11 +5,11 @@ import io
 import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.hardware.meter.reading import Reading, Status
+from rcskin.hardware.meter.meter_reading import Reading, Status
+from rcskin.hardware.record.measured_sweep import Sweep, Trace
 from rcskin.hardware.record.operators import pressing_by_command
-from rcskin.hardware.record.order import Step
-from rcskin.hardware.record.sweep import Sweep, Trace
-from rcskin.hardware.record.terminal import Screen, sparkline
+from rcskin.hardware.record.press_order import Step
+from rcskin.hardware.record.recording_terminal import Screen, sparkline
 from rcskin.simulator.sweeps import InputError
 from rich.console import Console
 

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.record.order import (
+from rcskin.hardware.record.press_order import (
     FIRST_RESTS,
     REST,
     Step,

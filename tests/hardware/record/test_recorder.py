@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.errors import (
     CorrectionError,
     MeterError,
@@ -14,11 +14,11 @@ from rcskin.hardware.meter.errors import (
     WrongMeterError,
 )
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.dataset import gather
-from rcskin.hardware.record.journal import HEADER, Journal
 from rcskin.hardware.record.operators import Machine, pressing_virtually
-from rcskin.hardware.record.order import REST, Step, parse_step, standard_order
+from rcskin.hardware.record.press_order import REST, Step, parse_step, standard_order
 from rcskin.hardware.record.recorder import Task, record
+from rcskin.hardware.record.recording_dataset import gather
+from rcskin.hardware.record.recording_journal import HEADER, Journal
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance, read, write

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.journal import Journal
+from rcskin.hardware.record.recording_journal import Journal
 from rcskin.simulator.sweeps import InputError, read
 from rcskin.simulator.sweeps.clock import set_back
 

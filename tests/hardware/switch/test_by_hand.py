@@ -4,13 +4,13 @@ import shlex
 import sys
 
 import pytest
-from rcskin.hardware.switch.asked import asked_switch
 from rcskin.hardware.switch.errors import (
     NoSwitchError,
     RefusedSwitchError,
     SilentSwitchError,
     StuckSwitchError,
 )
+from rcskin.hardware.switch.switch_options import asked_switch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
 
@@ -82,7 +82,7 @@ def test_a_command_that_is_not_there_is_told():
 
 
 def test_a_command_that_never_ends_is_ended(monkeypatch):
-    monkeypatch.setattr("rcskin.hardware.switch.asked.COMMAND_TIMEOUT", 0.1)
+    monkeypatch.setattr("rcskin.hardware.switch.switch_options.COMMAND_TIMEOUT", 0.1)
     with pytest.raises(SilentSwitchError, match="did not end within 0.1 s"):
         commanded(f"{sys.executable} -c 'import time; time.sleep(9)' {{interface}}").select("left")
 

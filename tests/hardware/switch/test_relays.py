@@ -10,7 +10,7 @@ from rcskin.hardware.switch.errors import (
     SilentSwitchError,
     StuckSwitchError,
 )
-from rcskin.hardware.switch.table import read_switch
+from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.simulator.sweeps import InputError
 
 _boards = runpy.run_path(str(Path(__file__).with_name("boards.py")))

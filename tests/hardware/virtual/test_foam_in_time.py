@@ -4,13 +4,13 @@ import asyncio
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.accuracy import read_table
+from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import Bench
-from rcskin.hardware.virtual.presses import scripted
-from rcskin.hardware.virtual.recorded import exact
+from rcskin.hardware.virtual.press_routines import scripted
+from rcskin.hardware.virtual.recorded_skin import exact
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on

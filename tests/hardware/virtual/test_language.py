@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.interpreter import answer
-from rcskin.hardware.virtual.language.command import chosen, forms, short
+from rcskin.hardware.virtual.language.meter_command import chosen, forms, short
 from rcskin.hardware.virtual.language.parser import CommandError, messages
 from rcskin.hardware.virtual.language.vocabulary import _commands
 

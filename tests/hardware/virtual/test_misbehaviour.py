@@ -1,6 +1,7 @@
 """Whatever a meter does wrong: the driver says so, and never takes a number for another."""
 
 import pytest
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.meter.errors import (
     GarbledError,
     LostConnectionError,
@@ -10,9 +11,8 @@ from rcskin.hardware.meter.errors import (
     RestartedError,
 )
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.meter.reading import Status
-from rcskin.hardware.record.sweep import check_frequencies
-from rcskin.hardware.steer import ask
+from rcskin.hardware.meter.meter_reading import Status
+from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import simulated
 from rcskin.simulator.scene.reading import reading_at

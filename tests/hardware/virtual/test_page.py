@@ -5,8 +5,8 @@ import signal
 import socket
 
 import pytest
+from rcskin.hardware.control_client import ask
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.steer import ask
 from rcskin.simulator.sweeps import InputError
 
 SOON = 5

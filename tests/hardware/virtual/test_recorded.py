@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.hardware.virtual.recorded import Recorded
+from rcskin.hardware.virtual.recorded_skin import Recorded
 from rcskin.simulator.sweeps import InputError, build
 
 FREQUENCY = np.geomspace(1e2, 1e5, 7)

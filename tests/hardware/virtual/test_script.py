@@ -10,9 +10,9 @@ from rcskin.hardware.meter.errors import (
     WrongMeterError,
 )
 from rcskin.hardware.meter.hioki import IM3523, IM3533, IM3536, IM3570, start
-from rcskin.hardware.meter.identity import parse_identity
-from rcskin.hardware.meter.reading import Status, parse_reading
-from rcskin.hardware.meter.snapshot import apply
+from rcskin.hardware.meter.meter_identity import parse_identity
+from rcskin.hardware.meter.meter_reading import Status, parse_reading
+from rcskin.hardware.meter.settings_snapshot import apply
 from rcskin.simulator.sweeps import InputError
 
 OK = ("*ESR?", "0")

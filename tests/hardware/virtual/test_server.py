@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.counting import counting
+from rcskin.hardware.control_client import ask
+from rcskin.hardware.event_counter import counting
 from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.steer import ask
 from rcskin.hardware.tokens import read_token, token_file
 from rcskin.hardware.virtual.clients import LONGEST_LINE, MOST_CLIENTS, Lines
-from rcskin.hardware.virtual.presses import at_random, read_script, scripted
-from rcskin.hardware.virtual.server import running
+from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.press_routines import at_random, read_script, scripted
 from rcskin.simulator.sweeps import InputError
 
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)
@@ -126,7 +126,7 @@ def test_a_token_that_cannot_be_kept_is_told_to_the_operator(
 
 def test_what_clients_cause_is_counted_in_a_line_a_minute(monkeypatch):
     lines, now = [], [0.0]
-    monkeypatch.setattr("rcskin.hardware.counting.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("rcskin.hardware.event_counter.time.monotonic", lambda: now[0])
     with counting(lines.append) as report:
         for number in range(1000):
             now[0] = number * 0.1

@@ -1,7 +1,7 @@
 """One grammar of presses as text, asked of all that read it."""
 
 import pytest
-from rcskin.hardware.record.order import parse_step
+from rcskin.hardware.record.press_order import parse_step
 from rcskin.localization.inputs.touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError

@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from rcskin.hardware.record.order import standard_order
+from rcskin.hardware.record.press_order import standard_order
 from rcskin.localization.study.point import Trial
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press

@@ -1,0 +1,98 @@
+"""A sweep of which each reading decides what is read next, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..meter.meter_reading import Reading
+from ..record.measured_sweep import Sweep, Watch
+from .live_meter import Link
+from .timed_switch import Turns
+
+if TYPE_CHECKING:
+    from ...localization.filtering.questioning import Questioning
+    from ...localization.model.model import Model
+
+USUAL = 0.02
+"""s that a reading takes where none was taken yet."""
+
+
+@dataclass
+class Pace:
+    """How long readings take at each frequency, as they come, by a clock in s.
+
+    show: is told of each, too. turns: of the switch, which no reading's time contains; None without
+    one.
+    """
+
+    model: Model
+    show: Watch
+    clock: Callable[[], float]
+    turns: Turns | None = None
+    _latest: dict[float, float] = field(default_factory=dict, init=False)
+    _since: float = field(default=0.0, init=False)
+
+    def begin(self) -> None:
+        """A sweep begins."""
+        self._since = self._now()
+
+    def reading(self, frequency: float, reading: Reading) -> None:
+        """A reading came, at a frequency in Hz."""
+        self._latest[frequency] = self._now() - self._since
+        self.show(frequency, reading)
+        self._since = self._now()
+
+    @property
+    def seconds(self) -> NDArray[np.float64]:
+        """At each of the model's interfaces and frequencies, shape (interface, frequency)."""
+        known = [self._latest.get(f, USUAL) for f in self.model.frequencies]
+        names = self.model.interfaces
+        turning = np.zeros(len(names))
+        if self.turns is not None:
+            away = np.array([name != self.turns.selected for name in names])
+            turning = np.where(away, self.turns.latest, 0.0)
+        return np.maximum(known, 1e-4) + turning[:, None]
+
+    def _now(self) -> float:
+        """s, but for those in which the switch turned."""
+        return self.clock() - (self.turns.spent if self.turns else 0.0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
+
+    questions: Questioning
+    frequencies: tuple[NDArray[np.float64], ...]
+
+    @property
+    def count(self) -> int:
+        """Of readings."""
+        return sum(each.size for each in self.frequencies)
+
+
+def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, Sweep]:
+    """The readings that were asked for. Raises MeterError."""
+    asked: list[tuple[str, float]] = []
+
+    def next_ones() -> Iterator[tuple[str, float]]:
+        while (wanted := questions.next(pace.seconds)) is not None:
+            pace.begin()
+            asked.append(wanted)
+            yield wanted
+
+    def watch(frequency: float, reading: Reading) -> None:
+        pace.reading(frequency, reading)
+        questions.tell(*asked[-1], complex(reading.Rs, reading.X))
+
+    sweep = link.readings(watch, next_ones())
+    read = [
+        np.sort([frequency for name, frequency in asked if name == trace.interface])
+        for trace in sweep.traces
+    ]
+    return Part(questions, tuple(read)), sweep

@@ -1,0 +1,124 @@
+"""A trained model as `rcskin live` asks it: its answers to sweeps, in words and as pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...localization.commands.asking import tell_age
+from ...localization.filtering.asking import Asker, skin_at_hand
+from ...localization.filtering.follower import MIDWAY, Followed, Follower
+from ...localization.inputs.features import needs_rest
+from ...localization.inversion.registered import answer_at_once
+from ...localization.model.file import load
+from ...localization.trust.answers import CANNOT_TELL
+from .touch_answer import NOTHING_PRESSED, Answer, answer_of_classes
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from ...localization.filtering.questioning import Questioning
+    from ...localization.filtering.touching import Touching
+    from ...localization.inversion.region import Region
+    from ...localization.model.model import Model
+    from ...simulator.scene.scene import Scene
+
+CHANGED = "the touch changed in mid-sweep"
+
+
+def localizer_of(
+    path: Path, touching: Touching | None, adaptive: bool, certain: float | None, within: float
+) -> Localizer:
+    """The model in a file, ready to answer; a note says where it is of other versions.
+
+    touching: how hands touch, where sweeps are to add up. adaptive: whether it chooses readings.
+    certain, within: as of `Follower` and `Asker`. Raises InputError as these and `load`.
+    """
+    model = load(path)
+    answer_at_once(model.pipeline)
+    tell_age(model, path)
+    follower = Follower(model, touching, certain) if touching else None
+    asker = Asker(model, certain, follower, within) if adaptive else None
+    return Localizer(model, model.known_scene, follower, asker)
+
+
+@dataclass(frozen=True)
+class Localizer:
+    """A model on its skin.
+
+    follower: lets sweeps add up; None: each is answered alone. asker: chooses the readings of
+    sweeps; None: all of them in their order.
+    """
+
+    model: Model
+    scene: Scene
+    follower: Follower | None = None
+    asker: Asker | None = None
+
+    @property
+    def needs_rest(self) -> bool:
+        """Whether it looks at what differs from the skin at rest."""
+        return needs_rest(self.model.quantities) or self.model.watches_changes
+
+    def prepare(self, rest: xr.Dataset | None) -> None:
+        """Have tables of the skin made, where the model makes any, and begin to follow anew."""
+        if rest is not None and needs_rest(self.model.quantities):
+            skin_at_hand(self.model, rest)
+        if self.follower is not None:
+            self.follower.forget()
+
+    def questions(self, rest: xr.Dataset | None, gap: float) -> Questioning | None:
+        """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
+        if self.asker is None or rest is None:
+            return None
+        return self.asker.begin(rest, gap)
+
+    def answer(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
+    ) -> Answer:
+        """Where one sweep was pressed, by it and, where they are followed, by those before it.
+
+        rest: sweeps of the skin at rest, where there are any, of the opening or the latest, as
+        their coordinate OPENING of `simulator.sweeps` says. gap: s from the end of the sweep before
+        to its beginning. during: s that it took.
+        """
+        if self.follower is not None:
+            return self.worded(self.follower.follow(sweep, rest, gap, during))
+        found = self.model.answers(sweep, rest)
+        label, probability = str(found.labels[0]), float(found.probability[0])
+        if self.model.target != "position":
+            return self._of_classes(label, found.chances[0])
+        if label == "1":
+            region = self.model.regions(sweep, rest)[0]
+            return _place(*self.model.positions(sweep, rest), region)
+        return _no_place(label, probability)
+
+    def worded(self, followed: Followed) -> Answer:
+        """The answer by a sweep and those before it, or by readings that were chosen."""
+        if self.model.target != "position":
+            answer = self._of_classes(followed.label, followed.probabilities)
+        elif followed.coordinates:
+            x, y, across, up = followed.coordinates
+            words, shade = f"x {x:.0f} mm, y {y:.0f} mm", followed.region and followed.region.shade
+            answer = Answer(words, followed.probability, None, (x, y), (across, up), shade)
+        else:
+            answer = _no_place(followed.label, followed.probability)
+        return replace(answer, remark=CHANGED if followed.changed > MIDWAY else "")
+
+    def _of_classes(self, label: str, chances: NDArray) -> Answer:
+        names = [str(each) for each in self.model.classes]
+        return answer_of_classes(self.model.target, label, names, chances, self.scene.pixels.shape)
+
+
+def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer:
+    x, y, strength = found[0].tolist()
+    across, up = deviations[0, :2].tolist()
+    words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
+    shade = region and region.shade
+    return Answer(words, position=(x, y), deviation=(across, up), region=shade)
+
+
+def _no_place(label: str, probability: float) -> Answer:
+    return Answer(NOTHING_PRESSED, probability) if label == "0" else Answer(CANNOT_TELL)

@@ -1,0 +1,285 @@
+"""Live localization: a sweep, an answer, and so on at the meter's pace, whatever the meter does."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Protocol
+
+from ...simulator.sweeps import UNPRESSED
+from ..meter.errors import MeterError
+from ..meter.meter_reading import Reading
+from ..record.measured_sweep import Sweep, apart, flags, now
+from ..record.press_order import UNKNOWN
+from .adaptive_reading import Pace, Part, questioned
+from .live_baseline import Rest, at_rest
+from .live_meter import Link
+from .session_log import Log, RestData, as_dataset
+from .touch_answer import Answer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .live_localizer import Localizer
+
+RATED = 10
+RESTLESS = 5
+END_KEY, REST_KEY = "q", "r"
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What an answer is of. frequencies: of each trace, Hz, ascending. rest: sweeps of the skin at
+    rest."""
+
+    sweep: Sweep
+    frequencies: tuple[tuple[float, ...], ...]
+    rest: tuple[Sweep, ...] = ()
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One answer and how it came about.
+
+    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the sound sweep before
+    to this answer, the longest that a touch may have waited for it; None for the first. rate:
+    answers per second, lately. failed: sweeps lost so far. remarks: what to know about this one.
+    """
+
+    answer: Answer
+    seen: Seen
+    at: str
+    measuring: float
+    localizing: float
+    since_before: float | None
+    rate: float | None
+    failed: int
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def latency(self) -> float:
+        """Seconds from the sweep's start to the answer."""
+        return self.measuring + self.localizing
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A sweep, or part of one. begun, ended: s. gap: s since the one before."""
+
+    sweep: Sweep
+    begun: float = 0.0
+    ended: float = 0.0
+    gap: float = 0.0
+    part: Part | None = None
+
+    @property
+    def during(self) -> float:
+        """Seconds that it took."""
+        return self.ended - self.begun
+
+
+class Show(Protocol):
+    """Where a session is shown."""
+
+    def reading(self, frequency: float, reading: Reading) -> None:
+        """A reading of the sweep under way came, at a frequency in Hz."""
+        ...
+
+    def answer(self, moment: Moment) -> None:
+        """An answer came."""
+        ...
+
+    def no_answer(self, why: str) -> None:
+        """There is no answer now; what was shown before is no longer true."""
+        ...
+
+    def note(self, text: str) -> None:
+        """Something to know that leaves the answer as it is."""
+        ...
+
+
+@dataclass
+class Session:
+    """A localizer at a meter. key: the last key that was pressed, empty where none was.
+
+    clock: s, by which sweeps are timed.
+    """
+
+    localizer: Localizer
+    link: Link
+    rest: Rest
+    show: Show
+    log: Log
+    key: Callable[[], str] = lambda: ""
+    clock: Callable[[], float] = time.perf_counter
+    answers: int = field(default=0, init=False)
+    failed: int = field(default=0, init=False)
+    _begun: float | None = field(default=None, init=False)
+    _ended: float | None = field(default=None, init=False)
+    _pace: Pace = field(init=False)
+    _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATED), init=False)
+    _restless: int = field(default=0, init=False)
+    _known: RestData = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._pace = Pace(self.localizer.model, self.show.reading, self.clock, self.link.turns)
+        self._known = RestData(self.rest, self.localizer.model)
+
+    def run(self, answers: int | None = None) -> None:
+        """Answer so often, or until the key of the end.
+
+        Raises MeterError where the meter is given up or the skin does not come to rest, InputError
+        where meter and model do not fit each other.
+        """
+        self._ask_for_rest()
+        if self.rest.complete:
+            self._prepare()
+        while answers is None or self.answers < answers:
+            key = self.key()
+            if key == END_KEY:
+                return
+            if key == REST_KEY and self.rest.wanted:
+                self.rest.forget()
+                self._ask_for_rest()
+            self.step()
+
+    def step(self) -> None:
+        """Measure once, and answer or tell why not. Raises as `run`."""
+        try:
+            self.link.ready()
+            at, begun = now(), self.clock()
+            measured = self._measured(begun)
+        except MeterError as failure:
+            self._fail(failure)
+            return
+        unsound = self._remarks(measured)
+        if unsound:
+            self.failed += 1
+            self.show.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
+            return
+        wanted = self.rest.complete
+        if measured.part is None:
+            press = UNKNOWN if wanted else UNPRESSED
+            self.log.keep(measured.sweep, press, at, self.link.header)
+        if wanted:
+            self._answer(measured)
+        else:
+            self._take_rest(measured.sweep)
+
+    def _measured(self, begun: float) -> Measured:
+        """The next sweep: whole, or as much of it as an answer takes."""
+        gap = 0.0 if self._ended is None else begun - self._ended
+        asked = None
+        if self.rest.complete and not self.rest.due:
+            asked = self.localizer.questions(self._at_rest(), gap)
+        if asked is None:
+            self._pace.begin()
+            sweep, part = self.link.sweep(self._pace.reading), None
+        else:
+            part, sweep = questioned(self.link, asked, self._pace)
+        return Measured(sweep, begun, self.clock(), gap, part)
+
+    def _fail(self, failure: MeterError) -> None:
+        self.failed += 1
+        wait = self.link.failed(failure)
+        self.show.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
+        time.sleep(wait)
+
+    def _prepare(self) -> None:
+        self._ended = None
+        self.localizer.prepare(self._at_rest())
+
+    def _at_rest(self) -> xr.Dataset | None:
+        return self._known.sweeps if self.rest.sweeps else None
+
+    def _told(self, measured: Measured) -> Answer:
+        if measured.part is not None:
+            return self.localizer.worded(measured.part.questions.answer(measured.during))
+        sweep = as_dataset([measured.sweep], self.localizer.model)
+        return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
+
+    def _answer(self, measured: Measured) -> None:
+        answer, sweep, begun = self._told(measured), measured.sweep, measured.begun
+        ended = self.clock()
+        before, self._begun, self._ended = self._begun, begun, measured.ended
+        self._ends.append(ended)
+        self.answers += 1
+        if measured.part is None:
+            self.log.answered(answer)
+        self.show.answer(
+            Moment(
+                answer,
+                self._seen(measured),
+                now(),
+                measured.during,
+                ended - measured.ended,
+                before and ended - before,
+                self._rate(),
+                self.failed,
+                (
+                    *flags([sweep]),
+                    *apart(sweep),
+                    *self._drift(measured, answer),
+                    *filter(None, [answer.remark]),
+                ),
+            )
+        )
+        if self.rest.follow(sweep if measured.part is None else None, answer):
+            self.show.note("rest renewed by one sweep, to follow slow drift")
+
+    def _seen(self, measured: Measured) -> Seen:
+        part, model = measured.part, self.localizer.model
+        read = tuple(
+            model.of_each.get(trace.interface, model.frequencies)
+            if part is None
+            else tuple(part.frequencies[k].tolist())
+            for k, trace in enumerate(measured.sweep.traces)
+        )
+        return Seen(measured.sweep, read, tuple(self.rest.sweeps))
+
+    def _take_rest(self, sweep: Sweep) -> None:
+        moved = self._remarks(Measured(sweep), self.rest.first)
+        if moved:
+            self._restless += 1
+            if self._restless >= RESTLESS:
+                raise MeterError(
+                    f"the skin does not come to rest in {RESTLESS} trials ({moved[0]}); leave it "
+                    "untouched, or allow more by --drift"
+                )
+            self.rest.forget()
+            self.show.note(f"was the skin touched? {moved[0]}; measured anew")
+        self.rest.add(sweep)
+        if self.rest.complete:
+            self._restless = 0
+            self._prepare()
+            self.show.no_answer("rest is known: the skin may be touched")
+        else:
+            self._ask_for_rest()
+
+    def _ask_for_rest(self) -> None:
+        done, wanted = len(self.rest.sweeps), self.rest.wanted
+        if done < wanted:
+            self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
+
+    def _remarks(self, measured: Measured, first: Sweep | None = None) -> list[str]:
+        judge = self.link.judge
+        assert judge is not None
+        if measured.part is None:
+            return judge.remarks(measured.sweep, [first] if first else [], at_rest=True)
+        return [
+            remark
+            for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
+            for remark in replace(judge, frequency=read, of_each={}).remarks(
+                Sweep((trace,)), [], at_rest=True
+            )
+        ]
+
+    def _drift(self, measured: Measured, answer: Answer) -> list[str]:
+        return self._remarks(measured, self.rest.first) if at_rest(answer) else []
+
+    def _rate(self) -> float | None:
+        if len(self._ends) < 2:
+            return None
+        return (len(self._ends) - 1) / (self._ends[-1] - self._ends[0])

@@ -1,0 +1,149 @@
+"""A session on a page: the newest sweep and answer, and what the terminal says, as one state."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..meter.meter_reading import Reading
+from ..record.measured_sweep import Sweep
+from .live_session import Moment, Seen, Show
+from .touch_answer import Answer, readings_of
+
+if TYPE_CHECKING:
+    from ...localization.model.model import Model
+
+NOTES = 5
+OFTEN = 0.25
+"""Seconds from one word on the sweep under way to the next."""
+
+
+@dataclass
+class Together:
+    """Several places where a session is shown."""
+
+    shows: Sequence[Show]
+
+    def reading(self, frequency: float, reading: Reading) -> None:
+        """A reading came, at a frequency in Hz."""
+        for show in self.shows:
+            show.reading(frequency, reading)
+
+    def answer(self, moment: Moment) -> None:
+        """An answer came."""
+        for show in self.shows:
+            show.answer(moment)
+
+    def no_answer(self, why: str) -> None:
+        """There is none now."""
+        for show in self.shows:
+            show.no_answer(why)
+
+    def note(self, text: str) -> None:
+        """Something to know."""
+        for show in self.shows:
+            show.note(text)
+
+
+@dataclass
+class Shown:
+    """Posts a session's state each time that it changes, all of it in plain numbers and words."""
+
+    model: Model
+    post: Callable[[Mapping[str, Any]], None]
+    _state: dict[str, Any] = field(init=False)
+    _notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES), init=False)
+    _done: int = field(default=0, init=False)
+    _posted: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self._state = {
+            "kind": "live",
+            "target": self.model.target,
+            "why": "connecting",
+            "answer": None,
+            "measured": None,
+            "times": None,
+            "remarks": [],
+        }
+        self._tell()
+
+    def reading(self, frequency: float, reading: Reading) -> None:
+        """How far the sweep is, now and then."""
+        self._done += 1
+        if time.monotonic() - self._posted > OFTEN:
+            self._tell(frequency)
+
+    def answer(self, moment: Moment) -> None:
+        """The answer, and the sweep that it is of."""
+        self._done = 0
+        self._state |= {
+            "why": "",
+            "answer": _told(moment.answer),
+            "measured": {"at": moment.at, **_measured(moment.seen, self.model)},
+            "times": {
+                "measuring": moment.measuring,
+                "localizing": moment.localizing,
+                "latency": moment.latency,
+                "rate": moment.rate,
+                "failed": moment.failed,
+            },
+            "remarks": list(moment.remarks),
+        }
+        self._tell()
+
+    def no_answer(self, why: str) -> None:
+        """Why, in the answer's place; the sweep stays until another one is sound."""
+        self._done = 0
+        self._state |= {"why": why, "answer": None, "remarks": []}
+        self._tell()
+
+    def note(self, text: str) -> None:
+        """Among the latest notes."""
+        self._notes.append(text)
+        self._tell()
+
+    def _tell(self, frequency: float | None = None) -> None:
+        self._posted = time.monotonic()
+        whole = readings_of(self.model)
+        progress = {"done": self._done, "of": whole, "frequency": frequency}
+        self.post({**self._state, "notes": list(self._notes), "progress": progress})
+
+
+def _told(answer: Answer) -> dict[str, Any]:
+    return {
+        "label": answer.label,
+        "words": answer.words,
+        "pixels": None if answer.pixels is None else np.clip(answer.pixels, 0, 1).tolist(),
+        "shared": answer.shared,
+        "position": answer.position,
+        "deviation": answer.deviation,
+    }
+
+
+def _measured(seen: Seen, model: Model) -> dict[str, Any]:
+    """Z and its mean at rest, ohm, by interface and frequency; None where it was not read."""
+    read = {
+        trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
+        for trace, at in zip(seen.sweep.traces, seen.frequencies, strict=True)
+    }
+    rows = [
+        [_pair(of[f]) if f in of else None for f in model.frequencies]
+        for of in (read.get(name, {}) for name in model.interfaces)
+    ]
+    rest = _mean(seen.rest) if seen.rest else None
+    return {"Z": rows, "rest": rest, "rests": len(seen.rest)}
+
+
+def _mean(sweeps: Sequence[Sweep]) -> list[list[tuple[float, float]]]:
+    mean = np.mean([[trace.Z for trace in sweep.traces] for sweep in sweeps], axis=0)
+    return [[_pair(z) for z in row] for row in mean.tolist()]
+
+
+def _pair(z: complex) -> tuple[float, float]:
+    return z.real, z.imag

@@ -1,0 +1,165 @@
+"""Measured sweeps as a model takes them, and the log of a live session."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import OPENING, UNPRESSED, InputError, counted, read_joined
+from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.schema import taken_of
+from ...simulator.sweeps.writing import Occasion, on_occasion
+from ..record.measured_sweep import Sweep, Trace, now
+from ..record.press_order import UNKNOWN
+from ..record.recording_dataset import dataset_of, taken_at
+from ..record.recording_journal import Entry, Header, Journal, tell_if_set_back
+from ..record.recording_output import finish, write_all
+from .live_baseline import Rest
+from .touch_answer import Answer
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from ...localization.model.model import Model
+
+
+def as_dataset(
+    sweeps: Sequence[Sweep], model: Model, press: Sequence[str] | str = UNKNOWN
+) -> xr.Dataset:
+    """Sweeps at the model's interfaces and frequencies. press: of each, or of all."""
+    presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
+    places = [0 if each == UNPRESSED else -1 for each in presses]
+    return dataset_of(
+        sweeps,
+        model.interfaces,
+        model.frequencies,
+        model.of_each,
+        press=presses,
+        row=places,
+        column=places,
+        attributes={"scene": model.problem.scene},
+    )
+
+
+def rest_dataset(rest: Rest, model: Model) -> xr.Dataset:
+    """Sweeps of the skin at rest, those of the opening told apart from the latest."""
+    both = [*rest.opening, *rest.sweeps]
+    opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
+    return as_dataset(both, model, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
+
+
+@dataclass
+class RestData:
+    """The skin at rest as a model takes it, made anew where another sweep counts."""
+
+    rest: Rest
+    model: Model
+    _of: tuple[list[Sweep], list[Sweep]] = field(default_factory=lambda: ([], []), init=False)
+    _made: xr.Dataset | None = field(default=None, init=False)
+
+    @property
+    def sweeps(self) -> xr.Dataset:
+        """See `rest_dataset`."""
+        counting = self.rest.opening, list(self.rest.sweeps)
+        if self._made is None or counting != self._of:
+            self._of, self._made = counting, rest_dataset(self.rest, self.model)
+        return self._made
+
+
+def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> list[Sweep]:
+    """The unpressed sweeps of a file or several.
+
+    anyway: of another skin too. Raises InputError where there are none, or of another skin, other
+    interfaces or frequencies.
+    """
+    sweeps = read_joined(paths)
+    path = ", ".join(map(str, paths))
+    if not anyway:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), model.problem.scene, path)
+    unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
+    if not unpressed.sizes["sweep"]:
+        raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")
+    frequencies = unpressed["frequency"].values
+    same = len(frequencies) == len(model.frequencies) and np.allclose(
+        frequencies, model.frequencies, rtol=1e-9, atol=0
+    )
+    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
+    if (
+        not same
+        or tuple(unpressed["interface"].values) != model.interfaces
+        or not np.array_equal(_taken(unpressed), taken)
+    ):
+        raise InputError(f"{path}: has other interfaces or frequencies than the model")
+    ordered = unpressed.transpose("sweep", "interface", "frequency")
+    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2)
+    return [
+        Sweep(
+            tuple(
+                _trace(values_there[:, read], name)
+                for name, values_there, read in zip(model.interfaces, each, taken, strict=True)
+            )
+        )
+        for each in values
+    ]
+
+
+def _taken(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+    """Which interface was read at which frequency, shape (interface, frequency)."""
+    every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
+    own = taken_of(sweeps)
+    return every if own is None else own
+
+
+def _trace(values: NDArray[np.float64], interface: str) -> Trace:
+    """values: Cp, Rs and X, shape (3, frequency)."""
+    Cp, Rs, X = (tuple(each) for each in values.tolist())
+    return Trace(Cp, Rs, X, (0,) * len(Cp), interface)
+
+
+@dataclass
+class Log:
+    """All that was measured and answered, in a recorder's journal; kept only where there is one.
+
+    told: what was written, in one line, and how a session goes on with its rest.
+    """
+
+    journal: Journal | None = None
+    told: str = field(default="", init=False)
+    _kept: int = field(default=0, init=False)
+    _latest: Entry | None = field(default=None, init=False)
+
+    def keep(self, sweep: Sweep, press: str, begun: str, header: Header | None) -> None:
+        """Put a sweep on the disk as it ends. press: `none` where the skin was left untouched."""
+        if self.journal is None or header is None:
+            return
+        if not self._kept:
+            self.journal.begin(header)
+        before, self._latest = self._latest, Entry(press, sweep, begun, now())
+        tell_if_set_back(self._latest, before)
+        self.journal.keep(self._kept, self._latest)
+        if not self._kept:  # what writing loads is then at hand when the session is told to end
+            again = Occasion(overwrite_measured=True, noted={self.journal.folder})
+            with on_occasion(again):
+                write_all(self.journal.folder / "first.nc", header, {0: self._latest})
+        self._kept += 1
+
+    def answered(self, answer: Answer) -> None:
+        """Keep what was told of the latest sweep."""
+        if self.journal is None or self._latest is None:
+            return
+        self._latest = replace(self._latest, answer=(answer.label, answer.probability))
+        self.journal.keep(self._kept - 1, self._latest)
+
+    def write(self, header: Header | None) -> None:
+        """Write the sweeps, whole or not at all; nothing where there are none."""
+        if self.journal is None or header is None or not self._kept:
+            return
+        sweeps = finish(self.journal, header, self.journal.entries(header))
+        output, presses = self.journal.output, sweeps["press"].values
+        again = f"; --rest-file {output} begins with its rest" if UNPRESSED in presses else ""
+        self.told = f"{counted(sweeps.sizes)} -> {output}{again}"

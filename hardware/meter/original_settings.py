@@ -1,0 +1,86 @@
+"""Putting a meter back to what it was before anything was set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from contextvars import ContextVar
+from typing import Any, Protocol
+
+from ...simulator.sweeps import InputError
+from .errors import MeterError, RefusedError, RestartedError
+from .meter_identity import Identity
+from .setting import Holder, Setting
+from .termination import shielded
+
+LAST = ("auto_range", "trigger", "header")
+"""Settings that are put back after all others, in this order."""
+RESTARTS = 3
+"""Times that a meter may be switched on anew while its settings are put back."""
+
+
+class Keeper(Protocol):
+    """Who sees to it that settings are put back, over other connections too."""
+
+    def found(self, identity: Identity) -> dict[str, Any]:
+        """A meter's settings as they were at first; whoever sets others adds them.
+
+        Raises WrongMeterError where those of another meter are kept.
+        """
+        ...
+
+    def note_found(self) -> None:
+        """Something was added, and the meter is about to be changed."""
+        ...
+
+
+KEEPER: ContextVar[Keeper | None] = ContextVar("keeper", default=None)
+"""Of the meters that are opened; None: each is put back as it is let go."""
+
+
+def put_back(meter: Holder) -> None:
+    """Set everything that was set to what it was before. No signal ends that.
+
+    `found` then has what the meter did not confirm. Raises MeterError where the connection fails,
+    or the meter is switched on anew again and again; calling it again goes on from there.
+    """
+    kept, meter.found = meter.found or {}, None
+    everything = dict(kept)
+    try:
+        with shielded():
+            with suppress(MeterError):
+                meter.talk.check("the end")  # what it was just answering answers nothing else
+            for _ in range(RESTARTS):
+                with suppress(RestartedError):
+                    return _put_back(meter, kept)
+                kept.update(everything)
+            _put_back(meter, kept)
+    finally:
+        meter.found = kept
+
+
+def _put_back(meter: Holder, kept: dict[str, Any]) -> None:
+    """Set what is kept, and drop what the meter confirms; what it refuses stays."""
+    for name in sorted(kept, key=lambda name: name in LAST and 1 + LAST.index(name)):
+        setting = getattr(type(meter), name, None)
+        if not isinstance(setting, Setting):
+            continue
+        with suppress(RefusedError, InputError, TypeError, ValueError):  # the last: from a file
+            setting.put_back(meter, kept[name])
+            del kept[name]
+
+
+def not_as_found(settings: Mapping[str, Any]) -> str:
+    """What is told of settings that were not put back. settings: as they should be."""
+    return f"the meter is not as it was found; not confirmed is what should be {written(settings)}"
+
+
+def written(settings: Mapping[str, Any]) -> str:
+    """Settings with their values, in words."""
+    return ", ".join(f"{name} = {_words(value)}" for name, value in settings.items())
+
+
+def _words(value: Any) -> str:
+    """A value, or one of each range or register, which may all be the same."""
+    each = value if isinstance(value, (tuple, list)) else (value,)
+    return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))

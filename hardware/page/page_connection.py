@@ -1,0 +1,107 @@
+"""Connections to a page's port, never too many: only what is good HTTP/1.1 is heard."""
+
+from __future__ import annotations
+
+import asyncio
+from http import HTTPStatus
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+
+from .request_head import END, decided, refusal
+
+MOST_CONNECTIONS, MOST_VIEWERS = 32, 16
+"""With those of the virtual meter below the 256 files of a process on macOS."""
+HEAD_SECONDS = 5.0
+"""In which the whole head must come: a browser sends it at once."""
+STAND_IN = b"GET / HTTP/1.1" + END
+"""What the library is given for a head that is refused: it answers nothing else by a status."""
+
+
+class Guest(ServerConnection):
+    """A connection that the door knows of from its first byte to its last.
+
+    refused: why its request is; None where it is not. bodiless: whether it asked by HEAD.
+    """
+
+    def __init__(self, *given: Any, door: Door, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self._door, self._received = door, b""
+        self._decided = self._ended = self._answered = False
+        self.refused: HTTPStatus | None = None
+        self.bodiless = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Has the door make room."""
+        super().connection_made(transport)
+        self._door.enter(self)
+        self.loop.call_later(HEAD_SECONDS, self._decide, HTTPStatus.REQUEST_TIMEOUT)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Tells the door."""
+        self._door.leave(self)
+        self._decided = True
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Keeps the head until it is whole; what follows a refused one is not heard."""
+        if not self._decided:
+            self._received += data
+            if decided(self._received):
+                head, end, _ = self._received.partition(END)
+                self._decide(refusal(head + end))
+        elif self.refused is None:
+            super().data_received(data)
+
+    def eof_received(self) -> bool | None:
+        """Stays open for the answer to a request that is still to be given."""
+        if self._received and not self._decided:
+            self._decide(HTTPStatus.BAD_REQUEST)
+        if self._decided and not self._answered:
+            self._ended = True
+            return True
+        return super().eof_received()
+
+    def answered(self) -> None:
+        """The answer is being written: where the client said all, nothing else is waited for."""
+        self._answered = True
+        if self._ended:
+            self.loop.call_soon(self.transport.close)
+
+    def _decide(self, refused: HTTPStatus | None) -> None:
+        if self._decided:
+            return
+        self._decided, self.refused = True, refused
+        self.bodiless = self._received.startswith(b"HEAD ")
+        request = self._received.removeprefix(b"HEAD").removeprefix(b"GET")
+        super().data_received(STAND_IN if refused else b"GET" + request)
+
+
+class Door:
+    """Who is there: of too many, the one is put out that is no viewer and came first."""
+
+    def __init__(self) -> None:
+        self.guests: dict[Guest, None] = {}
+        self.viewers: set[ServerConnection] = set()
+
+    @property
+    def full(self) -> bool:
+        """Whether there are as many viewers as there may be."""
+        return len(self.viewers) >= MOST_VIEWERS
+
+    def enter(self, guest: Guest) -> None:
+        """One more; see the class."""
+        if len(self.guests) >= MOST_CONNECTIONS:
+            first = next(each for each in self.guests if each not in self.viewers)
+            self.leave(first)
+            first.transport.abort()
+        self.guests[guest] = None
+
+    def leave(self, guest: Guest) -> None:
+        """One less."""
+        self.guests.pop(guest, None)
+
+    def clear(self) -> None:
+        """Put out everyone, at once."""
+        for guest in self.guests:
+            guest.transport.abort()

@@ -1,0 +1,127 @@
+"""Serving a page on the loopback: its document, and a link to each viewer."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from functools import partial
+from http import HTTPStatus
+from urllib.parse import urlsplit
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from ...simulator.sweeps import InputError
+from .latest_state import Board
+from .messages import LONGEST
+from .page_address import LINK, LOOPBACK, Address
+from .page_connection import Door, Guest
+from .page_document import Document
+from .viewer import PressSkin, Viewer
+
+BACKLOG = 16
+"""Connections that are accepted at once, before the door puts others out."""
+SENDING = 60.0
+"""Seconds in which a document of 3 MB must be taken, over a slow tunnel too."""
+PARTING = 0.3
+"""Seconds that viewers have to take leave."""
+ALWAYS = {
+    "Cache-Control": "no-store",
+    "Connection": "close",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class Site:
+    """One page at one address. press: as of `Viewer`."""
+
+    def __init__(self, document: Document, board: Board, press: PressSkin | None = None) -> None:
+        self._document, self._board, self._press = document, board, press
+        self._door, self._address = Door(), Address(0)
+
+    @asynccontextmanager
+    async def served(self, port: int = 0) -> AsyncIterator[Address]:
+        """Open while the block runs; port 0 takes any that is free.
+
+        Raises InputError where the port cannot be had.
+        """
+        server = await self._listening(port)
+        self._address = Address(next(iter(server.sockets)).getsockname()[1])
+        try:
+            yield self._address
+        finally:
+            server.close()
+            await asyncio.wait([asyncio.ensure_future(server.wait_closed())], timeout=PARTING)
+            self._door.clear()
+            await server.wait_closed()
+
+    async def _listening(self, port: int) -> Server:
+        try:
+            return await serve(
+                self._converse,
+                LOOPBACK,
+                port,
+                process_request=self._answered,
+                compression=None,
+                server_header=None,
+                max_size=LONGEST,
+                max_queue=2,
+                open_timeout=SENDING,
+                backlog=BACKLOG,
+                logger=_quiet(),
+                create_connection=partial(Guest, door=self._door),  # type: ignore[arg-type]
+            )
+        except (OSError, OverflowError) as error:
+            raise InputError(f"port {port} of {LOOPBACK} cannot be had: {error}") from error
+
+    def _answered(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to a request; None has a link opened."""
+        assert isinstance(connection, Guest)
+        connection.answered()
+        response = self._response(connection, request)
+        if response is not None and connection.bodiless:
+            response.body = b""
+        return response
+
+    def _response(self, guest: Guest, request: Request) -> Response | None:
+        headers = request.headers
+        refusal = guest.refused or self._address.refusal(
+            request.path, headers.get_all("Host"), headers.get_all("Origin")
+        )
+        link = urlsplit(request.path).path == LINK if refusal is None else False
+        if link and guest.bodiless:
+            refusal = HTTPStatus.METHOD_NOT_ALLOWED
+        elif link and self._door.full:
+            refusal = HTTPStatus.SERVICE_UNAVAILABLE
+        if refusal is not None:
+            return _response(refusal)
+        return None if link else _response(HTTPStatus.OK, *self._document.sent())
+
+    async def _converse(self, connection: ServerConnection) -> None:
+        self._door.viewers.add(connection)
+        try:
+            await Viewer(connection, self._board, self._press).converse()
+        finally:
+            self._door.viewers.discard(connection)
+
+
+def _response(
+    status: HTTPStatus, headers: Mapping[str, str] | None = None, body: bytes | None = None
+) -> Response:
+    text = f"{status} {status.phrase}\n".encode() if body is None else body
+    plain = {"Content-Type": "text/plain; charset=utf-8"}
+    if status == HTTPStatus.METHOD_NOT_ALLOWED:
+        plain["Allow"] = "GET, HEAD"
+    named = {"Content-Length": str(len(text)), **ALWAYS, **(headers or plain)}
+    return Response(status, status.phrase, Headers(named), text)
+
+
+def _quiet() -> logging.Logger:
+    """What clients do wrong is theirs to know."""
+    logger = logging.getLogger("rcskin.page")
+    logger.disabled = True
+    return logger

@@ -1,0 +1,40 @@
+"""A page served beside a program that is busy with something else."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AsyncExitStack, contextmanager
+from typing import Any
+
+from .latest_state import Board, written
+from .page_address import Address
+from .page_document import Document
+from .page_server import Site
+
+Post = Callable[[Mapping[str, Any]], None]
+
+
+@contextmanager
+def beside(document: Document, port: int = 0) -> Iterator[tuple[Address, Post]]:
+    """A page in a thread of its own while the block runs: where, and what takes its states.
+
+    Raises InputError where the port cannot be had.
+    """
+    loop, stack = asyncio.new_event_loop(), AsyncExitStack()
+    thread = threading.Thread(target=loop.run_forever, name="page", daemon=True)
+    thread.start()
+    board = Board()
+
+    def post(state: Mapping[str, Any]) -> None:
+        loop.call_soon_threadsafe(board.post, written(state))
+
+    try:
+        entered = stack.enter_async_context(Site(document, board).served(port))
+        yield asyncio.run_coroutine_threadsafe(entered, loop).result(), post
+    finally:
+        asyncio.run_coroutine_threadsafe(stack.aclose(), loop).result()
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
+        loop.close()

@@ -1,0 +1,193 @@
+"""One measured sweep: readings at every interface and ascending frequencies, under one press."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reach import beyond_reach
+from ..meter.hioki import Meter
+from ..meter.meter_reading import BY_CODE, Reading
+from ..switch.switch import Switch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+APART = 1.0
+"""Seconds between two interfaces, beyond which a touch may well have changed."""
+Watch = Callable[[float, Reading], None]
+Turn = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Readings [F, ohm, ohm] and their status codes at one interface, one for each frequency.
+
+    begun, ended: ISO 8601, empty where it is not known when they were taken.
+    """
+
+    Cp: tuple[float, ...]
+    Rs: tuple[float, ...]
+    X: tuple[float, ...]
+    status: tuple[int, ...]
+    interface: str = ""
+    begun: str = ""
+    ended: str = ""
+
+    @property
+    def Z(self) -> NDArray[np.complex128]:
+        """Rs + jX in ohm, shape (frequency,)."""
+        return np.array(self.Rs) + 1j * np.array(self.X)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What was measured under one press: a trace for each interface, in the recording's order."""
+
+    traces: tuple[Trace, ...]
+
+    def at(self, interface: str) -> Trace:
+        """The trace at an interface."""
+        return next(trace for trace in self.traces if trace.interface == interface)
+
+
+def now() -> str:
+    """The time as ISO 8601 with milliseconds, UTC."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def trace_times(sweep: Sweep) -> list[tuple[str, str]]:
+    """When the readings at each interface began and ended."""
+    return [(trace.begun, trace.ended) for trace in sweep.traces]
+
+
+def apart(sweep: Sweep) -> list[str]:
+    """In words, how long the meter did not measure between two interfaces, where it was long."""
+    spans = sorted(trace_times(sweep))
+    waits = [
+        (datetime.fromisoformat(after) - datetime.fromisoformat(before)).total_seconds()
+        for (_, before), (after, _) in pairwise(spans)
+    ]
+    if max(waits, default=0.0) <= APART:
+        return []
+    return [f"the switch took {max(waits):.1f} s: a touch may have changed between the interfaces"]
+
+
+def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int, int]]:
+    """Readings not normal: numbers of sweep, interface and frequency, and the status code."""
+    return [
+        (number, place, index, code)
+        for number, sweep in enumerate(sweeps)
+        for place, trace in enumerate(sweep.traces)
+        for index, code in enumerate(trace.status)
+        if code
+    ]
+
+
+def flags(sweeps: Sequence[Sweep]) -> list[str]:
+    """In words, how many readings of them the meter flagged, and as what."""
+    codes = [code for *_, code in flagged(sweeps)]
+    return [
+        f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
+        f"{BY_CODE[code].meaning}"
+        for code in sorted(set(codes))
+    ]
+
+
+def measure_sweep(
+    meter: Meter,
+    frequencies: Sequence[float],
+    interfaces: Sequence[str],
+    switch: Switch | None = None,
+    watch: Watch = lambda frequency, reading: None,
+    turn: Turn = lambda interface: None,
+    of_each: Mapping[str, Sequence[float]] | None = None,
+) -> Sweep:
+    """A reading at each interface and frequency [Hz], in any order, none older than this call.
+
+    The interface that is connected comes first: a switch turns once less in each sweep. switch: of
+    the interfaces, asked after each whether it stayed; without it the meter stays where it is.
+    turn: called with each interface before the switch turns, watch: with each reading as it comes.
+    of_each: frequencies of interfaces that have their own, by name.
+    Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
+    switch fails.
+    """
+    traces: dict[str, Trace] = {}
+    for name in sorted(interfaces, key=lambda name: switch is None or name != switch.selected):
+        turn(name)
+        if switch:
+            switch.select(name)
+        traces[name] = _trace(meter, (of_each or {}).get(name, frequencies), name, watch)
+        if switch:
+            switch.check_stayed()
+    return Sweep(tuple(traces[name] for name in interfaces))
+
+
+def measure_readings(
+    meter: Meter,
+    asked: Iterable[tuple[str, float]],
+    switch: Switch | None = None,
+    watch: Watch = lambda frequency, reading: None,
+) -> Sweep:
+    """Readings at (interface, frequency in Hz), each asked for when the one before is known.
+
+    Traces are of the interfaces that were asked for, by name, and ascend in frequency. The switch
+    is asked where it stands at the first reading and where the interface changes. Raises as
+    `measure_sweep`.
+    """
+    found: dict[str, dict[float, Reading]] = {}
+    times: dict[str, tuple[str, str]] = {}
+    here = None
+    for interface, frequency in asked:
+        if switch and interface != here:
+            if here is not None:
+                switch.check_stayed()
+            switch.select(interface)
+        here, begun = interface, times.get(interface, (now(),))[0]
+        found.setdefault(interface, {})[frequency] = _at(meter, frequency, watch)
+        times[interface] = begun, now()
+    if switch and here is not None:
+        switch.check_stayed()
+    return Sweep(
+        tuple(
+            _trace_of([reading for _, reading in sorted(found[name].items())], name, *times[name])
+            for name in sorted(found)
+        )
+    )
+
+
+def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
+    """Raises InputError where the meter's model does not reach one of the frequencies in Hz."""
+    beyond = beyond_reach(meter.model, frequencies)
+    if beyond:
+        raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
+
+
+def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch) -> Trace:
+    begun = now()
+    readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
+    return _trace_of(readings, interface, begun, now())
+
+
+def _trace_of(readings: Sequence[Reading], interface: str, begun: str, ended: str) -> Trace:
+    return Trace(
+        tuple(reading.Cp for reading in readings),
+        tuple(reading.Rs for reading in readings),
+        tuple(reading.X for reading in readings),
+        tuple(reading.status.code for reading in readings),
+        interface,
+        begun,
+        ended,
+    )
+
+
+def _at(meter: Meter, frequency: float, watch: Watch) -> Reading:
+    reading = meter.read_at(frequency)
+    watch(frequency, reading)
+    return reading

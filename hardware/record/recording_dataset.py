@@ -1,0 +1,119 @@
+"""A finished recording in the schema of sweeps."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...simulator.sweeps import build
+from ...simulator.sweeps.schema import SESSIONS
+from ..meter.meter_identity import origin
+from .measured_sweep import Sweep, flagged, trace_times
+from .press_order import UNKNOWN, Step, parse_step
+from .recording_journal import Entry, Header
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import ArrayLike, NDArray
+
+
+def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
+    """Sweeps at the scene's frequencies (the meter's own, rounded to five digits, differ by less).
+
+    Attributes hold the scene, the meter and its settings; `times`, `interface_times` (of each
+    interface), `remarks`, `answers` (label and probability, of a live session) and `flagged` (as
+    numbers of sweep, interface and frequency, and status of each reading that was not normal) are
+    JSON.
+    """
+    steps = [_step(entry.press, header) for entry in entries]
+    answers = [entry.answer or (entry.press, None) for entry in entries]
+    sweeps = [entry.sweep for entry in entries]
+    taken = taken_at(header.interfaces, header.frequencies, header.of_each)
+    told = {} if header.order else {"answers": json.dumps(answers)}
+    return dataset_of(
+        sweeps,
+        header.interfaces,
+        header.frequencies,
+        header.of_each,
+        press=[step.press for step in steps],
+        row=[step.row for step in steps],
+        column=[step.column for step in steps],
+        time=[entry.time for entry in entries],
+        attributes={
+            "scene": header.scene,
+            "model": origin(header.meter),
+            "meter": header.meter,
+            "settings": json.dumps(header.settings),
+            "begun": header.begun,
+            "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
+            "interface_times": json.dumps([trace_times(sweep) for sweep in sweeps]),
+            "remarks": json.dumps([list(entry.remarks) for entry in entries]),
+            "flagged": json.dumps(_placed(flagged(sweeps), taken)),
+            SESSIONS: json.dumps({0: header.session}),
+            **told,
+            "accuracy": header.accuracy,
+            "software": f"rcskin {version('rcskin')}",
+        },
+    )
+
+
+def dataset_of(
+    sweeps: Sequence[Sweep],
+    interfaces: Sequence[str],
+    frequencies: Sequence[float],
+    of_each: Mapping[str, Sequence[float]],
+    **more: Any,
+) -> xr.Dataset:
+    """Sweeps in the schema, at these interfaces and frequencies in Hz.
+
+    of_each: frequencies of interfaces that have their own, by name. more: as of `build`.
+    """
+    taken = taken_at(interfaces, frequencies, of_each)
+    Z = [spread([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
+    Cp = [spread([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
+    return build(
+        np.stack(Z),
+        np.array(frequencies),
+        interface=list(interfaces),
+        Cp=np.stack(Cp),
+        taken=taken if of_each else None,
+        **more,
+    )
+
+
+def taken_at(
+    interfaces: Sequence[str],
+    frequencies: Sequence[float],
+    of_each: Mapping[str, Sequence[float]],
+) -> NDArray[np.bool_]:
+    """Which interface is read at which frequency, shape (interface, frequency).
+
+    of_each: of interfaces that have their own, by name.
+    """
+    return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
+
+
+def spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
+    """What was read in its places, NaN elsewhere, shape (interface, frequency)."""
+    read = np.concatenate([np.asarray(trace) for trace in traces])
+    found = np.full(taken.shape, np.nan, dtype=read.dtype)
+    found[taken] = read
+    return found
+
+
+def _placed(
+    flags: Sequence[tuple[int, int, int, int]], taken: NDArray[np.bool_]
+) -> list[tuple[int, int, int, int]]:
+    """Numbers of frequencies among all, in place of those among what an interface is read at."""
+    places = [np.flatnonzero(own).tolist() for own in taken]
+    return [(sweep, at, places[at][index], code) for sweep, at, index, code in flags]
+
+
+def _step(press: str, header: Header) -> Step:
+    if press == UNKNOWN:
+        return Step(press, -1, -1)
+    return parse_step(press, header.rows, header.columns)

@@ -1,0 +1,105 @@
+"""What a recording leaves: its output, written once from the journal."""
+
+from __future__ import annotations
+
+import logging
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ...simulator.shown import say
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    import xarray as xr
+
+    from .recording_journal import Entry, Header, Journal
+
+LOG = logging.getLogger(__name__)
+
+
+def finish(journal: Journal, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+    """Write the output whole, then take the journal away; the sweeps that were written."""
+    sweeps = write_all(journal.output, header, entries)
+    journal.remove()
+    return sweeps
+
+
+def gather_command(
+    recording: Annotated[Path, typer.Argument(help="The output that the recording was to have.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
+    ] = None,
+) -> None:
+    """Write what a recording or a live session has so far, ended or under way.
+
+    A recording can go on afterwards, towards another mounting's or its own end.
+    """
+    from ...simulator.sweeps import InputError, checked_output, counted
+    from .recording_journal import Journal
+
+    journal = Journal(recording)
+    header = journal.header()
+    entries = journal.entries(header) if header else {}
+    if header is None or not entries:
+        raise InputError(f"{journal.folder}: holds no sweep of a recording")
+    path = checked_output(output or recording)
+    sweeps = write_all(path, header, entries)
+    whole = f" of {len(header.order)}" if header.order else ""
+    say(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
+    _tell_if_changed(journal)
+
+
+def _tell_if_changed(journal: Journal) -> None:
+    """Log how a meter should be that a command which was killed left changed."""
+    from ...simulator.sweeps import InputError
+    from ..meter.original_settings import written
+
+    with suppress(InputError), journal.lock():  # else it is under way
+        if found := journal.found():
+            LOG.warning(
+                "%s: a command that was cut off left the meter changed; the same command puts it "
+                "back to what it was at first: %s",
+                journal.folder,
+                written(found[1]),
+            )
+
+
+def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+    """Write sweeps of a journal, whole or not at all; what was written."""
+    from ...simulator.sweeps import write
+    from .recording_dataset import gather
+
+    sweeps = gather(header, [entries[number] for number in sorted(entries)])
+    write(sweeps, output)
+    return sweeps
+
+
+@contextmanager
+def going_on_later(journal: Journal) -> Iterator[None]:
+    """Where the block ends early, tell what is kept and how to go on with it."""
+    from ..meter.errors import MeterError
+
+    try:
+        yield
+    except (KeyboardInterrupt, SystemExit, MeterError):
+        header = journal.header()
+        if header is not None:
+            say(
+                f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
+                f"kept in {journal.folder}; the same command goes on after them",
+                err=True,
+            )
+        raise
+
+
+def remarkable(entries: Sequence[Entry]) -> list[str]:
+    """How many sweeps have remarks, and what the meter flagged."""
+    from .measured_sweep import flags
+
+    unsound = sum(bool(entry.remarks) for entry in entries)
+    flagged = flags([entry.sweep for entry in entries])
+    return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]

@@ -1,0 +1,208 @@
+"""A recording on a terminal: curves that grow with each reading, and prompts for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from ..meter.errors import MeterError
+from ..meter.meter_reading import Reading, Status
+from .measured_sweep import Sweep, Trace
+from .operators import Display, StepStatus
+from .press_detection import percent_of_rest
+from .press_order import Step
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from rich.console import Console
+    from rich.live import Live
+    from rich.table import Table
+
+SHOWN_READINGS = 20
+LEVELS = "▁▂▃▄▅▆▇█"
+
+
+class Screen:
+    """Live table of Rs and Cp on a terminal while the block runs, and a line for each sweep.
+
+    In a pipe only what is wrong with a sweep, unless `plain` asks for a line for each.
+    several: whether a sweep has several interfaces, which are then told.
+    """
+
+    def __init__(self, console: Console, plain: bool = False, several: bool = False) -> None:
+        self._console, self._tells_all = console, plain or console.is_terminal
+        self._several = several
+        self._live: Live | None = None
+        self._title = self._press = ""
+        self._all_rest: Sweep | None = None
+        self._rest: Trace | None = None
+        self._readings: list[tuple[float, Reading]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop()
+
+    def begin(self, title: str, rest: Sweep | None) -> None:
+        """A sweep begins. rest: the skin at rest, which it is shown beside."""
+        self._title = self._press = title
+        self._all_rest, self._rest, self._readings = rest, None, []
+
+    def turn(self, interface: str) -> None:
+        """The readings that come are of an interface; tell those before."""
+        self._finish()
+        if self._several:
+            self._title = f"{self._press}, interface {interface}"
+        self._rest = self._all_rest and self._all_rest.at(interface)
+
+    def reading(self, frequency: float, reading: Reading) -> None:
+        """A reading came, at a frequency in Hz."""
+        from rich.live import Live
+
+        self._readings.append((frequency, reading))
+        if self._console.is_terminal and self._live is None:
+            self._live = Live(self._table(), console=self._console, transient=True)
+            self._live.start()
+        elif self._live:
+            self._live.update(self._table())
+
+    def end(self, remarks: Sequence[str]) -> None:
+        """The sweep is over; tell what is wrong with it."""
+        self._finish()
+        self._title = self._press
+        for remark in remarks:
+            self._print(remark)
+
+    def _finish(self) -> None:
+        self._stop()
+        if self._tells_all and self._readings:
+            self._print("done" + self._curves())
+        self._readings = []
+
+    def _stop(self) -> None:
+        if self._live:
+            self._live.stop()
+            self._live = None
+
+    def _print(self, text: str) -> None:
+        self._console.print(f"{self._title}: {text}", highlight=False, markup=False, soft_wrap=True)
+
+    def _changes(self) -> dict[str, NDArray[np.float64]]:
+        """Rs and Cp in % above rest, at the readings so far; empty where no rest is known."""
+        if self._rest is None:
+            return {}
+        Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
+        return {
+            "Rs": percent_of_rest(Rs, self._rest.Rs),
+            "Cp": percent_of_rest(Cp, self._rest.Cp),
+        }
+
+    def _curves(self) -> str:
+        """The change from rest of each quantity: as a curve where it can be drawn, and its span."""
+        drawn = self._console.is_terminal and self._console.encoding.startswith("utf")
+        told = [
+            f"{name} {sparkline(change) + ' ' if drawn else ''}"
+            f"{np.nanmin(change):+.2g} to {np.nanmax(change):+.2g} %"
+            for name, change in self._changes().items()
+            if np.isfinite(change).any()
+        ]
+        return "; against rest " + ", ".join(told) if told else ""
+
+    def _table(self) -> Table:
+        from rich.table import Column, Table
+
+        changes = self._changes()
+        names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% of rest)" for name in changes)]
+        right = [Column(name, justify="right") for name in names]
+        table = Table(*right, "", title=self._title, box=None)
+        for place, (frequency, reading) in list(enumerate(self._readings))[-SHOWN_READINGS:]:
+            table.add_row(
+                f"{frequency / 1e3:.5g}",
+                f"{reading.Rs / 1e3:.6g}",
+                f"{reading.Cp * 1e12:.6g}",
+                *(f"{change[place]:+.2f}" for change in changes.values()),
+                "" if reading.status is Status.NORMAL else reading.status.meaning,
+            )
+        return table
+
+
+def sparkline(values: NDArray[np.float64]) -> str:
+    """A character for each value, the lowest as low as it goes; a space where there is none."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    top = len(LEVELS) - 1
+    scaled = np.full(values.shape, top / 2) if high == low else top * (values - low) / (high - low)
+    return "".join(LEVELS[round(each)] if np.isfinite(each) else " " for each in scaled.tolist())
+
+
+@dataclass(frozen=True)
+class Person:
+    """Someone at the keyboard who presses the skin and decides what is repeated."""
+
+    console: Console
+    show: Display
+
+    def same_mounting(self, ago: str) -> bool:
+        """What the person says."""
+        question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
+        while not (answer := self._choice(question, "yn")):
+            pass
+        return answer == "n"
+
+    def press(self, step: Step, progress: StepStatus) -> bool:
+        """Tell what to press, and wait for Enter; False where the step before is to come again."""
+        place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
+        what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"
+        again = "r: the one before again, " if progress.number else ""
+        question = f"{progress.words}  {what}, then Enter ({again}q: quit) "
+        if self._choice(question, "r" if progress.number else "") == "r":
+            return False
+        self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
+        return True
+
+    def turn(self, interface: str) -> None:
+        """Show it."""
+        self.show.turn(interface)
+
+    def connect(self, interface: str) -> None:
+        """Have the person connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
+        self._choice(f"Keep the press, connect interface {interface}, then Enter (q: quit) ", "")
+
+    def watch(self, frequency: float, reading: Reading) -> None:
+        """Show the reading."""
+        self.show.reading(frequency, reading)
+
+    def kept(self, remarks: Sequence[str]) -> bool:
+        """Whether the person keeps a sweep in spite of remarks."""
+        self.show.end(remarks)
+        question = "Enter: redo, a: accept anyway, q: quit "
+        return not remarks or self._choice(question, "ra") == "a"
+
+    def again(self, failure: MeterError) -> bool:
+        """Whether the person wants to try again."""
+        self.show.end([str(failure)])
+        return self._choice("Enter: try again, n: give up, q: quit ", "n") != "n"
+
+    def _choice(self, question: str, letters: str) -> str:
+        """One of the letters, or nothing for Enter; asked until it is. Raises KeyboardInterrupt."""
+        while True:
+            answer = self._ask(question).lower()
+            if answer == "q":
+                raise KeyboardInterrupt
+            if answer in ("", *letters):
+                return answer
+
+    def _ask(self, question: str) -> str:
+        try:
+            return self.console.input(question, markup=False).strip()
+        except EOFError:
+            raise KeyboardInterrupt from None

@@ -1,0 +1,137 @@
+"""Is a measured sweep sound? Laws of passive skins, earlier repetitions, and the skin at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...simulator.sweeps import parallel_capacitance
+from ...simulator.sweeps.laws.passivity import Bounds, broken_laws, listed
+from ..meter.accuracy_table import AccuracyTable, Conditions, Drive, full_scale
+from .measured_sweep import Sweep, Trace
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CALCULATED = 1e-3
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a sweep may depart. errors: the slack of the laws, in bounds of the meter's error.
+    At 2 noise of the size of the bounds broke a law in 22 of 300 sweeps, at 3 in none.
+
+    repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
+    from the first sweep at rest. Both are fractions. two_poles: whether all current that enters the
+    skin leaves it by the meter; else no law of passive skins binds what it reads.
+    """
+
+    errors: float = 4.0
+    repeatability: float = 0.05
+    drift: float = 0.05
+    two_poles: bool = True
+
+
+@dataclass(frozen=True)
+class Judge:
+    """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot.
+
+    of_each: frequencies of interfaces that have their own, by name.
+    """
+
+    frequency: NDArray[np.float64]
+    table: AccuracyTable
+    settings: Mapping[str, Any]
+    limits: Limits
+    of_each: Mapping[str, Sequence[float]] = field(default_factory=dict)
+
+    def remarks(self, sweep: Sweep, earlier: Sequence[Sweep], at_rest: bool) -> list[str]:
+        """What is wrong with a sweep, in words; empty where it is sound.
+
+        earlier: sound sweeps of the same press, oldest first.
+        """
+        found: list[str] = []
+        for place, trace in enumerate(sweep.traces):
+            before = [one.traces[place] for one in earlier]
+            where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
+            frequency = np.array(self.of_each.get(trace.interface, self.frequency))
+            own = replace(self, frequency=frequency)
+            found += [where + remark for remark in own._of_trace(trace, before, at_rest)]
+        return found
+
+    def _of_trace(self, trace: Trace, earlier: Sequence[Trace], at_rest: bool) -> list[str]:
+        found = [*self._broken_laws(trace), *self._miscalculated(trace)]
+        if earlier and at_rest:
+            found += self._departs(
+                trace, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
+            )
+        elif earlier:
+            mean = np.mean([one.Z for one in earlier], axis=0)
+            found += self._departs(
+                trace, mean, self.limits.repeatability, "differs from earlier repetitions"
+            )
+        return found
+
+    def bounds(self, Z: NDArray[np.complex128]) -> Bounds:
+        """Of the meter's error, at each frequency by its own reading."""
+        pairs = [
+            self.table.bound(z, self._conditions(f, z))
+            for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
+        ]
+        return Bounds(*np.array(pairs).T)
+
+    def _conditions(self, frequency: float, Z: complex) -> Conditions:
+        settings = self.settings
+        drive = Drive.of(settings)
+        return Conditions(
+            frequency,
+            settings.get("range") or self.table.fitting_range(Z),
+            settings["speed"],
+            settings["averaging"],
+            drive.open_voltage(Z),
+            settings["cable"],
+        )
+
+    def _broken_laws(self, trace: Trace) -> list[str]:
+        if not self.limits.two_poles:
+            return []
+        bounds = self.bounds(trace.Z).times(self.limits.errors)
+        broken = broken_laws(trace.Z, self.frequency, bounds)
+        beyond = f"beyond the meter's error{self._guessed(trace.Z)}" if broken else ""
+        return [
+            f"{law} is broken at {listed(self.frequency[where])}, {beyond}"
+            for law, where in broken.items()
+        ]
+
+    def _guessed(self, Z: NDArray[np.complex128]) -> str:
+        """What is said of ranges whose error is not known; nothing where all are."""
+        used = {
+            self._conditions(float(f), complex(z)).range
+            for f, z in zip(self.frequency, Z, strict=True)
+        }
+        unknown = [f"{full_scale(n):g}" for n in sorted(used) if not self.table.knows(n)]
+        if not unknown:
+            return ""
+        return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
+
+    def _miscalculated(self, trace: Trace) -> list[str]:
+        from_Z = parallel_capacitance(trace.Z, self.frequency)
+        wrong = np.abs(np.array(trace.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
+        if not wrong.any():
+            return []
+        return [f"Cp does not follow from Rs, X and f at {listed(self.frequency[wrong])}"]
+
+    def _departs(
+        self, trace: Trace, usual: NDArray[np.complex128], limit: float, what: str
+    ) -> list[str]:
+        departure = np.abs(trace.Z / usual - 1)
+        worst = int(departure.argmax())
+        if departure[worst] <= limit:
+            return []
+        return [
+            f"{what} by {100 * departure[worst]:.1f} % of |Z| at {self.frequency[worst]:.5g} Hz "
+            f"(allowed: {100 * limit:g} %)"
+        ]

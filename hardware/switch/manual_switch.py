@@ -1,0 +1,66 @@
+"""Switches without a line to them: a person, and any command."""
+
+from __future__ import annotations
+
+import shlex
+import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..command_template import Template
+from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
+
+
+@dataclass(frozen=True)
+class Person:
+    """Someone who connects what `ask` tells, and returns from it when that is done."""
+
+    ask: Callable[[str], object]
+
+    def put(self, position: str, /) -> None:
+        """Have the person connect an interface."""
+        self.ask(position)
+
+    def told(self) -> None:
+        """A person is believed."""
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that is run, without a shell, with the interface's name filled in.
+
+    template: with `{interface}`. timeout: s that it may take.
+    """
+
+    template: Template
+    timeout: float
+
+    def put(self, position: str, /) -> None:
+        """Run it. Raises NoSwitchError, SilentSwitchError, RefusedSwitchError."""
+        filled = self.template.filled(interface=position)
+        told = f"switching to {position} by {shlex.join(filled)!r}"
+        try:
+            done = subprocess.run(
+                filled, stdin=subprocess.DEVNULL, capture_output=True, timeout=self.timeout
+            )
+        except subprocess.TimeoutExpired as error:
+            raise SilentSwitchError(
+                f"{told} did not end within {self.timeout:g} s; check the switch that it turns"
+            ) from error
+        except OSError as error:
+            raise NoSwitchError(f"{told} cannot be run ({error}); check its path") from error
+        if done.returncode:
+            said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+            raise RefusedSwitchError(
+                f"{told} ended with code {done.returncode}{''.join(f' ({s})' for s in said)}; "
+                "check the switch that it turns"
+            )
+
+    def told(self) -> None:
+        """Its exit code is believed."""
+
+    def close(self) -> None:
+        """Nothing is held."""

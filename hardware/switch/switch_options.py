@@ -1,0 +1,80 @@
+"""The switch that a command is asked to use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ...simulator.sweeps import InputError
+from .switch import Switch, Turning
+
+ASK = "ask"
+SETTLE = 0.05
+COMMAND_TIMEOUT = 60.0
+
+
+def asked_switch(
+    name: str | None,
+    command: str | None,
+    settle: float | None,
+    interfaces: Sequence[str],
+    ask: Callable[[str], object] | None = None,
+) -> Switch | None:
+    """A switch that knows these interfaces; None where there is one of them and none was asked for.
+
+    ask: a person who switches at `ask`, and where there is nothing else. Raises InputError.
+    """
+    if name and command:
+        raise InputError("`switch` and `switch-with` cannot both connect the interface")
+    if not (name or command) and len(interfaces) == 1:
+        return None
+    switch = _made(name, command, settle, interfaces, ask)
+    missing = set(interfaces) - set(switch.positions)
+    if missing:
+        raise InputError(
+            f"{name}: has no interface {', '.join(sorted(missing))}, only "
+            f"{', '.join(switch.positions)}"
+        )
+    return switch
+
+
+def _made(
+    name: str | None,
+    command: str | None,
+    settle: float | None,
+    interfaces: Sequence[str],
+    ask: Callable[[str], object] | None,
+) -> Turning:
+    by_name = {each: each for each in interfaces}
+    waiting = SETTLE if settle is None else settle
+    if command:
+        from ..command_template import Template
+        from .manual_switch import Command
+
+        template = Template(command, "switch-with", needed=True, interface="left")
+        device = Command(template, COMMAND_TIMEOUT)
+        return Turning(lambda: device, by_name, waiting)
+    if name is not None and name != ASK:
+        return _by_name(name, settle, waiting, by_name)
+    if ask is None:
+        raise InputError(
+            f"the interfaces {', '.join(interfaces)} are measured in turn, which takes a switch "
+            "that needs nobody: --switch TABLE.toml, --switch HOST:PORT or --switch-with"
+        )
+    from .manual_switch import Person
+
+    person = Person(ask)
+    return Turning(lambda: person, by_name, waiting)
+
+
+def _by_name(name: str, settle: float | None, waiting: float, by_name: dict[str, str]) -> Turning:
+    if name.endswith(".toml"):
+        from .switch_table import read_switch
+
+        return read_switch(Path(name), settle)
+    from ..control_client import checked_address
+    from .virtual_switch import VirtualSwitch
+
+    checked_address(name, "`switch` must be TABLE.toml, HOST:PORT or ask")
+    device = VirtualSwitch(name)
+    return Turning(lambda: device, by_name, waiting)

@@ -1,0 +1,33 @@
+"""The virtual meter's own switch, turned through its control port."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..control_client import ask
+from ..meter.errors import PressError
+from .errors import NoSwitchError
+
+
+@dataclass(frozen=True)
+class VirtualSwitch:
+    """Between a virtual meter and the interfaces of its skin. control: HOST:PORT."""
+
+    control: str
+
+    def put(self, position: str, /) -> None:
+        """Turn to an interface. Raises InputError where the skin has none of that name."""
+        self._ask("select", interface=position)
+
+    def told(self) -> str:
+        """The interface that is connected."""
+        return str(self._ask("state")["interface"])
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _ask(self, do: str, **given: str):
+        try:
+            return ask(self.control, do, **given)
+        except PressError as error:
+            raise NoSwitchError(str(error)) from error

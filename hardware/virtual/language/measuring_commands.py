@@ -1,0 +1,54 @@
+"""Commands of measuring: what a reading holds, the reading itself, and corrections."""
+
+from __future__ import annotations
+
+from ..instrument import Instrument
+from ..virtual_corrections import SETTINGS
+from .meter_command import Command, chosen
+from .parser import CommandError
+from .values import whole
+
+
+def _set_items(meter: Instrument, first: str, second: str) -> None:
+    meter.settings.items = (whole(first, 0, 255), whole(second, 0, 127))
+
+
+def _set_valid(meter: Instrument, text: str) -> None:
+    meter.settings.valid = whole(text, 1, 31)
+
+
+def _correct(meter: Instrument, kind: str, text: str) -> None:
+    asked = chosen(text, ("OFF", "ALL", "SPOT", "CANCel"))
+    if asked is None:
+        raise CommandError(text)
+    if asked == "CANCEL":
+        meter.corrections.cancel(kind)
+    elif asked == "OFF":
+        setattr(meter.settings, SETTINGS[kind], "OFF")
+    else:
+        meter.corrections.start(meter, kind, asked)
+
+
+def _correction(header: str, kind: str) -> tuple[Command, Command]:
+    return (
+        Command(
+            header,
+            lambda meter, text: _correct(meter, kind, text),
+            lambda meter: getattr(meter.settings, SETTINGS[kind]),
+        ),
+        Command(f"{header}:ERRor", ask=lambda meter: meter.corrections.errors[kind]),
+    )
+
+
+MEASURING = (
+    Command(":MEASure", ask=lambda meter: meter.measure(), named=False),
+    Command(
+        ":MEASure:ITEM",
+        _set_items,
+        lambda meter: ",".join(map(str, meter.settings.items)),
+        takes=2,
+    ),
+    Command(":MEASure:VALid", _set_valid, lambda meter: meter.settings.valid),
+    *_correction(":CORRection:OPEN", "OPEN"),
+    *_correction(":CORRection:SHORt", "SHORT"),
+)

@@ -1,0 +1,150 @@
+"""Commands that keep a setting: how its argument is read, and how it is shown again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from ....simulator.sweeps.reach import REACH, VIRTUAL_MODEL
+from ...meter.accuracy_table import RANGES
+from ..instrument import Instrument
+from ..measurement import PARAMETERS
+from ..meter_state import SPEEDS
+from .meter_command import Command, chosen
+from .parser import CommandError
+from .values import engineering, number, whole
+
+Read = Callable[[str], Any]
+Format = Callable[[Any], str]
+
+
+def _one_of(*words: str) -> Read:
+    def read(text: str) -> str:
+        found = chosen(text, words)
+        if found is None:
+            raise CommandError(text)
+        return found
+
+    return read
+
+
+def _switch(text: str) -> bool:
+    return _one_of("ON", "1", "OFF", "0")(text) in ("ON", "1")
+
+
+def _on_or_off(value: bool) -> str:
+    return "ON" if value else "OFF"
+
+
+def _rounded(low: float, high: float, digits: int) -> Read:
+    return lambda text: float(f"{number(text, low, high):.{digits - 1}E}")
+
+
+def _average(text: str) -> int:
+    return 1 if text.upper() == "OFF" else whole(text, 1, 256)
+
+
+def _shown_average(value: int) -> str:
+    return "OFF" if value == 1 else str(value)
+
+
+def _stored(header: str, name: str, read: Read, show: Format = str) -> Command:
+    def tell(meter: Instrument, text: str) -> None:
+        setattr(meter.settings, name, read(text))
+        meter.changed()
+
+    return Command(header, tell, lambda meter: show(getattr(meter.settings, name)))
+
+
+def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
+    ranges = RANGES if which.upper() == "ALL" else [whole(which, 1, 10)]
+    for n in ranges:
+        meter.settings.each_range[n] = replace(meter.settings.each_range[n], **{name: value})
+    meter.changed()
+
+
+def _each_range(header: str, sibling: str, name: str, read: Read, show: Format) -> list[Command]:
+    """The command of the IM3523 that names a range, and that of its siblings that does not."""
+
+    def kept(meter: Instrument, n: int) -> str:
+        return show(getattr(meter.settings.each_range[n], name))
+
+    return [
+        Command(
+            header,
+            lambda meter, which, text: _set_each(meter, which, name, read(text)),
+            lambda meter, which: kept(meter, whole(which, 1, 10)),
+            takes=2,
+            asks=1,
+        ),
+        Command(
+            sibling,
+            lambda meter, text: _set_each(meter, "ALL", name, read(text)),
+            lambda meter: kept(meter, meter.settings.range),
+            siblings_only=True,
+        ),
+    ]
+
+
+def _set_range(meter: Instrument, text: str) -> None:
+    meter.settings.range, meter.settings.auto_range = whole(text, 1, 10), False
+    meter.changed()
+
+
+def _parameter(header: str, index: int, siblings_only: bool = False) -> Command:
+    def tell(meter: Instrument, text: str) -> None:
+        pair = list(meter.settings.parameters)
+        pair[index] = _one_of(*PARAMETERS)(text)
+        meter.settings.parameters = (pair[0], pair[1])
+
+    return Command(
+        header,
+        tell,
+        lambda meter: meter.settings.parameters[index],
+        siblings_only=siblings_only,
+    )
+
+
+def _volts(value: float) -> str:
+    return f"{value:.3f}"
+
+
+STORED = (
+    _stored(":HEADer", "header", _switch, _on_or_off),
+    _stored(":MODE", "mode", _one_of("LCR", "CONTinuous")),
+    _stored(":COMMand:COMPatible", "compatible", _switch, _on_or_off),
+    _stored(
+        ":FREQuency", "frequency", _rounded(*REACH[VIRTUAL_MODEL], 5), lambda f: engineering(f, 5)
+    ),
+    _stored(":LEVel", "level", _one_of("V", "CV", "CC")),
+    _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts),
+    _stored(":LEVel:CVOLTage", "constant_voltage", _rounded(5e-3, 5, 4), _volts),
+    _stored(
+        ":LEVel:CCURRent", "constant_current", _rounded(1e-5, 50e-3, 4), lambda i: engineering(i, 4)
+    ),
+    Command(":RANGe", _set_range, lambda meter: meter.settings.range),
+    _stored(":RANGe:AUTO", "auto_range", _switch, _on_or_off),
+    _parameter(":PARameter1", 0),
+    _parameter(":PARameter2", 1),
+    _parameter(":PARameter3", 1, siblings_only=True),
+    _parameter(":PARameter4", 1, siblings_only=True),
+    _stored(":TRIGger", "trigger", _one_of("INTernal", "EXTernal")),
+    _stored(":CORRection:CABLe", "cable", lambda text: whole(text, 0, 1)),
+    _stored(":CORRection:LOAD", "load_correction", _switch, _on_or_off),
+    _stored(
+        ":TRANsmit:TERMinator",
+        "carriage_return_only",
+        lambda text: bool(whole(text, 0, 1)),
+        lambda value: str(int(value)),
+    ),
+    *_each_range(":RANGe:SYNC:SPEEd", ":SPEEd", "speed", _one_of(*SPEEDS), str),
+    *_each_range(":RANGe:SYNC:AVERaging", ":AVERaging", "averaging", _average, _shown_average),
+    *_each_range(
+        ":RANGe:SYNC:TRIGger:DELay",
+        ":TRIGger:DELay",
+        "delay",
+        lambda text: number(text, 0, 9.9999),
+        lambda value: f"{value:.4f}",
+    ),
+)

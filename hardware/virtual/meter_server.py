@@ -1,0 +1,118 @@
+"""The virtual meter on TCP: one port that speaks the meter's language, one that steers it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from dataclasses import dataclass
+
+from ..page.page_address import LOOPBACK
+from ..tokens import kept_token
+from .clients import Client, Clients, open_port
+from .control import Control
+from .faults import ON_ANSWERS, Fault
+from .instrument import Instrument
+from .interpreter import answer
+from .meter_state import Standard
+
+GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
+
+
+@dataclass(frozen=True)
+class Ports:
+    """Where a virtual meter listens."""
+
+    host: str
+    meter: int
+    control: int
+
+    @property
+    def resource(self) -> str:
+        """The meter's VISA resource."""
+        return f"TCPIP0::{self.host}::{self.meter}::SOCKET"
+
+
+@asynccontextmanager
+async def listening(
+    instrument: Instrument, control: Control, host: str, port: int, control_port: int
+) -> AsyncIterator[Ports]:
+    """Both ports, open while the block runs; port 0 takes any that is free.
+
+    The control port is on the loopback interface whatever the host. Its token is kept for the
+    user's own commands while it listens. Raises InputError where a port cannot be had.
+    """
+
+    async def serve(client: Client) -> None:
+        await _converse(instrument, client)
+
+    async with AsyncExitStack() as stack:
+        report = instrument.report
+        meter = await open_port(stack, Clients(serve, "meter's port", report), host, port)
+        steering = Clients(control.serve, "control port", report)
+        steered = await open_port(stack, steering, LOOPBACK, control_port)
+        try:
+            stack.enter_context(kept_token(control.token, steered))
+        except (OSError, RuntimeError) as error:
+            at = f"{control.token}@{LOOPBACK}:{steered}"
+            report("tokens not kept", f"token not kept ({error}): commands need --control {at}")
+        for task in control.background():
+            stack.callback(task.cancel)
+        yield Ports(host, meter, steered)
+
+
+@contextmanager
+def running(
+    instrument: Instrument,
+    control: Control | None = None,
+    host: str = LOOPBACK,
+    port: int = 0,
+    control_port: int = 0,
+) -> Iterator[Ports]:
+    """The virtual meter in a thread of its own while the block runs. Raises as `listening`."""
+    loop, stack = asyncio.new_event_loop(), AsyncExitStack()
+    entered = stack.enter_async_context(
+        listening(instrument, control or Control(instrument), host, port, control_port)
+    )
+    thread = threading.Thread(target=loop.run_forever, name="virtual meter", daemon=True)
+    thread.start()
+    try:
+        yield asyncio.run_coroutine_threadsafe(entered, loop).result()
+    finally:
+        asyncio.run_coroutine_threadsafe(_wind_up(stack), loop).result()
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
+        loop.close()
+        instrument.worker.shutdown()
+
+
+async def _converse(instrument: Instrument, client: Client) -> None:
+    async for line in client.lines():
+        if line is None:
+            instrument.registers.note(Standard.CME)
+            continue
+        said = await answer(instrument, line)
+        if said:
+            end = "\r" if instrument.settings.carriage_return_only else "\r\n"
+            fault = instrument.faults.take(*ON_ANSWERS)
+            await client.say(await _spoilt(f"{said}{end}".encode("ascii"), fault))
+
+
+async def _spoilt(said: bytes, fault: Fault | None) -> bytes:
+    if fault is None:
+        return said
+    if fault.kind == "late":
+        await asyncio.sleep(fault.seconds)
+    if fault.kind == "drop":
+        raise ConnectionAbortedError("told to drop the connection")
+    instead = {"silent": b"", "garbage": GARBAGE, "half": said[: len(said) // 2]}
+    return instead.get(fault.kind, said)
+
+
+async def _wind_up(stack: AsyncExitStack) -> None:
+    await stack.aclose()
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)

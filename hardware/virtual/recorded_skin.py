@@ -1,0 +1,85 @@
+"""A skin that was recorded: sweeps played back instead of a simulation."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...simulator.sweeps import InputError, impedance
+from ...simulator.sweeps.schema import read_at
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..meter.accuracy_table import Conditions
+
+
+class Recorded:
+    """Plays the sweeps of one interface; each time a press is checked, its next repetition."""
+
+    def __init__(self, sweeps: xr.Dataset, interface: str | None = None) -> None:
+        """interface: without it the first. Raises InputError where there is none of that name."""
+        names = [str(name) for name in sweeps["interface"].values]
+        if interface is not None and interface not in names:
+            raise InputError(f"`interface` must be one of {', '.join(names)}, got {interface!r}")
+        own = read_at(sweeps, interface or names[0])
+        self._Z = impedance(own)[:, 0]
+        self._frequency = own["frequency"].values
+        self._presses = [str(press) for press in sweeps["press"].values]
+        self._pixels = [
+            f"{row},{column}"
+            for row, column in zip(sweeps["row"].values, sweeps["column"].values, strict=True)
+        ]
+        self._played: Counter[str] = Counter()
+
+    def check(self, press: str) -> str:
+        """The recorded press and which repetition of it is next, as `PRESS #N`.
+
+        press: as recorded, ROW,COLUMN, or `none`. Raises InputError where it was not recorded.
+        """
+        text = "".join(press.split())
+        found = [
+            number
+            for number, names in enumerate(zip(self._presses, self._pixels, strict=True))
+            if text in names
+        ]
+        if not found:
+            raise InputError(
+                f"press {press!r} was not recorded; there are "
+                f"{', '.join(dict.fromkeys(self._presses))}"
+            )
+        number = found[self._played[text] % len(found)]
+        self._played[text] += 1
+        return f"{self._presses[number]} #{number}"
+
+    def hold(self, press: str, now: float) -> str:
+        """As `check`: what the foam did is in the recording."""
+        return self.check(press)
+
+    def momentary(self, press: str, at: float) -> str:
+        """The same press at any time."""
+        return press
+
+    def impedance(self, press: str, frequency: float) -> complex:
+        """Z in ohm; between frequencies |Z| and phase follow the logarithm of the frequency.
+
+        press: as `check` gave it. frequency: Hz. Raises InputError outside the recorded ones.
+        """
+        low, high = self._frequency[[0, -1]] * (1 - 1e-4, 1 + 1e-4)
+        if not low <= frequency <= high:
+            raise InputError(f"frequency must be in {low:g}..{high:g} Hz, got {frequency:g}")
+        known = np.log(self._Z[int(press.rpartition("#")[2])])
+        along, at = np.log(self._frequency), np.log(frequency)
+        size, phase = np.interp(at, along, known.real), np.interp(at, along, known.imag)
+        return complex(np.exp(size + 1j * phase))
+
+    def depths(self, press: str) -> str:
+        """Nothing: what forces were recorded is told by the press."""
+        return ""
+
+
+def exact(Z: complex, conditions: Conditions) -> complex:
+    """A readout without error of its own: the recording has the meter's."""
+    return Z
