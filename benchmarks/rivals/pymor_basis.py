@@ -46,7 +46,7 @@ class Matrices:
     def of_family(cls, family: Family) -> Matrices:
         """For the first drive of a family in which no terminal floats."""
         space = family.space
-        potential = space.driven(family.circuit.drives[0]).potential
+        potential = space.driven(family.circuit.excitations[0]).potential
         alone = np.eye(family.scene.pixels.rows * family.scene.pixels.columns)
         whole = [space.restricted(family.mass(pixel)) for pixel in alone]
         charges = np.array([mass @ potential for mass in whole])

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, best_time, launch, publish
 from rcskin.benchmarks.speed.skins_scenes import SIDE, mapped, scene_of
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model import Reduced

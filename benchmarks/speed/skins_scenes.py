@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene import Scene
 from scipy.special import iv, ive, kv

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.effects import EFFECTS
+from ..models.heterogeneous.mesh_choice import single_field
 from ..models.line_slopes import LineModel
 from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, own_values, scene_with
 from ..models.reduced.forward import REACH, Forward
 from ..models.response import Response
 from ..models.slow.waves import EVEN, Uneven
-from ..models.varied.meshes import single_field
 from ..progress import Progress, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError

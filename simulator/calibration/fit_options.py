@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..models.heterogeneous.mesh_choice import single_field
 from ..models.parameters import KNOWN
-from ..models.varied.meshes import single_field
 from ..sweeps import InputError
 from .measurements import Measurements
 from .prior import Kind, Prior

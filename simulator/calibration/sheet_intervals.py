@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.heterogeneous.mesh_choice import single_field
 from ..models.parameters import BOTTOM_WAVES, TOP_WAVES
-from ..models.varied.meshes import single_field
 from ..scene.scene import Scene
 from .fit import Fit
 from .identifiability import Information

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.touches.errors import off_the_solver
-from ..fem.estimate import relative_difference
-from ..fem.safety import SAMPLED
+from ..fem.error_estimate import relative_difference
+from ..fem.safety_factors import SAMPLED
 from ..measure.foam_state import FoamState
 from ..measure.in_time import reading_moments
 from ..measure.streams import CELLS, stream

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.estimate import relative_difference
+from ..fem.error_estimate import relative_difference
 from ..measure.in_time import OF_NODES, Interpolation, interpolation
 from ..measure.readout import Meter, displayed
 from ..measure.skins import DrawnSkin, drawn_skin

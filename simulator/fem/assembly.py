@@ -16,6 +16,7 @@ from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadP
 
 from ..mesh.rings import Cells
 from .dropped import DROPPED
+from .lazy_kernel import Warming
 from .quadrature import (
     Rule,
     edge_rule,
@@ -25,7 +26,6 @@ from .quadrature import (
     stiffness_terms,
     surface,
 )
-from .warming import Warming
 
 EXTRA_ORDER = 40
 

@@ -20,7 +20,7 @@ from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
 from ..scene.wiring import joined
-from .excitation import Combination, Drive, combination, through_virtual_earth
+from .excitation import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12
 Low = Literal["floating", "virtual earth"] | None
@@ -52,7 +52,7 @@ class Circuit:
     conductance: tuple[float, ...]
     coupling: NDArray[np.float64]
     terminals: tuple[Terminal, ...]
-    drives: tuple[Drive, ...]
+    excitations: tuple[Excitation, ...]
     low: Low = None
 
     @property
@@ -66,7 +66,7 @@ class Circuit:
         return [k for k, each in enumerate(self.terminals) if each.faces is not None]
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """How many fields, in words."""
         return "one field" if self.fields == 1 else "two fields"
 
@@ -82,12 +82,12 @@ class Circuit:
 
     def read(self, interfaces: Sequence[Interface]) -> Circuit:
         """The same circuit, which is of two fields, driven by other interfaces."""
-        return replace(self, drives=_drives(self.terminals, interfaces, self.low))
+        return replace(self, excitations=_excitations(self.terminals, interfaces, self.low))
 
     @property
     def combination(self) -> Combination:
         """How the excitations combine to interfaces."""
-        return combination(self.drives)
+        return combination(self.excitations)
 
     def field_alone(self, field: int) -> NDArray[np.float64]:
         """What picks one field of all, shape (field, field)."""
@@ -114,7 +114,7 @@ def two_fields(scene: Scene) -> Circuit:
         ),
         coupling=np.array([[1.0, -1.0], [-1.0, 1.0]]),
         terminals=tuple(terminals),
-        drives=_drives(terminals, scene.interfaces, low),
+        excitations=_excitations(terminals, scene.interfaces, low),
         low=low,
     )
 
@@ -128,8 +128,8 @@ def one_field(scene: Scene) -> Circuit | None:
     pairs = {top: _partner(top, both.terminals, scene) for top in tops}
     if None in pairs.values() or 2 * len(tops) != len(both.terminals):
         return None
-    drives = [_pair_drive(drive, tops, pairs) for drive in both.drives]
-    if any(drive is None for drive in drives):
+    excitations = [_pair_excitation(excitation, tops, pairs) for excitation in both.excitations]
+    if any(excitation is None for excitation in excitations):
         return None
     skin = scene.skin
     return Circuit(
@@ -139,7 +139,7 @@ def one_field(scene: Scene) -> Circuit | None:
             Terminal(0, _in_series(both.terminals[top], both.terminals[pairs[top] or 0]))
             for top in tops
         ),
-        drives=tuple(drive for drive in drives if drive is not None),
+        excitations=tuple(excitation for excitation in excitations if excitation is not None),
     )
 
 
@@ -165,9 +165,9 @@ def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal
     return Terminal(("top", "bottom").index(contacts[0].electrode), contacts)
 
 
-def _drives(
+def _excitations(
     terminals: Sequence[Terminal], interfaces: Sequence[Interface], low: Low = None
-) -> tuple[Drive, ...]:
+) -> tuple[Excitation, ...]:
     terminal_of = {c.name: k for k, terminal in enumerate(terminals) for c in terminal.contacts}
     wired = {
         side: tuple(k for k, terminal in enumerate(terminals) if terminal.follows == side)
@@ -181,8 +181,8 @@ def _drives(
         for each in interfaces
     ]
     if low == "virtual earth":
-        return tuple(drive for each in driven for drive in through_virtual_earth(*each))
-    return tuple(Drive(*each, raised=low == "floating") for each in driven)
+        return tuple(excitation for each in driven for excitation in through_virtual_earth(*each))
+    return tuple(Excitation(*each, raised=low == "floating") for each in driven)
 
 
 def _indices(names: Sequence[str], terminal_of: dict[str, int]) -> tuple[int, ...]:
@@ -216,13 +216,15 @@ def _places(terminal: Terminal) -> list[tuple[str, tuple[float, ...]]]:
     return sorted((c.edge, (*c.span, c.width)) for c in terminal.contacts)
 
 
-def _pair_drive(drive: Drive, tops: list[int], pairs: dict[int, int | None]) -> Drive | None:
-    """The drive of the pairs, where `high` and `low` hold the two halves of the same pairs."""
-    upper = drive.high if set(drive.high) <= set(tops) else drive.low
-    lower = drive.low if upper is drive.high else drive.high
+def _pair_excitation(
+    excitation: Excitation, tops: list[int], pairs: dict[int, int | None]
+) -> Excitation | None:
+    """The excitation of the pairs, where `high` and `low` hold the two halves of the same pairs."""
+    upper = excitation.high if set(excitation.high) <= set(tops) else excitation.low
+    lower = excitation.low if upper is excitation.high else excitation.high
     if not set(upper) <= set(tops) or {pairs[top] for top in upper} != set(lower):
         return None
-    return Drive(tuple(tops.index(top) for top in upper), ())
+    return Excitation(tuple(tops.index(top) for top in upper), ())
 
 
 def _in_series(top: Terminal, bottom: Terminal) -> tuple[Contact, ...]:

@@ -18,20 +18,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import (
+from .error_estimate import (
     KRYLOV_SHARE,
     ROUNDING,
     Swept,
     estimated_error,
     frequencies_around,
+    reference_susceptance,
     relative_difference,
-    told_susceptance,
 )
-from .safety import MOST_GAINED
+from .safety_factors import MOST_GAINED
 
 
 @dataclass(frozen=True)
-class Drive:
+class Excitation:
     """An excitation: the terminals it connects; an empty `low` is the zero of the one field.
 
     potentials: of high and low, V. raised: whether both may rise above earth together, by as much
@@ -45,7 +45,7 @@ class Drive:
     raised: bool = False
     weight: float = 1.0
 
-    def told(self) -> dict[str, Any]:
+    def stored(self) -> dict[str, Any]:
         """As a file of a model holds it: without what all share where there is no earth."""
         own = asdict(self)
         return {
@@ -53,16 +53,16 @@ class Drive:
         }
 
     @classmethod
-    def read(cls, told: dict[str, Any]) -> Drive:
+    def read(cls, told: dict[str, Any]) -> Excitation:
         """The same of a file."""
         return cls(**{name: _tuples(own) for name, own in told.items()})
 
 
-def through_virtual_earth(high: tuple[int, ...], low: tuple[int, ...]) -> tuple[Drive, ...]:
+def through_virtual_earth(high: tuple[int, ...], low: tuple[int, ...]) -> tuple[Excitation, ...]:
     """The excitations of an interface whose low terminal is a virtual earth."""
     return (
-        Drive(high, low, (0.5, -0.5)),
-        Drive(high, low, (0.5, 0.5), weight=-1.0),
+        Excitation(high, low, (0.5, -0.5)),
+        Excitation(high, low, (0.5, 0.5), weight=-1.0),
     )
 
 
@@ -77,7 +77,7 @@ class Combination:
     weights: NDArray[np.float64]
 
     @property
-    def alone(self) -> bool:
+    def one_to_one(self) -> bool:
         """Whether every excitation is an interface."""
         return len(self.weights) == self.weights.shape[1]
 
@@ -88,17 +88,17 @@ class Combination:
 
     def admittance(self, Q: NDArray) -> NDArray:
         """Y in S, or any other form's sum, shape (interface, ...)."""
-        return Q if self.alone else np.tensordot(self.weights, Q, axes=1)
+        return Q if self.one_to_one else np.tensordot(self.weights, Q, axes=1)
 
     def bound(self, dQ: NDArray[np.float64]) -> NDArray[np.float64]:
         """What admittances are off by where forms are by so much, S, shape (interface, ...)."""
-        return dQ if self.alone else np.tensordot(np.abs(self.weights), dQ, axes=1)
+        return dQ if self.one_to_one else np.tensordot(np.abs(self.weights), dQ, axes=1)
 
     def impedance(self, Q: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, ...)."""
         return (1 / self.admittance(Q)).astype(np.complex128)
 
-    def apart(
+    def relative_change(
         self, Q: NDArray[np.complex128], truth: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
         """As `relative_difference` of impedances, the excitations' parts added without signs.
@@ -106,11 +106,11 @@ class Combination:
         Shape (2, interface, ...). 1/Y - 1/Y' = (Y' - Y) / (Y Y') is exact.
         """
         Z, exact = self.impedance(Q), self.impedance(truth)
-        if self.alone:
+        if self.one_to_one:
             return relative_difference(Z, exact)
         of_each = (Q - truth) * np.abs(self.weights)[(...,) + (None,) * (Q.ndim - 1)]
         Rs = np.abs(((Z * exact)[:, None] * of_each).real).sum(axis=1) / np.abs(exact.real)
-        Cp = np.abs(of_each.imag).sum(axis=1) / told_susceptance(self.admittance(truth))
+        Cp = np.abs(of_each.imag).sum(axis=1) / reference_susceptance(self.admittance(truth))
         return np.stack([Rs, Cp])
 
 
@@ -118,32 +118,32 @@ def _tuples(own: Any) -> Any:
     return tuple(own) if isinstance(own, list) else own
 
 
-def combination(drives: Sequence[Drive]) -> Combination:
+def combination(excitations: Sequence[Excitation]) -> Combination:
     """That of these excitations."""
-    weight = np.array([drive.weight for drive in drives])
+    weight = np.array([excitation.weight for excitation in excitations])
     interface = np.cumsum(weight > 0) - 1
-    weights = np.zeros((int((weight > 0).sum()), len(drives)))
-    weights[interface, np.arange(len(drives))] = weight
+    weights = np.zeros((int((weight > 0).sum()), len(excitations)))
+    weights[interface, np.arange(len(excitations))] = weight
     return Combination(weights)
 
 
-def checked(
+def impedance_with_error(
     sweep: Callable[[NDArray[np.float64], float], list[Swept]],
-    drives: Sequence[Drive],
+    excitations: Sequence[Excitation],
     frequency: NDArray[np.float64],
     rtol: float,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Z in ohm, shape (interface, frequency), and its relative errors, shape (2, ...).
 
     sweep: from frequencies in Hz and a tolerance of the solves to the forms of the excitations
-    `drives`, to finer ones and perhaps to coarser ones. frequency: Hz. rtol: the tolerance asked of
-    Rs and Cp.
+    `excitations`, to finer ones and perhaps to coarser ones. frequency: Hz. rtol: the tolerance
+    asked of Rs and Cp.
     """
-    around, combined = frequencies_around(frequency), combination(drives)
+    around, combined = frequencies_around(frequency), combination(excitations)
     (Q, change), (finer, _), *coarser = sweep(around, KRYLOV_SHARE * rtol)
-    off = estimated_error(combined.apart(Q, finer))
+    off = estimated_error(combined.relative_change(Q, finer))
     for before, _ in coarser:
-        gained = estimated_error(combined.apart(before, Q))
+        gained = estimated_error(combined.relative_change(before, Q))
         off = np.maximum(off, gained / MOST_GAINED)
     here = np.s_[:, : len(frequency)]
     return combined.impedance(Q)[here], off + change[here] + ROUNDING

@@ -19,16 +19,16 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
-from .charged import Bordered, Charged, Mass
 from .circuit import Circuit
-from .combined import respond_together
-from .driven import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
-from .estimate import Swept
-from .excitation import Combination, Drive, combination
+from .combined_lanczos import respond_together
+from .error_estimate import Swept
+from .excitation import Combination, Excitation, combination
+from .excited_terminals import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
 from .factors import Factors, factorised, without_zeros
 from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
-from .network import Network
+from .low_rank import Bordered, Charged, Mass
 from .system import Films, System
+from .terminal_network import Network
 
 
 class Galerkin:
@@ -55,7 +55,7 @@ class Galerkin:
         self._block, self._block_entries = self._whole.within(np.arange(self.inner))
         self.K = self._inner(self.restricted(system.stiffness))
         self.lift, self.conductance = self._terminal_lift()
-        self._driven: dict[Drive, Driven] = {}
+        self._driven: dict[Excitation, Driven] = {}
 
     @overload
     def restricted(self, matrix: csc_matrix) -> csc_matrix: ...
@@ -115,31 +115,37 @@ class Galerkin:
             right = inner_mass @ solution
         return np.array(moments)
 
-    def pencil(self, mass: Mass, drive: Drive, shift: float) -> Pencil:
-        """K + s M of one drive, its floating terminals among the unknowns. shift: sigma in 1/s."""
-        mass, driven = self.restricted(mass), self.driven(drive)
+    def pencil(self, mass: Mass, excitation: Excitation, shift: float) -> Pencil:
+        """K + s M of one excitation, its floating terminals among the unknowns. shift: sigma in
+        1/s."""
+        mass, driven = self.restricted(mass), self.driven(excitation)
         if shift == 0:
             return Unshifted(driven, mass).pencil(self._factor)
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
 
-    def pencils(self, masses: Sequence[Mass], drives: Sequence[Drive]) -> Pencils:
-        """K + s M of each drive with each M, of this space in F, those of one M side by side."""
-        each = [Unshifted(self.driven(drive), mass) for mass in masses for drive in drives]
+    def pencils(self, masses: Sequence[Mass], excitations: Sequence[Excitation]) -> Pencils:
+        """K + s M of each excitation with each M, of this space in F, those of one M side by
+        side."""
+        each = [
+            Unshifted(self.driven(excitation), mass)
+            for mass in masses
+            for excitation in excitations
+        ]
         return unshifted_together(each, self.solve, self.inner)
 
-    def potentials(self, mass: Mass, drive: Drive, s: complex) -> NDArray:
+    def potentials(self, mass: Mass, excitation: Excitation, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.
 
         Of all unknowns of the system, 0 where this space has none. mass: M in F.
         """
         mass = self.restricted(mass)
-        return self.spread(potentials(self.driven(drive), mass, self._shifted(s, mass), s))
+        return self.spread(potentials(self.driven(excitation), mass, self._shifted(s, mass), s))
 
     def potentials_by(
-        self, steps: Steps, mass: Mass, drive: Drive, s: NDArray[np.float64]
+        self, steps: Steps, mass: Mass, excitation: Excitation, s: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """The same at real s >= 0, by the steps of a sweep that reached as far; shape (..., s)."""
-        at_zero = Unshifted(self.driven(drive), self.restricted(mass)).potential
+        at_zero = Unshifted(self.driven(excitation), self.restricted(mass)).potential
         return self.spread(at_zero[:, None] + steps.potentials(s))
 
     def spread(self, u: NDArray) -> NDArray:
@@ -177,11 +183,13 @@ class Galerkin:
         in_films = self.film_energy(W, system.films)
         return (self.sheet_energy(W, system.sheets) + in_films).item()
 
-    def driven(self, drive: Drive) -> Driven:
-        """What one drive drives, and what then floats."""
-        if drive not in self._driven:
-            self._driven[drive] = driven_by(drive, self.terminal_field, self.conductance, self.lift)
-        return self._driven[drive]
+    def driven(self, excitation: Excitation) -> Driven:
+        """Driven potentials and floating terminals of one excitation."""
+        if excitation not in self._driven:
+            self._driven[excitation] = driven_by(
+                excitation, self.terminal_field, self.conductance, self.lift
+            )
+        return self._driven[excitation]
 
     def _shifted(self, s: complex, mass: Mass) -> SuperLU | Bordered:
         """Factors of the inner block of K + s M. mass: of this space."""
@@ -243,18 +251,18 @@ KEPT_NUMBERS = 2_000_000
 def swept(
     space: Galerkin,
     mass: Mass,
-    drives: Sequence[Drive],
+    excitations: Sequence[Excitation],
     s: NDArray[np.complex128],
     rtol: float,
     kept: KeptSteps | None = None,
 ) -> Swept:
     """Forms of excitations at each s in rad/s, and relative errors of the interfaces that they
     combine to, see `excitation.combination`. mass: M in F."""
-    fits = MOST_STEPS * space.inner * len(drives) <= KEPT_NUMBERS
-    own, combined = kept if fits else None, combination(drives)
-    Q, error = np.empty((len(drives), len(s)), dtype=np.complex128), []
+    fits = MOST_STEPS * space.inner * len(excitations) <= KEPT_NUMBERS
+    own, combined = kept if fits else None, combination(excitations)
+    Q, error = np.empty((len(excitations), len(s)), dtype=np.complex128), []
     for weights, group in zip(combined.weights, combined.groups, strict=True):
-        some = [drives[k] for k in group]
+        some = [excitations[k] for k in group]
         Q[group], of_interface = _interface(space, mass, some, weights[group], s, rtol, own)
         error.append(of_interface)
     return Q, np.stack(error)
@@ -263,7 +271,7 @@ def swept(
 def _interface(
     space: Galerkin,
     mass: Mass,
-    drives: Sequence[Drive],
+    excitations: Sequence[Excitation],
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
     rtol: float,
@@ -271,10 +279,10 @@ def _interface(
 ) -> Swept:
     """Forms of one interface and its relative error: real solves about zero, then about shifts for
     what those leave."""
-    steps = None if kept is None else [Steps() for _ in drives]
+    steps = None if kept is None else [Steps() for _ in excitations]
 
     def about(shift: float, s: NDArray[np.complex128], steps: list[Steps] | None = None) -> Swept:
-        pencils = [space.pencil(mass, drive, shift) for drive in drives]
+        pencils = [space.pencil(mass, excitation, shift) for excitation in excitations]
         if len(pencils) > 1:
             return respond_together(pencils, Combination(weights[None]), s, rtol, steps)
         Y, error = respond(pencils[0], s, rtol, kept=steps[0] if steps else None)
@@ -284,9 +292,9 @@ def _interface(
     left = np.flatnonzero(error > rtol)
     if kept is not None and steps is not None:
         reached = np.abs(s) < np.abs(s[left]).min(initial=np.inf)
-        for drive, own in zip(drives, steps, strict=True):
+        for excitation, own in zip(excitations, steps, strict=True):
             if own.basis:
-                kept.steps[drive] = own, float(np.abs(s[reached]).max(initial=0.0))
+                kept.steps[excitation] = own, float(np.abs(s[reached]).max(initial=0.0))
     while left.size:
         shift = REACH * float(s.imag[left[0]])
         Q[:, left], error[left] = about(shift, s[left])

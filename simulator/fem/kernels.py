@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..compiled import compiled
 from .dropped import DROPPED
-from .estimate import LOST_SUSCEPTANCE
+from .error_estimate import LOST_SUSCEPTANCE
 
 
 @compiled()

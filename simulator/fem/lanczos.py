@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import LOST_SUSCEPTANCE, lost_digits
-from .excitation import Drive
-from .warming import Warming
+from .error_estimate import LOST_SUSCEPTANCE, lost_digits
+from .excitation import Excitation
+from .lazy_kernel import Warming
 
 MOST_STEPS = 60
 FEWEST_STEPS = 3
@@ -62,7 +62,7 @@ last_change = Warming(
 
 @dataclass(frozen=True)
 class Pencil:
-    """K + s M of one drive, as Lanczos' method needs it.
+    """K + s M of one excitation, as Lanczos' method needs it.
 
     start: M g, the charge of the driven potentials. mass: v to M v. inverse: y to (K + sigma M)^-1
     y. admittance: Y(sigma) in S. capacitance: g'Mg in F. shift: sigma in 1/s.
@@ -212,14 +212,15 @@ class Steps:
 
 
 class KeptSteps:
-    """The steps about zero of a sweep's drives, and up to which |s| in rad/s they are close."""
+    """The steps about zero of a sweep's excitations, and up to which |s| in rad/s they are
+    close."""
 
     def __init__(self) -> None:
-        self.steps = dict[Drive, tuple[Steps, float]]()
+        self.steps = dict[Excitation, tuple[Steps, float]]()
 
-    def of(self, drive: Drive, s: NDArray[np.float64]) -> Steps | None:
-        """Those of a drive if they are close at all s."""
-        steps, reach = self.steps.get(drive, (None, 0.0))
+    def of(self, excitation: Excitation, s: NDArray[np.float64]) -> Steps | None:
+        """Those of an excitation if they are close at all s."""
+        steps, reach = self.steps.get(excitation, (None, 0.0))
         return steps if s.max() <= reach else None
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from .dropped import DROPPED
-from .warming import Warming
+from .lazy_kernel import Warming
 
 TABLE = 32
 """Times the keys: how many may be in a table, which then takes less time than to sort the keys."""

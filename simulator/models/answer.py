@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.estimate import told_susceptance
-from ..fem.safety import UNIFORM
+from ..fem.error_estimate import reference_susceptance
+from ..fem.safety_factors import UNIFORM
 from ..scene.meter import Leads
 
 
@@ -90,7 +90,7 @@ def told_capacitance(
 
     Z: ohm, shape (..., frequency). frequency: Hz.
     """
-    return told_susceptance(1 / Z) / (2 * np.pi * frequency)
+    return reference_susceptance(1 / Z) / (2 * np.pi * frequency)
 
 
 class Progress:

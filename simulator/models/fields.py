@@ -12,11 +12,11 @@ from ..press.press import Press, check_fingers
 from ..progress import Progress, silent
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
+from .heterogeneous.coefficients import ELECTRODES
+from .heterogeneous.discretised import Discretised
+from .heterogeneous.mesh_choice import indented, meshes
+from .heterogeneous.sampling import Sampler
 from .outlook import Remaining
-from .varied.coefficients import ELECTRODES
-from .varied.discretised import Discretised
-from .varied.meshes import indented, meshes
-from .varied.sampling import Sampler
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -69,24 +69,24 @@ def fields(
     """
     check_fingers(press, scene)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
-    drive = interface_names(scene).index(checked_interface(interface, scene))
+    excitation = interface_names(scene).index(checked_interface(interface, scene))
     discretised, Z = _resolved(scene, press, frequency, rtol, progress)
     sampler = Sampler(scene, discretised)
     s = laplace_variable(frequency, scene.skin.foam.loss)
     found = []
     for k, each in enumerate(s):
         progress(f"fields, frequencies: {s.size}", k / s.size)
-        found.append(_at(discretised, sampler, drive, complex(each)))
+        found.append(_at(discretised, sampler, excitation, complex(each)))
     potential, current, power, rises = zip(*found, strict=True)
     by_rise = np.stack(rises)
     x, coefficients = sampler.surface.x, discretised.coefficients
-    by_Rs, by_Cp = _relative(scene, by_rise, Z[drive], frequency)
+    by_Rs, by_Cp = _relative(scene, by_rise, Z[excitation], frequency)
     return Fields(
         x=_flat(x),
         position=_flat(sampler.position),
         cells=sampler.parts,
         frequency=frequency,
-        Z=scene.leads.seen_through(Z[drive], frequency),
+        Z=scene.leads.seen_through(Z[excitation], frequency),
         potential=_flat(np.stack(potential, axis=1)),
         current=_flat(np.stack(current, axis=1)),
         power=_flat(np.stack(power)),
@@ -124,7 +124,9 @@ def _at(
     x, coefficients = sampler.surface.x, discretised.coefficients
     combined = discretised.circuit.combination
     group, weights = combined.groups[interface], combined.weights[interface]
-    sampled = [map(coefficients.of_both_sheets, sampler.sampled(drive, s)) for drive in group]
+    sampled = [
+        map(coefficients.of_both_sheets, sampler.sampled(excitation, s)) for excitation in group
+    ]
     potentials, slopes = (np.stack(each) for each in zip(*sampled, strict=True))
     potential, slope = potentials.sum(axis=0), slopes.sum(axis=0)
     across = potentials[:, 0] - potentials[:, 1]

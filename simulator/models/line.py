@@ -36,7 +36,7 @@ class Line:
         if len(contacts) != 1 or contacts[0].span != (0.0, 1.0):
             raise InputError(f"{scene.name} is no line: it is not fed along one whole edge alone")
         self.scene, self._contact = scene, contacts[0]
-        self._interfaces = len(circuit.drives)
+        self._interfaces = len(circuit.excitations)
         skin = scene.skin
         along_x = self._contact.edge in ("left", "right")
         self._length, self._width = (

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.excitation import Drive
+from ..fem.excitation import Excitation
 from ..fem.galerkin import Galerkin
-from ..fem.network import allowed_potentials
+from ..fem.terminal_network import allowed_potentials
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
@@ -68,8 +68,10 @@ class Lumped:
         """The expansion at low frequency, one for each interface."""
         if press not in self._series:
             moments = self._space.moments(self._sheet.mass(press), 4)
-            field, drives = self._space.terminal_field, self._sheet.circuit.drives
-            self._series = {press: [_series(moments, field, drive) for drive in drives]}
+            field, excitations = self._space.terminal_field, self._sheet.circuit.excitations
+            self._series = {
+                press: [_series(moments, field, excitation) for excitation in excitations]
+            }
         return self._series[press]
 
 
@@ -103,8 +105,10 @@ def _bounds(
     return Rs_error, Cp_error
 
 
-def _series(moments: NDArray[np.float64], field: NDArray[np.int64], drive: Drive) -> Series:
-    modes, common = allowed_potentials(tuple(field.tolist()), drive)
+def _series(
+    moments: NDArray[np.float64], field: NDArray[np.int64], excitation: Excitation
+) -> Series:
+    modes, common = allowed_potentials(tuple(field.tolist()), excitation)
     if not common[0] or common[1:].any():
         raise InputError("the lumped model needs an interface between the two sheets, both driven")
     Y = modes.T @ moments @ modes

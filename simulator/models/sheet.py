@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ..fem.circuit import Circuit
-from ..fem.estimate import Swept
+from ..fem.error_estimate import Swept
 from ..fem.factors import one_blas_thread
 from ..fem.galerkin import Galerkin, swept
-from ..fem.network import Network
 from ..fem.system import build_system
+from ..fem.terminal_network import Network
 from ..mesh.quadrilaterals import Resolution, tile_lines
 from ..press.capacitance import capacitance_map, lines, tile_map
 from ..press.press import Press
@@ -48,7 +48,7 @@ class Sheet:
         One complex system for each frequency: the reference that faster ways are held against.
         """
         network = self.network(press, frequency)
-        return np.stack([network.impedance(drive) for drive in self.circuit.drives])
+        return np.stack([network.impedance(excitation) for excitation in self.circuit.excitations])
 
     def network(self, press: Press, frequency: NDArray[np.float64]) -> Network:
         """The N-terminal network at these frequencies in Hz."""
@@ -73,7 +73,7 @@ class Sheet:
         mass, s = self.mass(press), self._s(frequency)
         with one_blas_thread():
             return [
-                swept(space, mass, self.circuit.drives, s, rtol)
+                swept(space, mass, self.circuit.excitations, s, rtol)
                 for space in spaces or (self.space,)
             ]
 

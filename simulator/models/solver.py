@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..fem.circuit import Circuit, one_field, two_fields
-from ..fem.estimate import ROUNDING, relative_difference
-from ..fem.excitation import checked
-from ..fem.safety import UNIFORM
+from ..fem.error_estimate import ROUNDING, relative_difference
+from ..fem.excitation import impedance_with_error
+from ..fem.safety_factors import UNIFORM
 from ..mesh.quadrilaterals import Resolution
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
@@ -27,13 +27,13 @@ from ..remembered import remembered
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .answer import Answer, Progress, Rung
+from .heterogeneous.press_cache import Place, Places
 from .line import Line
 from .lumped import Lumped, least_left_out
 from .outlook import Outlook
 from .plain import electrical, electrical_press, require_plain
 from .resolution import Ladder
 from .sheet import Sheet
-from .varied.places import Place, Places
 
 if TYPE_CHECKING:
     from .mechanics.pressed import Pressed
@@ -137,7 +137,7 @@ class Solver:
                 return progress.answer()
         sharp, pressed, place = press, None, None
         if press.indented:
-            from .varied.meshes import indented
+            from .heterogeneous.mesh_choice import indented
 
             place = self._places.of(press)
             sharp, pressed = indented(self.scene, press, self.rtol, place=place)
@@ -174,7 +174,7 @@ class Solver:
 
         place: where `pressed` presses. Raises InputError where another model is asked for.
         """
-        from .varied.meshes import meshes
+        from .heterogeneous.mesh_choice import meshes
 
         if self.model in ("line", "lumped"):
             require_plain(self._even, f"the model {self.model!r}")
@@ -282,14 +282,14 @@ class Solver:
 
     def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:
         sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
-        Z, error = checked(
+        Z, error = impedance_with_error(
             lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),
-            self._circuit.drives,
+            self._circuit.excitations,
             frequency,
             self.rtol,
         )
         answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
-        told = f"2-D elements, {self._circuit.told}, {answered}"
+        told = f"2-D elements, {self._circuit.description}, {answered}"
         return Rung(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: Progress) -> None:

@@ -1,4 +1,4 @@
-"""A reduced skin as numbers for a page: M and the drives, and what its sheets add to K."""
+"""A reduced skin as numbers for a page: M and the excitations, and what its sheets add to K."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
-from ..fem.network import allowed_potentials
+from ..fem.terminal_network import allowed_potentials
+from ..models.heterogeneous.coefficients import ELECTRODES
+from ..models.heterogeneous.materials import gauged
 from ..models.parameters import foam_parts
 from ..models.reduced.families.family import resistive
 from ..models.reduced.projection import Projection
 from ..models.reduced.skin import ReducedSkin
-from ..models.varied.coefficients import ELECTRODES
-from ..models.varied.materials import gauged
 from .base64_arrays import exactly
 
 KRYLOV_RTOL = 1e-12
@@ -23,7 +23,8 @@ ROUNDING = 1e-13
 
 
 def packed_model(skin: ReducedSkin) -> dict[str, Any]:
-    """M and the drives in the coordinates in which K is 1; see `kernel.Rest` and `kernel.Feed`."""
+    """M and the excitations in the coordinates in which K is 1; see `kernel.Rest` and
+    `kernel.Feed`."""
     rest, reduced = skin.rest, skin.reduced
     full = np.abs(rest.factors).max(axis=2) > 0
     rows, columns = reduced.grid
@@ -57,15 +58,15 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
 
 
 def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
-    """How interfaces are sums of drives, where parts of M beyond the foam's begin, see `Parts`, and
-    M of what no press changes in F, shape (m, m); nothing where there is only foam."""
+    """How interfaces are sums of excitations, where parts of M beyond the foam's begin, see
+    `Parts`, and M of what no press changes in F, shape (m, m); nothing where there is only foam."""
     parts, combination, fixed = skin.parts, skin.combination, skin.reduced.fixed
     if not parts.around:
         return {}
     whole = skin.turn.T @ fixed.sum(axis=0) @ skin.turn if len(fixed) else None
     return {
         "combined": None
-        if combination.alone
+        if combination.one_to_one
         else [[[int(k), row[k]] for k in np.flatnonzero(row)] for row in combination.weights],
         "parts": {"fingers": parts.kind[1].start, "thickness": parts.kind[2].start},
         "across": bool(parts.thickness),
@@ -75,7 +76,7 @@ def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
 
 def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
     fields = tuple(reduced.terminal_field.tolist())
-    return [allowed_potentials(fields, drive) for drive in reduced.circuit.drives]
+    return [allowed_potentials(fields, excitation) for excitation in reduced.circuit.excitations]
 
 
 def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:

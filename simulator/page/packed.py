@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
 from ..mesh.held import held
+from ..models.heterogeneous.materials import gauged
+from ..models.heterogeneous.mesh_choice import circuit_of
 from ..models.parameters import Variation
 from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.greedy import reduce
 from ..models.reduced.model import Reduced
-from ..models.varied.materials import gauged
-from ..models.varied.meshes import circuit_of
 from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch

@@ -12,11 +12,11 @@ from skfem import CellBasis
 
 from ..fem.assembly import quadrilateral
 from ..fem.quadrature import rule_at
+from ..models.heterogeneous.elements import triangles
+from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.even import EvenFamily
 from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.skin import ReducedSkin
-from ..models.varied.elements import triangles
-from ..models.varied.materials import Materials
 from ..scene.scene import Scene
 from .locating import located
 

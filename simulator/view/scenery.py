@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.varied.materials import position
+from ..models.heterogeneous.materials import position
 from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks

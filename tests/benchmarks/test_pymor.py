@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.scene.files import load_scene

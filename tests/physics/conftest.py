@@ -66,7 +66,7 @@ class PlainSkin:
         terminals = [terminal for terminal in circuit.terminals if terminal.contacts]
         contacts = [contact for terminal in terminals for contact in terminal.contacts]
         pixels = pixel_mesh(scene, contacts, resolution)
-        self.scene, self.pixel, self.drives = scene, pixels.pixel, circuit.drives
+        self.scene, self.pixel, self.excitations = scene, pixels.pixel, circuit.excitations
         self.tiles = [tile_lines(scene, axis, resolution) for axis in (0, 1)]
         self.basis = Basis(pixels.mesh, quadrilateral(order), intorder=2 * order)
         N = self.basis.N
@@ -115,8 +115,8 @@ class PlainSkin:
         A = K + s * self.mass(c)
         A = (self.tie.T @ A @ self.tie).tocsr()
         first_foil = A.shape[0] - (self.size - 2 * self.basis.N)
-        drive = self.drives[interface]
-        high, low = (first_foil + np.array(side) for side in (drive.high, drive.low))
+        excitation = self.excitations[interface]
+        high, low = (first_foil + np.array(side) for side in (excitation.high, excitation.low))
         free = np.setdiff1d(np.arange(A.shape[0]), [*high, *low])
         u = np.zeros(A.shape[0], dtype=complex)
         u[high] = 1.0

@@ -6,7 +6,7 @@ import pytest
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.presses import drawn_presses
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.held import held
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press

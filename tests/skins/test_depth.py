@@ -9,7 +9,7 @@ from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import reduced as family_of
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate

@@ -19,7 +19,7 @@ from rcskin.simulator.dataset.model import REDUCED, Training
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.presses import drawn_presses
 from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints

@@ -15,7 +15,7 @@ from rcskin.simulator.bounds.touches.about_pixels import DeepOnes
 from rcskin.simulator.bounds.touches.cells import Cells
 from rcskin.simulator.bounds.touches.deep import Deep
 from rcskin.simulator.bounds.touches.shared import shared_by_cells
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.mechanics.lattice.presses import raised

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import rcskin
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.network.skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with

@@ -7,7 +7,7 @@ from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import chosen_touch, places_on
 from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses

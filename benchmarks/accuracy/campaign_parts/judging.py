@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
 from rcskin.benchmarks.accuracy.campaign_parts.problem import Case, Truth
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Values, Verdict
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.answer import Answer
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.sweeps import InputError, ToleranceError

@@ -13,7 +13,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.moves import (
     with_polygons,
 )
 from rcskin.benchmarks.accuracy.campaign_parts.problem import Problem, Route, Truth, solved
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 
 OTHER_SHARE = 1 / 12
 """Of the tolerance: what is asked of a reference by another mesh."""

@@ -18,7 +18,7 @@ from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section,
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.charts import AT_REST, COLOURS, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh
 from rcskin.simulator.models.resolution import Ladder
 from rcskin.simulator.models.sheet import Sheet

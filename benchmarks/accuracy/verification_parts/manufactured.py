@@ -23,7 +23,7 @@ from rcskin.simulator.fem.quadrature import (
 )
 from rcskin.simulator.fem.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
 from rcskin.simulator.mesh.rings import Cells, rectangles, ringed
-from rcskin.simulator.models.varied.elements import flat_triangles
+from rcskin.simulator.models.heterogeneous.elements import flat_triangles
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import LinearForm, MeshQuad, MeshTri

@@ -15,7 +15,7 @@ from rcskin.benchmarks.accuracy.verification_parts.manufactured import (
 )
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, below, slopes
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 
 R1, R2 = 0.3, 1.0
 FEW_ORDERS = 2

@@ -13,7 +13,7 @@ from rcskin.benchmarks.rivals import scikit_fem_triangles
 from rcskin.benchmarks.rivals.scikit_fem_triangles import Places
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.benchmarks.speed.skins_scenes import FREQUENCY, SHEETS, SIDE, C, Case, answered, cases
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from skfem import MeshTri
 
 RTOLS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)

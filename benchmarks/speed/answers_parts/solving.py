@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import best_time, timed
 from rcskin.benchmarks.speed.answers_parts.question import Answer
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch

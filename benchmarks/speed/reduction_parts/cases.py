@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import best_time
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model import Reduced
@@ -158,7 +158,7 @@ def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.flo
     reduced = skin.reduced
     loss = (skin.variation or reduced.scene.skin.foam).loss
     asked = skin.weights, loss, skin.map_of(cells, rises), reduced.rtol, reduced.frequency
-    return reduced.family.solved(*asked, reduced.circuit.drives)[0]
+    return reduced.family.solved(*asked, reduced.circuit.excitations)[0]
 
 
 def microseconds(skin: ReducedSkin, scene: Scene, count: int = BATCH) -> float:

@@ -82,7 +82,7 @@ def measured(target: Target) -> dict[str, str | float]:
 
 
 def _times(reduced: Reduced) -> dict[str, float]:
-    skin, interfaces = reduced.skin(None), len(reduced.circuit.drives)
+    skin, interfaces = reduced.skin(None), len(reduced.circuit.excitations)
     return {
         name: microseconds(skin, reduced.scene, count) / interfaces
         for name, count in ((IN_A_BATCH, BATCH), ("a single call (µs per interface)", 1))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ...models.heterogeneous.materials import gauged
 from ...models.network.terminals import many
 from ...models.reduced.indented.draws import felt_beside
-from ...models.varied.materials import gauged
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..touches.cells import TouchSize

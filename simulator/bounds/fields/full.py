@@ -16,18 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.charged import Charged, Mass
-from ...fem.estimate import ROUNDING
-from ...fem.excitation import Combination, Drive, combination
+from ...fem.error_estimate import ROUNDING
+from ...fem.excitation import Combination, Excitation, combination
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
+from ...fem.low_rank import Charged, Mass
+from ...models.heterogeneous.materials import gauge_slopes, gauged
+from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.resolving import unreduced
 from ...models.response import Response, at_meter
-from ...models.varied.materials import gauge_slopes, gauged
-from ...models.varied.meshes import circuit_of
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
@@ -97,7 +97,10 @@ class Fields:
         )
         s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
-            found = [self._of_drive(drive, on, s, frequency) for drive in self._circuit.drives]
+            found = [
+                self._of_drive(excitation, on, s, frequency)
+                for excitation in self._circuit.excitations
+            ]
         Y = combined.admittance(np.stack([own for own, _ in found])).astype(np.complex128)
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
         by = {name: combined.admittance(each) for name, each in by.items()}
@@ -107,7 +110,7 @@ class Fields:
     @cached_property
     def _combined(self) -> Combination:
         """How what is solved for combines to interfaces."""
-        return combination(self._circuit.drives)
+        return combination(self._circuit.excitations)
 
     @cached_property
     def _laying(self) -> Laying:
@@ -135,14 +138,14 @@ class Fields:
 
     def _of_drive(
         self,
-        drive: Drive,
+        excitation: Excitation,
         on: _Pressed,
         s: NDArray[np.complex128],
         frequency: NDArray[np.float64],
     ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
-        pencil = on.space.pencil(on.mass, drive, 0.0)
+        pencil = on.space.pencil(on.mass, excitation, 0.0)
         Y, _ = respond(pencil, s, KRYLOV_RTOL)
-        u = self._potentials(drive, pencil, on, s, Y)
+        u = self._potentials(excitation, pencil, on, s, Y)
         parts = np.hstack([u.real, u.imag])
         by = {name: s * _energy(parts, each) for name, each in on.masses.items()}
         gauges = {name: each for name, each in on.gauges.items() if each is not None}
@@ -163,7 +166,7 @@ class Fields:
 
     def _potentials(
         self,
-        drive: Drive,
+        excitation: Excitation,
         pencil: Pencil,
         on: _Pressed,
         s: NDArray[np.complex128],
@@ -174,7 +177,7 @@ class Fields:
         Of an excitation that charges next to nothing, as against earth that nothing reaches, Y is
         what rounding leaves of all charges.
         """
-        driven, space = on.space.driven(drive), on.space
+        driven, space = on.space.driven(excitation), on.space
         near = on.mass.near if isinstance(on.mass, Charged) else on.mass
         lost = ROUNDING * np.abs(s) * np.abs(space.restricted(near).data).sum()
         g, sheets = driven.potential, driven.floating[:, driven.common]

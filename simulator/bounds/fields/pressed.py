@@ -68,11 +68,11 @@ class PressedSkin:
         pressed, axes = own_axes(M, N)
         dynamic = between_terminals(pressed, s)
         circuit = skin.reduced.circuit
-        wiring = wiring_of(circuit.drives, skin.reduced.terminal_field, skin.conductance)
+        wiring = wiring_of(circuit.excitations, skin.reduced.terminal_field, skin.conductance)
         at, Y = [], []
-        for drive, count in enumerate(wiring.counts):
-            allowed = wiring.potentials[drive, :, :count]
-            Y_of = wiring.conductance[drive, :count, :count] + allowed.T @ dynamic @ allowed
+        for excitation, count in enumerate(wiring.counts):
+            allowed = wiring.potentials[excitation, :, :count]
+            Y_of = wiring.conductance[excitation, :count, :count] + allowed.T @ dynamic @ allowed
             floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
             Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
             at.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)

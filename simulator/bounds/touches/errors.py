@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.estimate import relative_difference
-from ...fem.safety import SAMPLED
+from ...fem.error_estimate import relative_difference
+from ...fem.safety_factors import SAMPLED
 from ...models.mechanics.lattice.presses import Applied
 from ...models.mechanics.lattice.skin import Lattice
 from ...models.mechanics.lattice.triangles import as_press, traced

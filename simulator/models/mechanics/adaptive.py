@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.safety import DEFLECTION
+from ...fem.safety_factors import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
 from ...progress import Progress, silent

@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.excitation import Combination, Drive, combination
-from ...fem.network import allowed_potentials
+from ...fem.excitation import Combination, Excitation, combination
+from ...fem.terminal_network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.contacts import Interface
 from ...sweeps import InputError
+from ..heterogeneous.materials import gauged
 from ..reduced.skin import ReducedSkin
-from ..varied.materials import gauged
 from .kernel import Wiring, admittances, impedances
 from .terminals import read
 from .touches import AtRest, at_rest
@@ -51,30 +51,34 @@ class NetworkSkin:
 
     def wiring(self, readings: Sequence[Interface]) -> Wiring:
         """Readings as the kernel takes them. Raises InputError as `read` does."""
-        drives = read(self.skin.reduced, readings).circuit.drives
-        return wiring_of(drives, self.skin.reduced.terminal_field, self.conductance)
+        excitations = read(self.skin.reduced, readings).circuit.excitations
+        return wiring_of(excitations, self.skin.reduced.terminal_field, self.conductance)
 
     def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Z in ohm of every reading, shape (press, reading, s). Y: of `admittances`."""
         Z, combination = impedances(Y, wiring), Combination(wiring.weights)
-        if combination.alone:
+        if combination.one_to_one:
             return Z
         forms: NDArray[np.complex128] = np.reciprocal(np.moveaxis(Z, 1, 0))
         return np.moveaxis(combination.impedance(forms), 0, 1)
 
 
 def wiring_of(
-    drives: Sequence[Drive], terminal_field: NDArray[np.int64], conductance: NDArray[np.float64]
+    excitations: Sequence[Excitation],
+    terminal_field: NDArray[np.int64],
+    conductance: NDArray[np.float64],
 ) -> Wiring:
     """Potentials that excitations allow, and the conductance between them without rounding."""
-    found = [allowed_potentials(tuple(terminal_field.tolist()), drive) for drive in drives]
+    found = [
+        allowed_potentials(tuple(terminal_field.tolist()), excitation) for excitation in excitations
+    ]
     counts = np.array([len(common) for _, common in found])
-    potentials = np.zeros((len(drives), len(conductance), counts.max()))
-    between = np.zeros((len(drives), counts.max(), counts.max()))
+    potentials = np.zeros((len(excitations), len(conductance), counts.max()))
+    between = np.zeros((len(excitations), counts.max(), counts.max()))
     for k, (modes, common) in enumerate(found):
         potentials[k, :, : counts[k]] = modes
         own = modes.T @ conductance @ modes
         own[common, :] = 0.0
         own[:, common] = 0.0
         between[k, : counts[k], : counts[k]] = own
-    return Wiring(potentials, between, counts, combination(drives).weights)
+    return Wiring(potentials, between, counts, combination(excitations).weights)

@@ -20,12 +20,12 @@ from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
 from ...scene.wiring import check_wiring, joined
 from ...sweeps import InputError
+from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw
 from ..reduced.greedy import reduce
 from ..reduced.indented.draws import spreading
 from ..reduced.model import Reduced
 from ..reduced.projection import Projection
-from ..varied.meshes import single_field
 
 Model = TypeVar("Model", bound=Projection)
 

@@ -14,8 +14,8 @@ from ...press.pixels import pixels_with_skin
 from ...press.press import Press
 from ...press.touch import Touch
 from ...scene.scene import Scene
+from ..heterogeneous.materials import gauged
 from ..parameters import Variation
-from ..varied.materials import gauged
 
 TWICE = 2
 

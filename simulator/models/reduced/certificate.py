@@ -12,11 +12,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.charged import Mass
 from ...fem.circuit import Circuit
-from ...fem.estimate import certified
+from ...fem.error_estimate import certified
 from ...fem.excitation import Combination
 from ...fem.galerkin import Galerkin
+from ...fem.low_rank import Mass
 from ...sweeps import InputError
 from .families.family import Weights
 
@@ -41,7 +41,7 @@ def certificate(
     charge = _charges(masses, potential)[: space.inner]
     power = residual_power(space, current, charge, np.tile(s, Q.size // len(s)))
     power = power.reshape(Q.shape) / least
-    if combination.alone:
+    if combination.one_to_one:
         return certified(Q, power)
     Y, error = combination.admittance(np.moveaxis(Q, 1, 0)), combination.bound(power.swapaxes(0, 1))
     return certified(np.asarray(Y, dtype=np.complex128).swapaxes(0, 1), error.swapaxes(0, 1))

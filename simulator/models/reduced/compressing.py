@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.estimate import relative_difference
+from ...fem.error_estimate import relative_difference
 from ...press.parts import parts_of
 from .cases import Case
 from .families.masses import thinned

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from ...fem.driven import Driven
+from ...fem.excited_terminals import Driven
 
 
 class Rest(NamedTuple):

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.excitation import Drive
+from ...fem.excitation import Excitation
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.files import parse_scene, scene_text
 from ...sweeps import InputError, digests, inputs, kept_file
-from ..varied.meshes import circuit_of
+from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation
 from .indented.file import arrays_of, beside_from, with_beside
 from .indented.model import Indented
@@ -36,7 +36,7 @@ def save(reduced: Reduced, path: Path) -> None:
     told = {
         "scene": scene_text(reduced.scene),
         "fields": reduced.circuit.fields,
-        "drives": [drive.told() for drive in reduced.circuit.drives],
+        "drives": [drive.stored() for drive in reduced.circuit.excitations],
         **mesh,
         "modes": reduced.modes,
         "rtol": reduced.rtol,
@@ -90,8 +90,8 @@ def _read(path: Path) -> Reduced:
     if circuit.fields != told["fields"]:
         raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
     if "drives" in told:
-        drives = tuple(Drive.read(own) for own in told["drives"])
-        circuit = replace(circuit, drives=drives)
+        drives = tuple(Excitation.read(own) for own in told["drives"])
+        circuit = replace(circuit, excitations=drives)
     arrays["frequency"] = scene.frequencies if frequency is None else frequency
     _check_sizes(arrays, max(terminal.field for terminal in circuit.terminals) + 1)
     model = Reduced(

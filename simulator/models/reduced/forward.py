@@ -20,6 +20,8 @@ from ...progress import Progress, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid
 from ...scene.scene import Scene
+from ..heterogeneous.materials import gauge_slopes, gauged, gauges
+from ..heterogeneous.mesh_choice import single_field
 from ..parameters import (
     FOAM_WAVES,
     Variation,
@@ -34,8 +36,6 @@ from ..parameters import (
 from ..response import Response, at_meter
 from ..slow.sheets import Terms, drawn_waves, uneven_sheets
 from ..slow.waves import amplitudes
-from ..varied.materials import gauge_slopes, gauged, gauges
-from ..varied.meshes import single_field
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
 from .indented.draws import require_whole_pixels

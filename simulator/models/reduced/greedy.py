@@ -27,9 +27,9 @@ from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
+from ..heterogeneous.mesh_choice import circuit_of
+from ..heterogeneous.surroundings_terms import check_surroundings
 from ..plain import electrical
-from ..varied.around import check_around
-from ..varied.meshes import circuit_of
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
@@ -111,7 +111,7 @@ def reduce(
 
 def _check_reduces(scene: Scene) -> None:
     """Raises InputError for surroundings that elements do not take, or that do not reduce."""
-    check_around(scene)
+    check_surroundings(scene)
     if scene.surroundings is not None and scene.surroundings.edges:
         raise InputError(
             f"{scene.name}: a reduced model cannot take `surroundings.edges`; leave it out here, "
@@ -202,7 +202,7 @@ class Basis:
 
     def _at_shifts(self, space: Galerkin, cases: list[Case]) -> NDArray[np.float64]:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
-        drives = family.circuit.drives
+        drives = family.circuit.excitations
         masses = [family.mass_inside(family.foam_of(case)) for case in cases]
         pencils = space.pencils(masses, drives)
         found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ...fem.estimate import LOST_SUSCEPTANCE
+from ...fem.error_estimate import LOST_SUSCEPTANCE
 from ...fem.excitation import Combination
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS
@@ -74,7 +74,7 @@ def impedances(
     """Z in ohm of every interface, shape (press, interface, s); arguments as of `swept`."""
     contiguous = np.ascontiguousarray(batch.cells)  # or else another `swept` is compiled
     Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
-    Y = Y if combination.alone else [*combination.admittance(np.stack(Y))]
+    Y = Y if combination.one_to_one else [*combination.admittance(np.stack(Y))]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
 

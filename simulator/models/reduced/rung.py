@@ -54,7 +54,7 @@ def rung_of(
     """What a reduced skin answers of one press, and the certified error with that of its mesh."""
     model, s = skin.reduced, laplace_variable(frequency, skin.loss)
     at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
-    told = f"reduced to {model.size} vectors, {model.circuit.told}"
+    told = f"reduced to {model.size} vectors, {model.circuit.description}"
     return Rung(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
 
 

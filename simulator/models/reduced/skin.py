@@ -8,15 +8,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.driven import driven_by
-from ...fem.estimate import told_susceptance
+from ...fem.error_estimate import reference_susceptance
+from ...fem.excited_terminals import driven_by
 from ...fem.factors import one_blas_thread
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of
 from ...scene.frequency import laplace_variable
 from ...sweeps import ToleranceError
+from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
-from ..varied.materials import gauged
 from .cases import Case, touched
 from .certificate import certificate, least_conductance
 from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
@@ -64,7 +64,7 @@ class ReducedSkin:
         self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
         self.drives = [
             driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
-            for drive in reduced.circuit.drives
+            for drive in reduced.circuit.excitations
         ]
         self.feeds = [feed_of(driven) for driven in self.drives]
         self.combination = reduced.circuit.combination
@@ -134,12 +134,12 @@ class ReducedSkin:
     def _cancelled(self) -> float:
         """How much larger excitations are than what they leave of Rs or Cp; 1 where each is an
         interface of its own."""
-        if self.combination.alone:
+        if self.combination.one_to_one:
             return 1.0
         Q = np.stack([Y for _, Y in self.solved(*NOTHING, self.s)])
         Y = np.asarray(self.combination.admittance(Q), dtype=np.complex128)
         size = self.combination.bound(np.abs(Q))
-        of_Rs, of_B = np.abs(Y) ** 2 / size / np.abs(Y.real), size / told_susceptance(Y)
+        of_Rs, of_B = np.abs(Y) ** 2 / size / np.abs(Y.real), size / reference_susceptance(Y)
         return CANCELLED_UNDER_PRESS * float(np.clip([1 / of_Rs, of_B], 1.0, MOST_CANCELLED).max())
 
     def certificate(
@@ -191,7 +191,7 @@ class ReducedSkin:
             return 0.0
         asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
-            read = reduced.rtol, reduced.frequency, reduced.circuit.drives
+            read = reduced.rtol, reduced.frequency, reduced.circuit.excitations
             return reduced.family.solved(*asked, *read)[1]
 
     @property
@@ -211,7 +211,9 @@ class ReducedSkin:
         pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
             for family in self._families(cells, rises):
-                Z, error = family.solved(*pressed, rtol, reduced.frequency, reduced.circuit.drives)
+                Z, error = family.solved(
+                    *pressed, rtol, reduced.frequency, reduced.circuit.excitations
+                )
                 if error <= rtol:
                     return Z
         raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")

@@ -63,7 +63,7 @@ def _of_interfaces(
 ) -> Sensitivity:
     """Forms and their derivatives of each excitation, combined along an axis of their own."""
     each = zip(*found, strict=True)
-    if skin.combination.alone:
+    if skin.combination.one_to_one:
         return Sensitivity(*(np.stack(own, axis=axis) for own in each))
     combined = (skin.combination.admittance(np.stack(own)) for own in each)
     return Sensitivity(*(np.moveaxis(own, 0, axis) for own in combined))

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.materials import Materials, metric, position
 from rcskin.simulator.models.plain import electrical, electrical_press
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.materials import Materials, metric, position
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Polygon, Rectangle, Touch
 from rcskin.simulator.scene.scene import Scene

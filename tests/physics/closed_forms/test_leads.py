@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.parameters import leads_of, own_values, scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press

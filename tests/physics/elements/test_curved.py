@@ -3,10 +3,10 @@
 import meshio
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.square_meshes import Squares
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.squares import Squares
-from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press
 from scipy.integrate import solve_ivp
 from scipy.spatial import Delaunay

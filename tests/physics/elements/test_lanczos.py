@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
-from rcskin.simulator.fem.estimate import lost_digits, relative_difference
+from rcskin.simulator.fem.error_estimate import lost_digits, relative_difference
 from rcskin.simulator.fem.kernels import (
     continued_fraction,
     continued_fractions,
@@ -20,7 +20,7 @@ from rcskin.simulator.fem.lanczos import (
     last_change_readable,
     respond,
 )
-from rcskin.simulator.fem.network import Network
+from rcskin.simulator.fem.terminal_network import Network
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet import Sheet
@@ -170,7 +170,7 @@ def complex_solves(sheet, press, frequency):
     s = s[:, None, None]
     dynamic = (s * (lift.T @ charge) - s**2 * np.array(delayed)).astype(complex)
     network = Network(space.terminal_field, space.conductance, dynamic)
-    return np.stack([network.impedance(drive) for drive in sheet.circuit.drives])
+    return np.stack([network.impedance(excitation) for excitation in sheet.circuit.excitations])
 
 
 @settings(max_examples=8)
@@ -230,7 +230,7 @@ def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at,
     press, circuit = data.draw(random.presses(scene)), two_fields(scene)
     sheet = Sheet(scene, circuit, Resolution(order=2))
     frequency = frequency_at(scene, np.geomspace(1e-2, 1e4, 30))
-    pencil = sheet.space.pencil(sheet.mass(press), circuit.drives[0], 0.0)
+    pencil = sheet.space.pencil(sheet.mass(press), circuit.excitations[0], 0.0)
     Y, _ = respond(pencil, 2j * np.pi * frequency, 1e-300, most_steps=steps)
     Z = 1 / Y
     Cp = parallel_capacitance(Z, frequency)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.mesh.refining.exponents import WHOLE, corner_exponents
+from rcskin.simulator.models.heterogeneous.corner_sheets import sheets
+from rcskin.simulator.models.heterogeneous.corners import power_at, ringed_corners
+from rcskin.simulator.models.heterogeneous.materials import Materials
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.conducting import sheets
-from rcskin.simulator.models.varied.corners import power_at, ringed_corners
-from rcskin.simulator.models.varied.materials import Materials
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press, parse_press
 
 SIDE = 0.12

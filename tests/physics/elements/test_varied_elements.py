@@ -6,10 +6,10 @@ from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.galerkin import Galerkin
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.mesh.skin_mesh import domain
-from rcskin.simulator.models.varied.coefficients import ELECTRODES, Coefficients
-from rcskin.simulator.models.varied.elements import squares, triangles
-from rcskin.simulator.models.varied.materials import Materials
-from rcskin.simulator.models.varied.system import pressed_system
+from rcskin.simulator.models.heterogeneous.coefficients import ELECTRODES, PressCoefficients
+from rcskin.simulator.models.heterogeneous.elements import squares, triangles
+from rcskin.simulator.models.heterogeneous.materials import Materials
+from rcskin.simulator.models.heterogeneous.pressed_system import pressed_system
 from rcskin.simulator.press.press import Press, parse_press
 from skfem import BilinearForm, MeshTri
 from skfem.assembly import Basis, FacetBasis
@@ -87,7 +87,7 @@ def test_matrices_are_those_of_scikit_fem(discretised, kind, order):
     """Of foils with contact resistance: all unknowns of each field are those of the basis."""
     scene, mesh, elements, factors = discretised(kind, order)
     circuit, materials = two_fields(scene), Materials(scene)
-    system = pressed_system(circuit, elements, Coefficients(materials, factors, None, 2))
+    system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     rule = elements.rule
     basis = Basis(mesh, elements.element, quadrature=(rule.points, rule.weights))
     x, N = np.asarray(basis.global_coordinates()), basis.N
@@ -126,7 +126,7 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
         elements = squares(pixels, 4)
     else:
         elements = triangles(domain(scene, Press(), 0.02), 4)
-    coefficients = Coefficients(Materials(scene), np.ones(elements.cells), None, 2)
+    coefficients = PressCoefficients(Materials(scene), np.ones(elements.cells), None, 2)
     system = pressed_system(two_fields(scene), elements, coefficients)
     one = np.append(system.unknowns.one[:, 0], [0, 0])
     x, width = scene.skin.length / 2, scene.skin.width
@@ -143,7 +143,7 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
 def test_a_volt_between_the_sheets_charges_the_whole_capacitance(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
     circuit, materials = two_fields(scene), Materials(scene)
-    system = pressed_system(circuit, elements, Coefficients(materials, factors, None, 2))
+    system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     volt = system.unknowns.one[:, 0]
     volt = np.append(volt, np.zeros(system.pattern.size - len(volt)))
     at = elements.surface
@@ -156,7 +156,9 @@ def test_a_volt_between_the_sheets_charges_the_whole_capacitance(discretised, ki
 def test_sheets_of_one_potential_carry_no_current(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
     circuit = two_fields(scene)
-    system = pressed_system(circuit, elements, Coefficients(Materials(scene), factors, None, 2))
+    system = pressed_system(
+        circuit, elements, PressCoefficients(Materials(scene), factors, None, 2)
+    )
     space = Galerkin(system, circuit, 3)
     one = np.vstack([system.unknowns.one[:, :1], np.zeros((2, 1))])
     currents = system.sheets @ one

@@ -73,8 +73,8 @@ def test_an_excitation_without_any_current_adds_nothing_to_its_reading():
     """One terminal a sheet, Y = s C (u_t - u_b)²: both at 1/2 V draw nothing, and Z is 1 / sC."""
     s, C = some_s(3), 5e-12
     Y = s[None, :, None, None] * C * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    drives = through_virtual_earth((0,), (1,))
-    wiring = wiring_of(drives, np.array([0, 1]), np.zeros((2, 2)))
+    excitations = through_virtual_earth((0,), (1,))
+    wiring = wiring_of(excitations, np.array([0, 1]), np.zeros((2, 2)))
     Z = impedances(Y, wiring)
     assert np.isinf(Z[0, 1]).all()
     combined = Combination(wiring.weights).impedance(1 / np.moveaxis(Z, 1, 0))

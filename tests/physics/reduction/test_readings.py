@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.network.skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import chain, read, trained
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -70,8 +70,8 @@ def test_the_certificate_bounds_every_reading(scene, model):
     skin = read(model, scene.interfaces).skin(None)
     bound = skin.certificate(CELLS, RISES)
     asked = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL, model.frequency
-    drives = skin.reduced.circuit.drives
-    exact, Z = skin.reduced.family.solved(*asked, drives)[0], skin.sweep(CELLS, RISES)
+    excitations = skin.reduced.circuit.excitations
+    exact, Z = skin.reduced.family.solved(*asked, excitations)[0], skin.sweep(CELLS, RISES)
     off = relative_difference(Z, exact)
     assert (off <= bound + RTOL * 0.05).all()
 

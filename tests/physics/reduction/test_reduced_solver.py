@@ -1,7 +1,7 @@
 """The solver with a reduced model: what that does not answer is left to elements."""
 
 import numpy as np
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.lanczos import Pencil, potentials, respond
 from rcskin.simulator.models.parameters import WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
@@ -101,7 +101,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
 
 
 def pencil_of(mass, feed):
-    """K + s M of one drive."""
+    """K + s M of one excitation."""
     terminals = len(feed.driven)
     driven, tied, common = (
         widened(each, len(mass)) for each in (feed.driven[None], feed.tied, feed.common)

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene import Scene
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import swept
+from rcskin.simulator.models.heterogeneous.mesh_choice import meshes
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import meshes
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.sweeps import InputError
 
@@ -166,10 +166,10 @@ def test_against_complex_solves(around, low):
     scene = around(given, contacts=foils, interfaces=interfaces, rows=2, columns=2)
     found = meshes(scene, Press(), None, 1e-3).finer(scene.frequencies)
     s, space, M = 2j * np.pi * np.geomspace(1.0, 1e8, 9), found.fine.space, found.fine.system.mass
-    drives, combined = found.circuit.drives, found.circuit.combination
-    Q, error = swept(space, M, drives, s, 1e-9)
+    excitations, combined = found.circuit.excitations, found.circuit.combination
+    Q, error = swept(space, M, excitations, s, 1e-9)
     network = space.network(M, s)
-    exact = np.stack([network.form(drive) for drive in drives])
+    exact = np.stack([network.form(excitation) for excitation in excitations])
     off = relative_difference(combined.impedance(Q), combined.impedance(exact))
     assert (off[..., 3:] <= error[:, 3:] + 1e-8).all(), "complex solves lose digits below"
     assert error.max() <= 2e-9

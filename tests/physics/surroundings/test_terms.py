@@ -5,7 +5,7 @@ import math
 import meshio
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.plain import electrical
 from rcskin.simulator.models.solver import Solver

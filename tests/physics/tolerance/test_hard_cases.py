@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import one_field, two_fields
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.resolution import Ladder
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.models.solver import Solver

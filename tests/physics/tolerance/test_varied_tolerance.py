@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.galerkin import swept
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.square_meshes import Squares
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.squares import Squares
-from rcskin.simulator.models.varied.triangles import Triangles
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
 
@@ -98,7 +98,7 @@ def refined(kind, scene, press, f, rtol):
         if rung.error.max() <= rtol:
             break
     fine, s = discretised.fine, laplace_variable(f, scene.skin.foam.loss)
-    Y, _ = swept(fine.space, fine.system.mass, circuit.drives, s, 1e-9)
+    Y, _ = swept(fine.space, fine.system.mass, circuit.excitations, s, 1e-9)
     return rung, 1 / Y
 
 

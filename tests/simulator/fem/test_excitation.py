@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.fem.excitation import Drive, combination, through_virtual_earth
-from rcskin.simulator.fem.network import Network, allowed_potentials
+from rcskin.simulator.fem.error_estimate import relative_difference
+from rcskin.simulator.fem.excitation import Excitation, combination, through_virtual_earth
+from rcskin.simulator.fem.terminal_network import Network, allowed_potentials
 
 FIELD = (0, 0, 1, 1, 2)
 """Two foils on each sheet and a conductor beside them."""
@@ -44,53 +44,55 @@ def currents(network, fixed, raised=False):
 
 
 def test_current_into_a_virtual_earth(network):
-    drives = through_virtual_earth(HIGH, LOW)
-    Y = combination(drives).admittance(np.stack([network.form(drive) for drive in drives]))
+    excitations = through_virtual_earth(HIGH, LOW)
+    Y = combination(excitations).admittance(
+        np.stack([network.form(excitation) for excitation in excitations])
+    )
     into_low = -currents(network, (1.0, 0.0))[:, list(LOW)].sum(axis=1)
     np.testing.assert_allclose(Y[0], into_low, rtol=1e-12)
 
 
 def test_a_floating_meter_feeds_no_current_to_earth(network):
-    Z = network.impedance(Drive(HIGH, LOW, raised=True))
+    Z = network.impedance(Excitation(HIGH, LOW, raised=True))
     into_high = currents(network, (1.0, 0.0), raised=True)[:, list(HIGH)].sum(axis=1)
     np.testing.assert_allclose(Z, 1 / into_high, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("drive", "currentless"),
+    ("excitation", "currentless"),
     [
-        (Drive(HIGH, LOW), 1),
-        (Drive(HIGH, LOW, raised=True), 2),
-        *((drive, 1) for drive in through_virtual_earth(HIGH, LOW)),
+        (Excitation(HIGH, LOW), 1),
+        (Excitation(HIGH, LOW, raised=True), 2),
+        *((excitation, 1) for excitation in through_virtual_earth(HIGH, LOW)),
         *(
-            (drive, drive.potentials[0] == drive.potentials[1])
-            for drive in through_virtual_earth((0,), (1,))
+            (excitation, excitation.potentials[0] == excitation.potentials[1])
+            for excitation in through_virtual_earth((0,), (1,))
         ),
     ],
 )
-def test_potentials_that_cost_no_current_are_so_exactly(network, drive, currentless):
-    modes, common = allowed_potentials(FIELD, drive)
+def test_potentials_that_cost_no_current_are_so_exactly(network, excitation, currentless):
+    modes, common = allowed_potentials(FIELD, excitation)
     assert common.sum() >= currentless and common[0] == bool(currentless)
     assert not (network.conductance @ modes[:, common]).any()
-    assert (modes[list(drive.high), 0] == drive.potentials[0]).all()
-    assert (modes[list(drive.low), 0] == drive.potentials[1]).all()
+    assert (modes[list(excitation.high), 0] == excitation.potentials[0]).all()
+    assert (modes[list(excitation.low), 0] == excitation.potentials[1]).all()
     assert np.linalg.matrix_rank(modes[:, 1:]) == modes.shape[1] - 1
 
 
 def test_errors_of_excitations_add(network):
     """Both off by the same: their difference hides it, what is told does not."""
-    drives = through_virtual_earth(HIGH, LOW)
-    Q = np.stack([network.form(drive) for drive in drives])
-    combined, off = combination(drives), 1e-3 * np.exp(0.3j) * np.abs(Q[0])
+    excitations = through_virtual_earth(HIGH, LOW)
+    Q = np.stack([network.form(excitation) for excitation in excitations])
+    combined, off = combination(excitations), 1e-3 * np.exp(0.3j) * np.abs(Q[0])
     true = relative_difference(combined.impedance(Q + off), combined.impedance(Q))
     assert true.max() < 1e-12
-    assert (combined.apart(Q + off, Q) > 1e-4).all()
-    lone = combination(drives[:1])
+    assert (combined.relative_change(Q + off, Q) > 1e-4).all()
+    lone = combination(excitations[:1])
     expected = relative_difference(lone.impedance(Q[:1] + off), lone.impedance(Q[:1]))
-    np.testing.assert_array_equal(lone.apart(Q[:1] + off, Q[:1]), expected)
+    np.testing.assert_array_equal(lone.relative_change(Q[:1] + off, Q[:1]), expected)
 
 
-@pytest.mark.parametrize("drive", [Drive((0,), ()), *through_virtual_earth(HIGH, LOW)])
-def test_a_file_holds_the_same_excitation(drive):
-    assert Drive.read({**drive.told(), "high": list(drive.high)}) == drive
-    assert set(Drive((0,), (1,)).told()) == {"high", "low"}
+@pytest.mark.parametrize("excitation", [Excitation((0,), ()), *through_virtual_earth(HIGH, LOW)])
+def test_a_file_holds_the_same_excitation(excitation):
+    assert Excitation.read({**excitation.stored(), "high": list(excitation.high)}) == excitation
+    assert set(Excitation((0,), (1,)).stored()) == {"high", "low"}

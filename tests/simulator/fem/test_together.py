@@ -1,4 +1,4 @@
-"""Right-hand sides, and drives, solved together are those solved one by one."""
+"""Right-hand sides, and excitations, solved together are those solved one by one."""
 
 import numpy as np
 import pytest
@@ -32,16 +32,16 @@ def test_many_right_hand_sides_are_solved_as_one_by_one(sheet, sides):
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-6])
 def test_all_potentials_at_once_are_each_by_itself(sheet, rtol):
-    """Of two drives, at rest and under a touch; some need more steps than others."""
+    """Of two excitations, at rest and under a touch; some need more steps than others."""
     masses = [sheet.mass(parse_press(text, 2.0)) for text in ("none", "2,3:9")]
-    drives = sheet.circuit.drives
+    excitations = sheet.circuit.excitations
     inside = [sheet.space.restricted(mass) for mass in masses]
-    pencils = sheet.space.pencils(inside, drives)
+    pencils = sheet.space.pencils(inside, excitations)
     together = potentials_of_all(pencils, SHIFTS, rtol)
     alone = [
-        potentials(sheet.space.pencil(mass, drive, 0.0), SHIFTS, rtol)
+        potentials(sheet.space.pencil(mass, excitation, 0.0), SHIFTS, rtol)
         for mass in masses
-        for drive in drives
+        for excitation in excitations
     ]
     for found, expected in zip(together, alone, strict=True):
         np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())

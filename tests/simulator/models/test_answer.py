@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import LOST_SUSCEPTANCE, certified, relative_difference
+from rcskin.simulator.fem.error_estimate import LOST_SUSCEPTANCE, certified, relative_difference
 from rcskin.simulator.models.answer import Progress, Rung
 from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.sweeps import parallel_capacitance

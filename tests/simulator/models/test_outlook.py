@@ -4,10 +4,10 @@ import logging
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous import triangle_meshes as triangles
 from rcskin.simulator.models.mechanics import adaptive
 from rcskin.simulator.models.outlook import Outlook, cells_needed, check_within_reach
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied import triangles
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.sweeps import ToleranceError

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver

@@ -36,7 +36,7 @@ def test_joined_foils_are_one_terminal_and_floating_ones_their_own(make_scene):
     named = [[contact.name for contact in terminal.contacts] for terminal in circuit.terminals]
     assert named == [["bottom-left"], ["top-left", "top-bottom"], ["bottom-right"]]
     assert [terminal.field for terminal in circuit.terminals] == [1, 0, 1]
-    assert (circuit.drives[0].high, circuit.drives[0].low) == ((1,), (0,))
+    assert (circuit.excitations[0].high, circuit.excitations[0].low) == ((1,), (0,))
 
 
 def test_a_sheet_without_foils_gets_a_reference(make_scene):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.charged import Bordered, Charged
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.factors import factorised
+from rcskin.simulator.fem.low_rank import Bordered, Charged
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch

@@ -23,7 +23,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.routes import (
     by_polygons,
     by_telling,
 )
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.planar import inside

@@ -12,9 +12,9 @@ from ....fem.circuit import Circuit
 from ....fem.unknowns import Unknowns
 from ....press.parts import Parts
 from ....surroundings.rim import rim_densities
-from ...varied.around import add_body, add_finger, add_rim, add_thickness
-from ...varied.coefficients import ELECTRODES, Coefficients
-from ...varied.elements import Elements
+from ...heterogeneous.coefficients import ELECTRODES, PressCoefficients
+from ...heterogeneous.elements import Elements
+from ...heterogeneous.surroundings_terms import add_body, add_finger, add_rim, add_thickness
 from .masses import Part
 
 Cells = Sequence[NDArray[np.bool_]]
@@ -27,7 +27,7 @@ def around(
     circuit: Circuit,
     elements: Elements,
     unknowns: Unknowns,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
 ) -> Iterator[Part]:
     """Of a skin at rest: for each F of a finger, and for the scene's own of all others."""
     values = np.zeros(len(unknowns.pattern.indices))
@@ -44,7 +44,7 @@ def _each(
     circuit: Circuit,
     elements: Elements,
     unknowns: Unknowns,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
 ) -> Iterator[Callable[[NDArray[np.float64]], None]]:
     """What adds each part to values in the pattern."""
     materials = coefficients.materials

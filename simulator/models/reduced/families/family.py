@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....fem.charged import Charged, Mass
 from ....fem.circuit import Circuit
-from ....fem.estimate import Swept
-from ....fem.excitation import Drive, checked
+from ....fem.error_estimate import Swept
+from ....fem.excitation import Excitation, impedance_with_error
 from ....fem.factors import without_zeros
 from ....fem.galerkin import Galerkin, swept
+from ....fem.low_rank import Charged, Mass
 from ....fem.system import Films, System
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
@@ -30,8 +30,8 @@ from ....scene.contacts import Contact
 from ....scene.frequency import Loss, laplace_variable
 from ....scene.scene import Scene
 from ....sweeps import InputError
+from ...heterogeneous.materials import gauged, gauges
 from ...parameters import WAVES, Variation, foam_parts, nominal
-from ...varied.materials import gauged, gauges
 from ..cases import Case
 from .masses import Masses
 
@@ -117,7 +117,7 @@ class Family(ABC):
         factors: NDArray[np.float64],
         rtol: float,
         frequency: NDArray[np.float64],
-        drives: Sequence[Drive],
+        drives: Sequence[Excitation],
     ) -> tuple[NDArray[np.complex128], float]:
         """Z in ohm at frequencies in Hz, shape (interface, frequency), and its error.
 
@@ -130,7 +130,7 @@ class Family(ABC):
             s = laplace_variable(around, loss)
             return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
-        Z, error = checked(sweep, drives, frequency, rtol)
+        Z, error = impedance_with_error(sweep, drives, frequency, rtol)
         return Z, float(self.told(error).max())
 
     def varied(self, weights: NDArray[np.float64]) -> System:

@@ -21,9 +21,9 @@ from ....press.press import Press
 from ....press.touch import Touch
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
+from ...heterogeneous.discretised import indicators, most
+from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...resolution import Ladder
-from ...varied.discretised import indicators, most
-from ...varied.triangles import MOST_TRIANGLES, Triangles
 from ..cases import Case, pixel_touches, touched
 from .even import EvenFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
@@ -114,7 +114,7 @@ def error_of(family: Family, case: Case, rtol: float, frequency: NDArray[np.floa
     """By the mesh alone, of Rs and Cp, relatively. frequency: Hz, ascending."""
     loss = (case.variation or family.scene.skin.foam).loss
     weights, foam = weights_of_case(family, case), family.foam_of(case)
-    return family.solved(weights, loss, foam, rtol, frequency, family.circuit.drives)[1]
+    return family.solved(weights, loss, foam, rtol, frequency, family.circuit.excitations)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ....fem.estimate import both
-from ....fem.safety import SINGULAR
+from ....fem.error_estimate import both
+from ....fem.safety_factors import SINGULAR
 from ....fem.system import Films, films
 from ....press.parts import foam_parts, parts_of
+from ...heterogeneous.coefficients import PressCoefficients
+from ...heterogeneous.elements import Elements, triangles
+from ...heterogeneous.forms import add_foam, add_sheet
+from ...heterogeneous.materials import Materials, gauged
+from ...heterogeneous.pressed_system import PressedSystem, film_of, pressed_system
 from ...parameters import mode_values
-from ...varied.coefficients import Coefficients
-from ...varied.elements import Elements, triangles
-from ...varied.forms import add_foam, add_sheet
-from ...varied.materials import Materials, gauged
-from ...varied.system import PressedSystem, film_of, pressed_system
 from .around import around
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
@@ -44,9 +44,9 @@ class UnevenFamily(Family):
         return triangles(self.mesh.domain, self.mesh.order, self.scene.skin)
 
     @cached_property
-    def _coefficients(self) -> Coefficients:
+    def _coefficients(self) -> PressCoefficients:
         at_rest = np.ones(self.elements.cells)
-        return Coefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
+        return PressCoefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
 
     @property
     def far(self) -> NDArray[np.float64] | None:

@@ -11,7 +11,7 @@ from ....mesh.held import held
 from ....press.parts import parts_of
 from ....scene.scene import Scene
 from ....sweeps import InputError
-from ...varied.materials import gauged
+from ...heterogeneous.materials import gauged
 from ..cases import Case, Draw
 from .applicators import deepest
 

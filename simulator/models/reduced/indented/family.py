@@ -16,7 +16,7 @@ from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
 from ....remembered import remembered
 from ....scene.scene import Scene
-from ...varied.system import add_foam
+from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
 from ..families.uneven import UnevenFamily

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ....chebyshev import barycentric
 from ....mesh.domain import Domain
+from ...heterogeneous.elements import Elements
 from ...mechanics.course import DOUBT
-from ...varied.elements import Elements
 from .applicators import Applicators
 
 DROPPED = 1e-8

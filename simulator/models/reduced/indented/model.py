@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ....fem.estimate import both, relative_difference
+from ....fem.error_estimate import both, relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation

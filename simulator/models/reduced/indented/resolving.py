@@ -12,9 +12,9 @@ from ....mesh.domain import Domain
 from ....mesh.refining.untangled import finer
 from ....press.press import Press
 from ....scene.scene import Scene
+from ...heterogeneous.discretised import indicators, most
+from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...mechanics.pressed import Pressed
-from ...varied.discretised import indicators, most
-from ...varied.triangles import MOST_TRIANGLES, Triangles
 from ..cases import Case
 from ..families.family import Mesh, Triangulation
 from ..families.resolving import alone, coarsest

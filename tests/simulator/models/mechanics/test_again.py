@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
+from rcskin.simulator.models.heterogeneous import press_cache
 from rcskin.simulator.models.mechanics import adaptive
 from rcskin.simulator.models.mechanics.contact import Pushed, at_rest, near_rest
 from rcskin.simulator.models.mechanics.ground import straight_ground
 from rcskin.simulator.models.mechanics.membrane import ELEMENT, Surface
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied import places
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
 
@@ -78,8 +78,8 @@ def test_other_frequencies_are_answered_within_the_tolerance(scene):
 
 
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
-    monkeypatch.setattr(places, "MOST_NODES", 5)
-    kept = places.Places()
+    monkeypatch.setattr(press_cache, "MOST_NODES", 5)
+    kept = press_cache.Places()
     asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in asked:
         place = kept.of(press)

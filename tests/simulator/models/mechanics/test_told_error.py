@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
+from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import Galerkin, swept
+from rcskin.simulator.models.heterogeneous.deflection_error import of_deflection
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.pressed_system import pressed_system
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.mechanics.indentation import pressed
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.system import pressed_system
-from rcskin.simulator.models.varied.triangles import Triangles
-from rcskin.simulator.models.varied.unsure import of_deflection
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -38,7 +38,7 @@ def impedance(found, coefficients, f):
     elements = found.coarse.elements
     system = pressed_system(found.circuit, elements, coefficients)
     space = Galerkin(system, found.circuit, elements.order)
-    return 1 / swept(space, system.mass, found.circuit.drives, laplace_variable(f), 1e-10)[0]
+    return 1 / swept(space, system.mass, found.circuit.excitations, laplace_variable(f), 1e-10)[0]
 
 
 @pytest.mark.parametrize("part", [0.95, pytest.param(0.995, marks=pytest.mark.slow)])

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.materials import Materials, position
 from rcskin.simulator.models.plain import electrical
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.materials import Materials, position
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
 from rcskin.simulator.scene.frequency import laplace_variable

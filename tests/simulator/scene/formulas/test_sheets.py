@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.materials import Materials
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.varied.materials import Materials
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
 

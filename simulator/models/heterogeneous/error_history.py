@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.safety import (
+from ...fem.safety_factors import (
     FORESEEN,
     LEAST,
     MOST,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.quadrature import Rule, Surface
-from .coefficients import Coefficients
+from .coefficients import PressCoefficients
 from .elements import Elements
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ TWICE = 2.0
 
 
 @dataclass(frozen=True)
-class Raised(Coefficients):
+class Raised(PressCoefficients):
     """With the deflection at its largest for the capacitance, at its least for gauges.
 
     share: by which capacitance, and conductance of gauges, are raised besides, shape (cell,).
@@ -46,14 +46,14 @@ class Raised(Coefficients):
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """As of `Coefficients`."""
-        return Coefficients(self.materials, self.factors, self.least, self.fields).strain(x)
+        return PressCoefficients(self.materials, self.factors, self.least, self.fields).strain(x)
 
     @property
     def _raise(self) -> NDArray[np.float64] | float:
         return 1.0 if self.share is None else 1 + self.share[:, None]
 
 
-def of_deflection(known: Coefficients) -> Raised | None:
+def of_deflection(known: PressCoefficients) -> Raised | None:
     """By what mechanics leaves of error; None where there is none."""
     pressed = known.pressed
     if pressed is None or pressed.unsure is None:
@@ -68,7 +68,7 @@ def of_deflection(known: Coefficients) -> Raised | None:
     )
 
 
-def of_rule(known: Coefficients, missed: NDArray[np.float64]) -> Raised:
+def of_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Raised:
     """By what a rule misses of each cell, shape (cell,)."""
     return Raised(
         known.materials,
@@ -81,7 +81,7 @@ def of_rule(known: Coefficients, missed: NDArray[np.float64]) -> Raised:
     )
 
 
-def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
+def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
     """Part of each cell's capacitance that a rule is off by, shape (cell,): against finer ones.
 
     Only where mechanics spreads a press: what else varies within cells varies slowly there.
@@ -92,6 +92,6 @@ def missed(elements: Elements, known: Coefficients) -> NDArray[np.float64]:
     return TWICE * np.abs(own / _integrated(*elements.divided, known) - 1)
 
 
-def _integrated(rule: Rule, at: Surface, known: Coefficients) -> NDArray[np.float64]:
+def _integrated(rule: Rule, at: Surface, known: PressCoefficients) -> NDArray[np.float64]:
     """Capacitance of each cell in F by a rule, shape (cell,). at: where its points lie."""
     return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -1,4 +1,4 @@
-"""One drive of a skin: the driven potentials, and the floating terminals among the unknowns.
+"""One excitation of a skin: the driven potentials, and the floating terminals among the unknowns.
 
 Floating terminals carry no current. Their potentials U_f join the inner unknowns through the lift F
 of each: K F = 0 inside, so K falls apart into the conductance between them and the inner block.
@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU
 
-from .charged import Bordered, Mass
-from .excitation import Drive
+from .excitation import Excitation
 from .lanczos import Pencil, Pencils
-from .network import allowed_potentials
+from .low_rank import Bordered, Mass
+from .terminal_network import allowed_potentials
 
 Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """From currents inside, shape (unknown, side), to potentials."""
@@ -42,13 +42,16 @@ class Driven:
 
 
 def driven_by(
-    drive: Drive,
+    excitation: Excitation,
     terminal_field: NDArray[np.int64],
     conductance: NDArray[np.float64],
     lift: NDArray[np.float64],
 ) -> Driven:
-    """What a drive drives. conductance: between terminals, S. lift: shape (unknown, terminal)."""
-    modes, common = allowed_potentials(tuple(terminal_field.tolist()), drive)
+    """Potentials and floating terminals of one excitation.
+
+    conductance: between terminals, S. lift: shape (unknown, terminal).
+    """
+    modes, common = allowed_potentials(tuple(terminal_field.tolist()), excitation)
     S = modes.T @ conductance @ modes
     S[common, :] = 0.0
     S[:, common] = 0.0
@@ -68,7 +71,7 @@ def driven_by(
 
 @dataclass(frozen=True)
 class Unshifted:
-    """One drive at sigma = 0 with one M, in F, of the space.
+    """One excitation at sigma = 0 with one M, in F, of the space.
 
     K^-1 is that of the inner block, `completed` by what floats.
     """
@@ -127,7 +130,7 @@ class Unshifted:
 
 
 def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
-    """Pencils of one K for several drives and M. solve: of the block of `inner` unknowns."""
+    """Pencils of one K for several excitations and M. solve: of the block of `inner` unknowns."""
 
     def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
         masses = [each[k].mass for k in which]

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .excitation import Drive
+from .excitation import Excitation
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,13 @@ class Network:
     conductance: NDArray[np.float64]
     dynamic: NDArray[np.complex128]
 
-    def impedance(self, drive: Drive) -> NDArray[np.complex128]:
+    def impedance(self, excitation: Excitation) -> NDArray[np.complex128]:
         """Z in ohm between the driven terminals, the others floating, shape (frequency,)."""
-        return 1 / self.form(drive)
+        return 1 / self.form(excitation)
 
-    def form(self, drive: Drive) -> NDArray[np.complex128]:
+    def form(self, excitation: Excitation) -> NDArray[np.complex128]:
         """Q of an excitation in S, shape (frequency,)."""
-        modes, common = allowed_potentials(tuple(self.field.tolist()), drive)
+        modes, common = allowed_potentials(tuple(self.field.tolist()), excitation)
         conductance = modes.T @ self.conductance @ modes
         conductance[common, :] = 0.0
         conductance[:, common] = 0.0
@@ -48,17 +48,18 @@ class Network:
 
 @cache
 def allowed_potentials(
-    field: tuple[int, ...], drive: Drive
+    field: tuple[int, ...], excitation: Excitation
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Terminal potentials that the drive allows, as columns; which of them cost no current at DC.
+    """Terminal potentials that the excitation allows, as columns; which of them cost no current at
+    DC.
 
     field: the sheet that each terminal is on. The first potential is the driven one, high and low
-    at the drive's own potentials; in the others both are at 0 V, but for the last one of a drive
-    that is `raised`: there all that is connected to them is at 1 V.
+    at the excitation's own potentials; in the others both are at 0 V, but for the last one of an
+    excitation that is `raised`: there all that is connected to them is at 1 V.
     """
-    nodes, count = _nodes(len(field), drive), len(field)
-    high, low = nodes[0], nodes[1] if drive.low else None
-    of_high, of_low = drive.potentials
+    nodes, count = _nodes(len(field), excitation), len(field)
+    high, low = nodes[0], nodes[1] if excitation.low else None
+    of_high, of_low = excitation.potentials
     driven, at_rest = np.zeros(count), True
     columns: list[NDArray[np.float64]] = []
     common: list[bool] = []
@@ -77,15 +78,15 @@ def allowed_potentials(
             at_rest = of_high == of_low
         columns += [_indicator([node], count) for node in floating]
         common += [False] * len(floating)
-    if drive.raised:
+    if excitation.raised:
         columns.append(_indicator(connected, count))
         common.append(True)
     return np.stack([driven, *columns]).T, np.array([at_rest, *common])
 
 
-def _nodes(count: int, drive: Drive) -> list[tuple[int, ...]]:
+def _nodes(count: int, excitation: Excitation) -> list[tuple[int, ...]]:
     """Terminals tied together by the meter, high first, low second; then each floating one."""
-    driven = [side for side in (drive.high, drive.low) if side]
+    driven = [side for side in (excitation.high, excitation.low) if side]
     tied = {terminal for side in driven for terminal in side}
     return [*driven, *((terminal,) for terminal in range(count) if terminal not in tied)]
 

@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
-from ...fem.charged import Charged, Mass
 from ...fem.circuit import Circuit, Terminal
+from ...fem.low_rank import Charged, Mass
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, numbered
 from ...scene.contacts import Contact
-from .around import add_around
-from .charged import charged
-from .coefficients import Coefficients
+from .coefficients import PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_foam, add_sheet
+from .low_rank_terms import charged
+from .surroundings_terms import add_surroundings
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class PressedSystem(System):
 def pressed_system(
     circuit: Circuit,
     elements: Elements,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
     known: Unknowns | None = None,
 ) -> PressedSystem:
     """The matrices of one press on one mesh. known: its unknowns, where they are numbered yet."""
@@ -54,7 +54,7 @@ def pressed_system(
 
 
 def _sheets(
-    circuit: Circuit, elements: Elements, coefficients: Coefficients, unknowns: Unknowns
+    circuit: Circuit, elements: Elements, coefficients: PressCoefficients, unknowns: Unknowns
 ) -> csc_matrix:
     values = np.zeros(len(unknowns.pattern.indices))
     for field in range(circuit.fields):
@@ -66,7 +66,7 @@ def _sheets(
 def mass_of(
     circuit: Circuit,
     elements: Elements,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
     unknowns: Unknowns,
     far: NDArray[np.float64] | None,
 ) -> Mass:
@@ -74,7 +74,7 @@ def mass_of(
     values = np.zeros(len(unknowns.pattern.indices))
     c = coefficients.capacitance(elements.surface.x)
     add_foam(values, circuit.coupling, elements, unknowns, c)
-    add_around(values, circuit, elements, coefficients, unknowns)
+    add_surroundings(values, circuit, elements, coefficients, unknowns)
     near = unknowns.pattern.matrix(values)
     return near if far is None else Charged(near, far)
 
@@ -82,7 +82,7 @@ def mass_of(
 def film_of(
     circuit: Circuit,
     elements: Elements,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
     unknowns: Unknowns,
     only: Contact | None = None,
 ) -> Callable[[Terminal], csc_matrix]:
@@ -102,7 +102,7 @@ def film_of(
 
 
 def _conducting(
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
     contact: Contact,
     x: NDArray[np.float64],
     direction: NDArray[np.float64],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .safety import UNIFORM
+from .safety_factors import UNIFORM
 
 ROUNDING = 1e-12
 LOST_SUSCEPTANCE = 1e-9
@@ -23,14 +23,14 @@ def relative_difference(
 ) -> NDArray[np.float64]:
     """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm.
 
-    The difference of Cp is told as a fraction of `told_susceptance`.
+    The difference of Cp is told as a fraction of `reference_susceptance`.
     """
     Y, Y_true = 1 / Z, 1 / truth
-    B = told_susceptance(Y_true)
+    B = reference_susceptance(Y_true)
     return np.stack([np.abs(Z.real / truth.real - 1), np.abs((Y.imag - Y_true.imag) / B)])
 
 
-def told_susceptance(Y: NDArray[np.complex128]) -> NDArray[np.float64]:
+def reference_susceptance(Y: NDArray[np.complex128]) -> NDArray[np.float64]:
     """What relative errors of Cp are fractions of, in S: |B|, but LOST_SUSCEPTANCE of |Y| at least.
 
     Less than that is rounding: between foils of one sheet Cp may be nothing at all. Y: S.
@@ -48,7 +48,7 @@ def certified(Y: NDArray[np.complex128], power: NDArray[np.float64]) -> NDArray[
     Z_error = np.divide(
         error, size * (size - error), out=np.full(size.shape, np.inf), where=size > error
     )
-    return np.stack([Z_error / (1 / Y).real, error / told_susceptance(Y)])
+    return np.stack([Z_error / (1 / Y).real, error / reference_susceptance(Y)])
 
 
 def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -64,7 +64,7 @@ def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> N
 def rounded(Y: NDArray[np.complex128], delayed: NDArray[np.float64]) -> NDArray[np.float64]:
     """The same of Y whose delayed parts are so large in all, S."""
     rounding = ROUNDINGS * np.finfo(float).eps * delayed
-    known = np.minimum(np.abs(Y.real), told_susceptance(Y))
+    known = np.minimum(np.abs(Y.real), reference_susceptance(Y))
     return np.divide(rounding, known, out=np.full(known.shape, np.inf), where=known > 0)
 
 

@@ -24,13 +24,13 @@ from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..outlook import cells_needed, check_within_reach
 from ..resolution import depth_of
-from .coefficients import Coefficients
-from .conducting import crossed, sheets
+from .coefficients import PressCoefficients
+from .corner_sheets import crossed, sheets
 from .discretised import Discretised, Solved, indicators
-from .effect import Course, at_corners
 from .elements import triangles
+from .error_history import Course, at_corners
 from .materials import Materials
-from .system import pressed_system
+from .pressed_system import pressed_system
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
@@ -141,7 +141,7 @@ class Triangles:
         self._course.foresees(frequency, likely)
         return found
 
-    def _exponents(self, mesh: Domain, coefficients: Coefficients) -> NDArray[np.float64]:
+    def _exponents(self, mesh: Domain, coefficients: PressCoefficients) -> NDArray[np.float64]:
         return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
@@ -206,12 +206,13 @@ class Triangles:
             coefficients,
             coarse,
             fine,
-            f"2-D elements, {self.circuit.told}, {mesh.t.shape[1]} triangles of order {self.order}",
+            f"2-D elements, {self.circuit.description}, "
+            f"{mesh.t.shape[1]} triangles of order {self.order}",
             left_out,
             course=self._course,
         )
 
-    def _coefficients(self, mesh: Domain) -> Coefficients:
+    def _coefficients(self, mesh: Domain) -> PressCoefficients:
         columns = self.scene.pixels.columns
         factors = sharp_factors(self.press, mesh, columns)
         fingers = tuple(
@@ -219,9 +220,11 @@ class Triangles:
             for touch, within in covering(self.press, mesh, columns)
             if touch.finger
         )
-        return Coefficients(self.materials, factors, self.pressed, self.circuit.fields, fingers)
+        return PressCoefficients(
+            self.materials, factors, self.pressed, self.circuit.fields, fingers
+        )
 
-    def _solved(self, mesh: Domain, order: int, coefficients: Coefficients) -> Solved:
+    def _solved(self, mesh: Domain, order: int, coefficients: PressCoefficients) -> Solved:
         elements = triangles(mesh, order, self.scene.skin)
         system = pressed_system(self.circuit, elements, coefficients)
         return Solved(Galerkin(system, self.circuit, order), system, elements)

@@ -55,7 +55,7 @@ class Elements:
     trial: Trial
     rule: Rule
     surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
-    beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
+    cells_beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
     inside: Callable[[Contact], NDArray[np.int64]]
     mesh: Mesh2D
@@ -111,7 +111,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         trial=quadrilateral_trial(pixels.mesh, order),
         rule=_rule_on_squares(order),
         surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
-        beside=beside,
+        cells_beside=beside,
         facets=pixels.facets,
         inside=lambda contact: _covered(contact, pixels.skin, middles),
         mesh=pixels.mesh,
@@ -148,7 +148,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
         trial=triangle_trial(mesh, order),
         rule=rule,
         surface_at=on_triangles(domain),
-        beside=beside,
+        cells_beside=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         inside=lambda contact: _covered(contact, skin, domain.middles),
         mesh=mesh,

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.models.varied.materials import adjugate, between, directed, root
+from rcskin.simulator.models.heterogeneous.materials import adjugate, between, directed, root
 
 ENTRIES = st.lists(st.floats(-2, 2), min_size=4, max_size=4)
 

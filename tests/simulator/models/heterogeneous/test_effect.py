@@ -4,9 +4,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import WINDOW, frequencies_around, relative_difference
-from rcskin.simulator.fem.safety import FORESEEN, LEAST, UNSEEN, VARIED
-from rcskin.simulator.models.varied.effect import Course, at_corners, by_orders, evened
+from rcskin.simulator.fem.error_estimate import WINDOW, frequencies_around, relative_difference
+from rcskin.simulator.fem.safety_factors import FORESEEN, LEAST, UNSEEN, VARIED
+from rcskin.simulator.models.heterogeneous.error_history import (
+    Course,
+    at_corners,
+    by_orders,
+    evened,
+)
 
 FREQUENCY = np.array([1e3, 1e4, 1e5])
 AROUND = frequencies_around(FREQUENCY)

@@ -91,7 +91,7 @@ def add_along(
     density: Density,
 ) -> None:
     """The form density u v along facets, in the pattern, between `fields`, shape (field, field)."""
-    cells, edges = elements.beside(facets)
+    cells, edges = elements.cells_beside(facets)
     for edge in np.unique(edges):
         own = cells[edges == edge]
         rule, direction = elements.edge_rule(int(edge))

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.estimate import relative_difference
-from rcskin.simulator.models.varied import triangles as of_triangles
-from rcskin.simulator.models.varied.discretised import indicators
-from rcskin.simulator.models.varied.elements import raising, triangles
-from rcskin.simulator.models.varied.meshes import circuit_of
-from rcskin.simulator.models.varied.triangles import Triangles
+from rcskin.simulator.fem.error_estimate import relative_difference
+from rcskin.simulator.models.heterogeneous import triangle_meshes as of_triangles
+from rcskin.simulator.models.heterogeneous.discretised import indicators
+from rcskin.simulator.models.heterogeneous.elements import raising, triangles
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.files import load_scene
 
@@ -83,13 +83,13 @@ def test_parts_of_an_error_by_the_vectors_of_a_sweep_are_those_of_solves_of_thei
     own = indicators(mesh, ends)
     assert not any(each.kept.steps for each in (mesh.coarse, mesh.fine))
     mesh.rung(l_shape.frequencies, rtol)
-    drive = mesh.circuit.drives[0]
-    assert all(each.kept.of(drive, 2 * np.pi * ends) for each in (mesh.coarse, mesh.fine))
+    excitation = mesh.circuit.excitations[0]
+    assert all(each.kept.of(excitation, 2 * np.pi * ends) for each in (mesh.coarse, mesh.fine))
     by_sweep = indicators(mesh, ends)
     assert (by_sweep != own).any()
     assert (np.abs(by_sweep - own).sum(axis=1) <= 1e-2 * own.sum(axis=1)).all()
     beyond = np.array([4 * l_shape.frequencies[-1]])
-    assert mesh.coarse.kept.of(drive, 2 * np.pi * beyond) is None
+    assert mesh.coarse.kept.of(excitation, 2 * np.pi * beyond) is None
 
 
 def test_pixels_that_are_not_pressed_cost_nothing(l_shape):

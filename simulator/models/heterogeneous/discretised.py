@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
-from ...fem.estimate import (
+from ...fem.error_estimate import (
     KRYLOV_SHARE,
     ROUNDING,
     Swept,
@@ -23,18 +23,18 @@ from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin, swept
 from ...fem.lanczos import KeptSteps
 from ...fem.quadrature import interpolated
-from ...fem.safety import VARIED
+from ...fem.safety_factors import VARIED
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
 from ..answer import Rung
-from .around import charged_to_earth
-from .charged import solved_to
-from .coefficients import Coefficients
-from .effect import Course, by_orders, evened
+from .coefficients import PressCoefficients
+from .deflection_error import NEGLIGIBLE, Raised, missed, of_rule
 from .elements import Elements, raising
-from .system import PressedSystem, mass_of, pressed_system
-from .unsure import NEGLIGIBLE, Raised, missed, of_rule
+from .error_history import Course, by_orders, evened
+from .low_rank_terms import solved_to
+from .pressed_system import PressedSystem, mass_of, pressed_system
+from .surroundings_terms import energy_to_earth
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Solved:
     elements: Elements
     kept: KeptSteps = dataclasses.field(default_factory=KeptSteps)
 
-    def under(self, circuit: Circuit, coefficients: Coefficients) -> Solved:
+    def under(self, circuit: Circuit, coefficients: PressCoefficients) -> Solved:
         """Of another press on the same mesh: but for gauges only the capacitance is another."""
         if coefficients.gauged:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
@@ -67,7 +67,7 @@ class Discretised:
 
     circuit: Circuit
     loss: Loss
-    coefficients: Coefficients
+    coefficients: PressCoefficients
     coarse: Solved
     fine: Solved
     told: str
@@ -81,10 +81,10 @@ class Discretised:
         around = frequencies_around(frequency)
         (Q, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
         combined = self.circuit.combination
-        Z, steps = combined.impedance(Q), [combined.apart(Q, finer)]
+        Z, steps = combined.impedance(Q), [combined.relative_change(Q, finer)]
         if lower:
             each = [Q, *(of_lower for of_lower, _ in lower)]
-            steps += [combined.apart(low, high) for high, low in pairwise(each)]
+            steps += [combined.relative_change(low, high) for high, low in pairwise(each)]
             off = by_orders(self.coarse.space.order, [evened(step) for step in steps])
         else:
             off = self.course.effect(frequency, Z, combined.impedance(finer)) * evened(steps[0])
@@ -102,10 +102,10 @@ class Discretised:
         )
 
     def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
-        s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
+        s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
         with one_blas_thread():
             return [
-                swept(each.space, each.system.mass, drives, s, rtol, each.kept)
+                swept(each.space, each.system.mass, excitations, s, rtol, each.kept)
                 for each in (self.coarse, self.fine, *self.lower)
             ]
 
@@ -114,35 +114,35 @@ class Discretised:
     ) -> NDArray[np.float64]:
         """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
-        s, drives = laplace_variable(frequency, self.loss), self.circuit.drives
+        s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
         other = own.under(self.circuit, raised)
         with one_blas_thread():
             Q, moved = (
-                swept(each.space, each.system.mass, drives, s, KRYLOV_SHARE * rtol)[0]
+                swept(each.space, each.system.mass, excitations, s, KRYLOV_SHARE * rtol)[0]
                 for each in (own, other)
             )
-        return both(self.circuit.combination.apart(Q, moved))
+        return both(self.circuit.combination.relative_change(Q, moved))
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:
         """Part of each cell's capacitance that the rule is off by, shape (cell,)."""
         return missed(self.coarse.elements, self.coefficients)
 
-    def coefficients_of(self, solved: Solved, drive: int, s: complex) -> NDArray:
+    def coefficients_of(self, solved: Solved, excitation: int, s: complex) -> NDArray:
         """Potentials of an excitation at s in rad/s, real or complex, shape (field, function,
         cell)."""
         with one_blas_thread():
-            v = solved.space.potentials(solved.system.mass, self.circuit.drives[drive], s)
+            v = solved.space.potentials(solved.system.mass, self.circuit.excitations[excitation], s)
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
 
     def coefficients_at(
-        self, solved: Solved, drive: int, s: NDArray[np.float64]
+        self, solved: Solved, excitation: int, s: NDArray[np.float64]
     ) -> list[NDArray[np.float64]]:
         """The same at real s >= 0 as closely as the sweep was solved, if it was; else exactly."""
-        own, mass = self.circuit.drives[drive], solved.system.mass
+        own, mass = self.circuit.excitations[excitation], solved.system.mass
         steps = solved.kept.of(own, s)
         if steps is None:
-            return [self.coefficients_of(solved, drive, each) for each in s.tolist()]
+            return [self.coefficients_of(solved, excitation, each) for each in s.tolist()]
         with one_blas_thread():
             V = solved.space.potentials_by(steps, mass, own, s)
         return [on_cells(solved.system.unknowns, solved.elements.trial, v) for v in V.T]
@@ -164,7 +164,9 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
     parts = np.zeros((len(frequency), discretised.fine.elements.cells))
     combined, s = discretised.circuit.combination, 2 * np.pi * frequency
     for weights, group in zip(combined.weights, combined.groups, strict=True):
-        at_each = zip(*(_potentials(discretised, drive, s) for drive in group), strict=True)
+        at_each = zip(
+            *(_potentials(discretised, excitation, s) for excitation in group), strict=True
+        )
         for part, each, of_drives in zip(parts, s.tolist(), at_each, strict=True):
             part += _of_interface(discretised, each, weights[group], of_drives)
     return parts
@@ -207,14 +209,14 @@ def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _potentials(
-    discretised: Discretised, drive: int, s: NDArray[np.float64]
+    discretised: Discretised, excitation: int, s: NDArray[np.float64]
 ) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Of the finer order, and what it adds, by its coefficients, shape (field, function, cell).
 
     At each s.
     """
     coarse, fine = (
-        discretised.coefficients_at(each, drive, s)
+        discretised.coefficients_at(each, excitation, s)
         for each in (discretised.coarse, discretised.fine)
     )
     raised = raising(discretised.coarse.elements.order)
@@ -238,5 +240,5 @@ def _energies(
         heat += xx * dx**2 + yy * dy**2 + 2 * xy * dx * dy
     across = np.einsum("fg,fcp,gcp->cp", discretised.circuit.coupling, u, u)
     stored = coefficients.capacitance(elements.surface.x) * across
-    stored = s * (stored + charged_to_earth(coefficients, elements.surface.x, u))
+    stored = s * (stored + energy_to_earth(coefficients, elements.surface.x, u))
     return (weights * heat).sum(axis=1), (weights * stored).sum(axis=1)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .estimate import Swept, rounded
+from .error_estimate import Swept, rounded
 from .excitation import Combination
 from .lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, Steps, coefficients
 
@@ -40,7 +40,7 @@ def respond_together(
         last, now = now, np.stack([each.form() for each in found])
         if step < FEWEST_STEPS:
             continue
-        before, change = change, combined.apart(last, now).max(axis=(0, 1))
+        before, change = change, combined.relative_change(last, now).max(axis=(0, 1))
         if step == MOST_STEPS or max(before.max(), change.max()) <= rtol:
             break
     delayed = np.abs(combined.weights) @ np.abs(at_once - now)

@@ -11,13 +11,13 @@ from ...mesh.domain import Domain
 from ...mesh.refining.exponents import Sheet
 from ...mesh.refining.wedges import stretched
 from ...scene.contacts import Contact
-from .coefficients import ELECTRODES, Coefficients
+from .coefficients import ELECTRODES, PressCoefficients
 from .elements import on_triangles
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def sheets(circuit: Circuit, mesh: Domain, coefficients: Coefficients) -> list[Sheet]:
+def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> list[Sheet]:
     """Of each field. A film is none where it resists less than the sheet within an edge does."""
     found = []
     for field in range(circuit.fields):
@@ -41,7 +41,7 @@ def sheets(circuit: Circuit, mesh: Domain, coefficients: Coefficients) -> list[S
     return found
 
 
-def crossed(coefficients: Coefficients) -> bool:
+def crossed(coefficients: PressCoefficients) -> bool:
     """Whether a sheet's conductance jumps, or is larger along one direction than along another."""
     return any(_jumps_or_turns(field, coefficients) for field in range(coefficients.fields))
 
@@ -52,7 +52,7 @@ def _resists(contact: Contact, mesh: Domain, conductance: float) -> bool:
     return contact.resistance * conductance > shortest
 
 
-def _jumps_or_turns(field: int, coefficients: Coefficients) -> bool:
+def _jumps_or_turns(field: int, coefficients: PressCoefficients) -> bool:
     """Whether a sheet is gauged and touched with sharp edges, or conducts along a direction."""
     materials, electrode = coefficients.materials, ELECTRODES[field]
     gauge = materials.scene.skin.sheet(electrode).piezoresistance

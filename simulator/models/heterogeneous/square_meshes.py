@@ -18,14 +18,14 @@ from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, Ladder
-from .coefficients import Coefficients
+from .boundary_layers import beside_foils, jumping, layered
+from .coefficients import PressCoefficients
 from .corners import ringed_corners
 from .discretised import Discretised, Solved
-from .effect import Course
 from .elements import squares
-from .layers import beside_foils, jumping, layered
+from .error_history import Course
 from .materials import Materials
-from .system import pressed_system
+from .pressed_system import pressed_system
 
 CELLS_TO_A_LENGTH = 2.0
 """For the shortest length of a map, of elements of order 1; fewer of higher order."""
@@ -80,7 +80,9 @@ class Squares:
             for touch in self.press.touches
             if touch.finger
         ]
-        coefficients = Coefficients(self.materials, factors, None, circuit.fields, tuple(shares))
+        coefficients = PressCoefficients(
+            self.materials, factors, None, circuit.fields, tuple(shares)
+        )
         elements = squares(pixels, resolution.order)
         system = pressed_system(circuit, elements, coefficients)
         fine, coarse, *lower = (
@@ -94,7 +96,7 @@ class Squares:
             coefficients,
             coarse,
             fine,
-            f"2-D elements, {circuit.told}, varied, {answered}",
+            f"2-D elements, {circuit.description}, varied, {answered}",
             lower=tuple(lower),
             course=self._course,
         )

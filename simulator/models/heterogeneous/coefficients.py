@@ -21,7 +21,7 @@ ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 
 
 @dataclass(frozen=True)
-class Coefficients:
+class PressCoefficients:
     """Of one press on one mesh; x stands for points of all its cells, m, shape (2, cell, point).
 
     factors: c over that at rest by touches with sharp edges, shape (cell,). pressed: by what

@@ -15,13 +15,13 @@ from ...progress import Progress, silent
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
-from .around import check_around
+from .deflection_error import of_deflection
 from .discretised import Discretised
 from .materials import Materials
-from .places import Place
-from .squares import Squares
-from .triangles import Triangles
-from .unsure import of_deflection
+from .press_cache import Place
+from .square_meshes import Squares
+from .surroundings_terms import check_surroundings
+from .triangle_meshes import Triangles
 
 if TYPE_CHECKING:
     from ..mechanics.pressed import Pressed
@@ -112,7 +112,7 @@ def meshes(
     press, pressed: as of `indented`. place: where it presses, with the triangles of the press
     before. Raises InputError for surroundings that elements do not take.
     """
-    check_around(scene)
+    check_surroundings(scene)
     if pressed is not None and place and place.triangles:
         return Spread(place, place.triangles.again(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None

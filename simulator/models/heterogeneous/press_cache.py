@@ -15,7 +15,7 @@ from ...press.touch import place_of
 
 if TYPE_CHECKING:
     from ..mechanics.levels import Again
-    from .triangles import Triangles
+    from .triangle_meshes import Triangles
 
 MOST_NODES = 100_000
 """Of the membranes that are kept, all places together."""

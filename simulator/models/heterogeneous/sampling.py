@@ -62,12 +62,12 @@ class Sampler:
         seen = np.stack(edges)[:, :2].transpose(2, 3, 1, 0)
         return np.einsum("cpij,...jcp->...icp", seen @ np.linalg.inv(own), vectors)
 
-    def sampled(self, drive: int, s: complex) -> tuple[NDArray, NDArray]:
+    def sampled(self, excitation: int, s: complex) -> tuple[NDArray, NDArray]:
         """Potential in V, shape (field, cell, corner), and slope in V/m, (field, 2, cell, corner).
 
         Of one excitation. s: rad/s.
         """
-        fields = self._discretised.coefficients_of(self._discretised.fine, drive, s)
+        fields = self._discretised.coefficients_of(self._discretised.fine, excitation, s)
         inner = self._elements.surface_at(self._within, slice(None))
         slopes = [interpolated(self._within, inner, u)[1] for u in fields]
         return np.stack([u.T @ self._at.values for u in fields]), np.stack(slopes)

@@ -26,7 +26,7 @@ from ...surroundings.rim import RimDensities, rim_densities
 from ...surroundings.solved import surroundings_matrix
 from ...sweeps import InputError
 from ..stray import of_step
-from .coefficients import ELECTRODES, Coefficients
+from .coefficients import ELECTRODES, PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_at, add_foam, add_sheet
 from .materials import Materials
@@ -37,7 +37,7 @@ BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
 Values = NDArray[np.float64]
 
 
-def check_around(scene: Scene) -> None:
+def check_surroundings(scene: Scene) -> None:
     """Raises InputError for surroundings, and foils with a width, that elements do not take."""
     around = scene.surroundings
     for number, contact in enumerate(scene.contacts):
@@ -63,8 +63,8 @@ def _check_rim(scene: Scene, around: Surroundings) -> None:
     rim_densities(scene)
 
 
-def charged_to_earth(
-    coefficients: Coefficients, x: NDArray[np.float64], u: NDArray[np.float64]
+def energy_to_earth(
+    coefficients: PressCoefficients, x: NDArray[np.float64], u: NDArray[np.float64]
 ) -> NDArray[np.float64] | float:
     """c_e u² of earthed bodies in J/m² of sheets at u in V, shape (field, ...), at x, (2, ...)."""
     around, materials = coefficients.materials.scene.surroundings, coefficients.materials
@@ -72,11 +72,11 @@ def charged_to_earth(
     return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
 
 
-def add_around(
+def add_surroundings(
     values: Values,
     circuit: Circuit,
     elements: Elements,
-    coefficients: Coefficients,
+    coefficients: PressCoefficients,
     unknowns: Unknowns,
 ) -> None:
     """All of these terms of one press, in the pattern."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.models.varied.materials import Materials, metric, position, strain_of
+from rcskin.simulator.models.heterogeneous.materials import Materials, metric, position, strain_of
 
 X = np.random.default_rng(1).uniform(0, 1, (2, 6, 5)) * np.array([0.1, 0.08])[:, None, None]
 RANDOM = {"kind": "random", "deviation": 0.3, "correlation_length": 0.02, "seed": 4}
