@@ -28,7 +28,7 @@ from .localization.api.skin import calibrate, limits, study
 
 if TYPE_CHECKING:
     __version__: str
-    from .localization.model.model import Model
+    from .localization.model.localizer_model import Model
     from .simulator.press.press import Press
     from .simulator.scene.scene import Scene
     from .simulator.sweeps.errors import InputError, ToleranceError
@@ -60,7 +60,7 @@ __all__ = [
 
 _CLASSES = {
     "InputError": "simulator.sweeps.errors",
-    "Model": "localization.model.model",
+    "Model": "localization.model.localizer_model",
     "Press": "simulator.press.press",
     "Scene": "simulator.scene.scene",
     "ToleranceError": "simulator.sweeps.errors",

@@ -28,10 +28,10 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
-from rcskin.localization.adaptation.adaptation import checked, taught
+from rcskin.localization.adaptation.class_adaptation import checked, taught
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Samples
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin

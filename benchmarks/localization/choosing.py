@@ -21,8 +21,8 @@ from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.meter_state import Settings
-from rcskin.localization.filtering.asking import Asker
-from rcskin.localization.model.model import Model
+from rcskin.localization.filtering.adaptive_policy import Asker
+from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

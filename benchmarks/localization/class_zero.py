@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.inputs.samples import Samples, samples_of
-from rcskin.localization.inversion.registered import chosen
+from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.sweeps import build, impedance
 
 FREQUENCIES = np.geomspace(1e3, 200e3, 20)

@@ -37,9 +37,9 @@ from rcskin.hardware.live.live_meter import Link
 from rcskin.hardware.live.live_session import Session
 from rcskin.hardware.live.session_log import Log
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
-from rcskin.localization.filtering.asking import Asker
+from rcskin.localization.filtering.adaptive_policy import Asker
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.scene.scene import Scene

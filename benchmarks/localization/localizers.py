@@ -18,9 +18,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.evaluation.evaluation import ClassScore, score
-from rcskin.localization.inputs.reading import read_some
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.registered import NAME, chosen
+from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inversion.estimators import NAME, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate

@@ -20,8 +20,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
-from rcskin.localization.inputs.reading import read_some
-from rcskin.localization.inputs.touches import counts_of
+from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.plan import Plan
 from rcskin.simulator.dataset.run import generate

@@ -23,7 +23,7 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE, RTOL, SEED, WHOLE, simulated
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.registered import chosen
+from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.charts import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.scene.files import scene_text

@@ -33,7 +33,7 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     trained,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.files import scene_text

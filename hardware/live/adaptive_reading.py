@@ -15,8 +15,8 @@ from .live_meter import Link
 from .timed_switch import Turns
 
 if TYPE_CHECKING:
-    from ...localization.filtering.questioning import Questioning
-    from ...localization.model.model import Model
+    from ...localization.filtering.adaptive_sweep import Questioning
+    from ...localization.model.localizer_model import Model
 
 USUAL = 0.02
 """s that a reading takes where none was taken yet."""

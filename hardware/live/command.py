@@ -22,7 +22,7 @@ from ..options import (
 )
 
 if TYPE_CHECKING:
-    from ...localization.model.model import Model
+    from ...localization.model.localizer_model import Model
     from ..record.recording_journal import Journal
     from .live_baseline import Rest
     from .live_localizer import Localizer
@@ -94,7 +94,7 @@ def live(
     ] = None,
 ) -> None:
     """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
-    from ...localization.filtering.touching import Touching
+    from ...localization.filtering.touch_dynamics import Touching
     from ..meter.accuracy_table import DERIVED, read_table
     from ..meter.hioki import open_meter
     from ..meter.termination import ending_in_order

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...localization.commands.asking import tell_age
-from ...localization.filtering.asking import Asker, skin_at_hand
+from ...localization.commands.model_notes import tell_age
+from ...localization.filtering.adaptive_policy import Asker, skin_at_hand
 from ...localization.filtering.follower import MIDWAY, Followed, Follower
 from ...localization.inputs.features import needs_rest
-from ...localization.inversion.registered import answer_at_once
-from ...localization.model.file import load
+from ...localization.inversion.estimators import answer_at_once
+from ...localization.model.model_file import load
 from ...localization.trust.answers import CANNOT_TELL
 from .touch_answer import NOTHING_PRESSED, Answer, answer_of_classes
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...localization.filtering.questioning import Questioning
-    from ...localization.filtering.touching import Touching
+    from ...localization.filtering.adaptive_sweep import Questioning
+    from ...localization.filtering.touch_dynamics import Touching
     from ...localization.inversion.region import Region
-    from ...localization.model.model import Model
+    from ...localization.model.localizer_model import Model
     from ...simulator.scene.scene import Scene
 
 CHANGED = "the touch changed in mid-sweep"

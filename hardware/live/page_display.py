@@ -16,7 +16,7 @@ from .live_session import Moment, Seen, Show
 from .touch_answer import Answer, readings_of
 
 if TYPE_CHECKING:
-    from ...localization.model.model import Model
+    from ...localization.model.localizer_model import Model
 
 NOTES = 5
 OFTEN = 0.25

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...localization.model.model import Model
+    from ...localization.model.localizer_model import Model
 
 
 def as_dataset(

@@ -15,7 +15,7 @@ from ...simulator.sweeps.press_text import named_pixels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ...localization.model.model import Model
+    from ...localization.model.localizer_model import Model
 
 NOTHING_PRESSED = "nothing pressed"
 NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ...simulator.check.curves import Quantity
     from ...simulator.scene.scene import Scene
-    from ..model.model import Model
+    from ..model.localizer_model import Model
 
 
 def read(path: str | Path) -> xr.Dataset:
@@ -54,8 +54,8 @@ def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
         return write_sweeps(given, path)
     if isinstance(given, Scene):
         return write_scene(path, given)
-    from ..model.file import save
-    from ..model.model import Model
+    from ..model.localizer_model import Model
+    from ..model.model_file import save
 
     if isinstance(given, Model):
         return save(path, given)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from ..evaluation.result import Evaluation
     from ..inputs.targets import Target
-    from ..inversion.registered import EstimatorName
-    from ..model.model import Model
+    from ..inversion.estimators import EstimatorName
+    from ..model.localizer_model import Model
     from ..trust.answers import Answers
 
 
@@ -78,7 +78,7 @@ def load_model(path: str | Path) -> Model:
 
     Raises InputError in one line where the file holds none.
     """
-    from ..model.file import load
+    from ..model.model_file import load
 
     return load(path_of(path))
 
@@ -118,7 +118,7 @@ def evaluate(
 
 
 def _model_of(given: Model | str | Path) -> Model:
-    from ..model.model import Model
+    from ..model.localizer_model import Model
 
     if isinstance(given, str | Path):
         return load_model(given)

@@ -14,7 +14,7 @@ BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
 """Figures that are told beside rates."""
 
 if TYPE_CHECKING:
-    from ..adaptation.adaptation import Adaptation
+    from ..adaptation.class_adaptation import Adaptation
 
 
 @options.as_typed
@@ -38,11 +38,11 @@ def adapt(
     The model that is written learned from all.
     """
     from ...simulator.sweeps import InputError, checked_output
-    from ..adaptation.adaptation import adapted
-    from ..adaptation.places import adapted_places
-    from ..inputs.reading import read_some
-    from ..model.file import ENDING, save
-    from .asking import model_for
+    from ..adaptation.class_adaptation import adapted
+    from ..adaptation.position_adaptation import adapted_places
+    from ..inputs.sweep_files import read_some
+    from ..model.model_file import ENDING, save
+    from .model_notes import model_for
 
     checked_output(output, (ENDING,))
     known = read_some(touches, most)

@@ -50,10 +50,10 @@ def evaluate(
     from ...simulator.sweeps import InputError, checked_folder
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
-    from ..inputs.reading import read_some
     from ..inputs.samples import samples_of
-    from ..model.file import ENDING
-    from .asking import looked_at, model_for, tell_features, tell_known
+    from ..inputs.sweep_files import read_some
+    from ..model.model_file import ENDING
+    from .model_notes import looked_at, model_for, tell_features, tell_known
 
     by_model = files[0].suffix == ENDING
     recordings = files[by_model:]
@@ -98,7 +98,7 @@ def _by_folds(
 ) -> Evaluation:
     from ..evaluation.evaluation import nested
     from ..evaluation.result import of_folds
-    from ..inversion.registered import chosen
+    from ..inversion.estimators import chosen
 
     estimator = chosen(name, samples.problem.target)
     found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, progress=progress)

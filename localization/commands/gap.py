@@ -12,7 +12,7 @@ from . import options
 from .options import as_typed
 
 if TYPE_CHECKING:
-    from ..gap.findings import Findings
+    from ..gap.gap_findings import Findings
 
 
 @as_typed
@@ -74,14 +74,14 @@ def gap(
     from ...simulator.progress import on_terminal
     from ...simulator.scene.files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
-    from ..gap.findings import find
-    from ..gap.noun import check_other, check_simulated
+    from ..gap.comparison import prepared
+    from ..gap.gap_findings import find
+    from ..gap.options import Question
     from ..gap.pair import paired
-    from ..gap.question import Question
-    from ..gap.report.pages import HTML, JSON, write_report
-    from ..gap.trial import prepared
+    from ..gap.report.html_report import HTML, JSON, write_report
+    from ..gap.side_label import check_other, check_simulated
     from ..inputs.features import seen_from
-    from .asking import model_for
+    from .model_notes import model_for
 
     ending = None if charts is None else checked_ending(charts)
     sides = read(simulated), read_joined(measured)
@@ -116,7 +116,7 @@ def gap(
 
 def _show(findings: Findings, report: Path) -> None:
     from ...simulator.report.terminal import table
-    from ..gap.report.telling import cause_told, heads, rows_of, summary
+    from ..gap.report.sentences import cause_told, heads, rows_of, summary
 
     rows = ([row.trained, *row.cells] for row in rows_of(findings))
     terminal().print(table(["trained on", *heads(findings)], rows))

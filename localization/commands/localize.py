@@ -14,7 +14,7 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..model.model import Model
+    from ..model.localizer_model import Model
 
 
 @options.as_typed
@@ -44,9 +44,9 @@ def localize(
     from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.cells import guarded
-    from ..inputs.reading import read_some
+    from ..inputs.sweep_files import read_some
     from ..trust.answers import CANNOT_TELL
-    from .asking import model_for, tell_known
+    from .model_notes import model_for, tell_known
 
     if output is not None:
         checked_output(output, (".csv",))
@@ -92,7 +92,7 @@ def _followed(
     """The same by each sweep and all before it, and how probably its touch changed meanwhile."""
     from ...simulator.sweeps import InputError
     from ..filtering.follower import Follower
-    from ..filtering.touching import Touching
+    from ..filtering.touch_dynamics import Touching
     from ..inputs.targets import COORDINATES
 
     if not pace > 0:

@@ -25,7 +25,7 @@ def _targets() -> list[str]:
 
 def complete_estimator() -> list[str]:
     """Names of all localizers for the shell."""
-    from ..inversion.registered import estimators
+    from ..inversion.estimators import estimators
 
     return list(estimators())
 

@@ -13,7 +13,7 @@ from . import options
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..model.model import Model
+    from ..model.localizer_model import Model
 
 
 @options.as_typed
@@ -37,10 +37,10 @@ def train(
     """
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
-    from ..inputs.reading import read_some
-    from ..model.file import ENDING, save
+    from ..inputs.sweep_files import read_some
+    from ..model.model_file import ENDING, save
     from ..model.training import train as train_model
-    from .asking import tell_features
+    from .model_notes import tell_features
 
     checked_output(output, (ENDING,))
     known = read_some(sweeps, most, in_parts=True)
@@ -80,7 +80,7 @@ def _told(model: Model) -> list[str]:
 
 def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
     """What the accuracy is of, where one is stated."""
-    from .asking import looked_at
+    from .model_notes import looked_at
 
     if model.target == "position":
         return []

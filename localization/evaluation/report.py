@@ -11,7 +11,7 @@ from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore
-from .plan import draw_plan
+from .skin_outline import draw_plan
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
@@ -53,7 +53,7 @@ def write_report(
     folder: made where it is not there. scene: of the skin that positions are on. ending: of the
     charts.
     """
-    from .belief import draw_belief
+    from .reliability import draw_belief
 
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
@@ -72,7 +72,7 @@ def write_report(
 
 
 def _draw_confusion(score: ClassScore, path: Path) -> None:
-    from .plot import draw_confusion
+    from .confusion_chart import draw_confusion
 
     side = min(14.0, max(4.5, 0.55 * len(score.confusion.labels)))
     with chart(path, side, side) as figure:
@@ -80,7 +80,7 @@ def _draw_confusion(score: ClassScore, path: Path) -> None:
 
 
 def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> None:
-    from .plot import draw_error_map, draw_errors
+    from .confusion_chart import draw_error_map, draw_errors
 
     with chart(path, *PAIR) as figure:
         where, how_often = figure.subplots(1, 2)
@@ -90,7 +90,7 @@ def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> No
 
 
 def _draw_regions(score: PositionScore, scene: Scene | None, path: Path) -> None:
-    from .belief import draw_coverage, draw_regions
+    from .reliability import draw_coverage, draw_regions
 
     with chart(path, *PAIR) as figure:
         how_often, where = figure.subplots(1, 2)

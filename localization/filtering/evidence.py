@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..inversion.adapted import AdaptedClassifier
 from ..inversion.classifier import ModelBased
-from ..model.model import Model
+from ..model.localizer_model import Model
 from ..trust.fitted import Classifier
+from .cell_grid import Grid
 from .chain import Cut, Evidence
-from .places import Grid
 
 DOUBT = 0.02
 """How often a model is taken to be wrong, however sure it is, or to call a known touch novel."""

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs.touches import pitch
+from ..inputs.sweep_touches import pitch
 from ..inversion.position import GRID
 from ..inversion.region import Region
-from ..model.model import Model
+from ..model.localizer_model import Model
 from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Regressor
+from .cell_grid import Grid, grid_of
 from .chain import Belief, Chain, Evidence
 from .evidence import Observer
-from .places import Grid, grid_of
 from .states import chain_of_classes, chain_of_places
-from .touching import Touching
+from .touch_dynamics import Touching
 
 if TYPE_CHECKING:
     import xarray as xr

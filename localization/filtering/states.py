@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps.press_text import named_pixels
 from .chain import Chain
-from .touching import Touching
+from .touch_dynamics import Touching
 
 OTHER = 0.05
 """Share of touches that are none which the localizer knows: its last state."""

@@ -13,8 +13,8 @@ from ...simulator.scene.files import scene_of_sweeps, scene_text
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.restricting import all_of, restricted
-from .noun import Noun, noun_of
-from .thinning import thinned
+from .side_label import Noun, noun_of
+from .subsampling import thinned
 
 if TYPE_CHECKING:
     import xarray as xr

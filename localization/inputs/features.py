@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
 from ...simulator.sweeps.schema import taken_of
-from .rest import check_told, has_rest_before, log_at_rest
+from .baselines import check_told, has_rest_before, log_at_rest
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from .baselines import check_told
 from .features import (
     AGAINST_REST,
     Quantities,
@@ -19,9 +20,8 @@ from .features import (
     taken_rows,
     told_features,
 )
-from .rest import check_told
+from .sweep_touches import counts_of
 from .targets import PIXELS, has_target, labels, positions
-from .touches import counts_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .touches import MOST, counts_of, pressed_pixels, touches_of
+from .sweep_touches import MOST, counts_of, pressed_pixels, touches_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -19,7 +19,7 @@ from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased, simulated
 from .position import ModelBasedPosition
 from .region import Places
-from .skins import Skins
+from .skin_cache import Skins
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""

@@ -18,8 +18,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ...simulator.scene.files import carried_scene
 from ...simulator.sweeps import InputError
+from .fine_tuning import LESSONS, learned
 from .hypotheses import Hypotheses, hypotheses, labels
-from .lessons import LESSONS, learned
 from .mixture import Mixture
 
 Builder = Callable[..., Mapping[str, NDArray]]

@@ -12,10 +12,10 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .classifier import Builder, simulated
-from .ground import Ground, ground
 from .mixture import Mixture, mixture
 from .region import Places, Region, region_of
-from .surface import Surface, surface
+from .response_surface import Surface, surface
+from .skin_mask import Ground, ground
 
 POSITION = "position"
 GRID = (16, 16, 8)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from .ground import Ground
+from .skin_mask import Ground
 
 LINES = 41
 NEGLIGIBLE = 1e-4

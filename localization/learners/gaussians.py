@@ -19,7 +19,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .drift import DRIFT, moved_by_drift
-from .moved import FOLLOWED, Moved
+from .drift_directions import FOLLOWED, Moved
 from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4

@@ -9,13 +9,13 @@ import numpy as np
 
 from ...simulator.progress import Progress, silent
 from ..inputs.features import Quantities
-from ..inputs.marks import marks_of
+from ..inputs.fingerprints import marks_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
-from ..inversion.registered import chosen
+from ..inversion.estimators import chosen
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import judging, told
-from .model import Model, versions_here
+from .localizer_model import Model, versions_here
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from . import device_claims, sheet_claims, strip_claims
 from .claim import Claim
-from .rehearsal import STRIPS
 from .results import Results
+from .simulated_experiment import STRIPS
 
 
 def all_claims(results: Results) -> list[Claim]:

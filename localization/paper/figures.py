@@ -16,9 +16,9 @@ from ...simulator.models.solver import Solver
 from ...simulator.press.press import every_press
 from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
-from ..evaluation.plot import draw_confusion
-from .reading import paper_frequencies, totals
-from .rehearsal import Rehearsal
+from ..evaluation.confusion_chart import draw_confusion
+from .derived_quantities import paper_frequencies, totals
+from .simulated_experiment import Rehearsal
 from .studies import crossed_cap
 
 if TYPE_CHECKING:

@@ -20,15 +20,15 @@ from ...simulator.sweeps import made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import UNCHECKED, cross_validate
 from ..inputs.features import PAPER
-from ..model.file import save
+from ..model.model_file import save
 from ..model.training import train
 from . import figures
 from .claim import Claim
 from .claims import all_claims
-from .reading import open_line_frequencies, paper_frequencies
-from .rehearsal import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
+from .derived_quantities import open_line_frequencies, paper_frequencies
 from .report import write_report
 from .results import Results
+from .simulated_experiment import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
 from .studies import (
     contact_study,
     exact_sweeps,

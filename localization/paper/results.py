@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation.confusion import Confusion
-from .rehearsal import Rehearsal
+from .simulated_experiment import Rehearsal
 
 if TYPE_CHECKING:
     import xarray as xr

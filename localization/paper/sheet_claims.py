@@ -19,7 +19,7 @@ from .claim import (
     noise_of,
     share,
 )
-from .reading import (
+from .derived_quantities import (
     capacitance_changes,
     paper_frequencies,
     resistance_at_rest,
@@ -27,8 +27,8 @@ from .reading import (
     separation_peaks,
     totals,
 )
-from .rehearsal import SHEETS, Rehearsal
 from .results import Results
+from .simulated_experiment import SHEETS, Rehearsal
 from .studies import DRAWS, LAYOUT_PIXELS, LAYOUTS, crossed_cap
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from ..evaluation.confusion import Confusion
 from .claim import ENOUGH, Claim, listed, mean_share, near, noise_of, same_proportion, share
-from .reading import (
+from .derived_quantities import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,
     paper_frequencies,
 )
-from .rehearsal import STRIPS, Rehearsal
 from .results import Results
+from .simulated_experiment import STRIPS, Rehearsal
 from .studies import DRAWS
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
 from ..evaluation.evaluation import cross_validate
 from ..inputs.features import PAPER
-from .rehearsal import Rehearsal, with_pixels
+from .simulated_experiment import Rehearsal, with_pixels
 
 if TYPE_CHECKING:
     import xarray as xr

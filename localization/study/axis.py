@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .keys import ALL_PIXELS, BOTH_SHEETS, Key, find_key
+from .scene_keys import ALL_PIXELS, BOTH_SHEETS, Key, find_key
 
 SYNTAX = (
     "KEY=START:STOP:POINTS[:log|linear] for real numbers, KEY=START:STOP for whole ones, or "

@@ -82,8 +82,8 @@ def study(
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from .execution import warnings_of
     from .report import ENDINGS, screenful
-    from .run import warnings_of
     from .settings import checked_workers
     from .study import planned
 

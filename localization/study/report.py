@@ -12,7 +12,7 @@ from ...simulator.report.files import write_frame
 from ...simulator.sweeps import whole_file
 from ...simulator.sweeps.formats.netcdf import write_dataset
 from .axis import Axis
-from .keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
+from .scene_keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...simulator.sweeps import InputError
-from .keys import find_key, with_values
+from .scene_keys import find_key, with_values
 
 MOST_WORKERS = 256
 

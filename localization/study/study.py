@@ -12,13 +12,13 @@ from ...simulator.progress import Progress, silent
 from ...simulator.scene.scene import Scene
 from ...simulator.shown import Tabular
 from ...simulator.sweeps import checked_output
-from . import run
+from . import execution
 from .axis import READY_MADE, Axis, axes_of
-from .figure import draw_study
-from .keys import scene_table
 from .point import Trial
 from .report import ENDINGS, answers, experiment_told, spacing, write_table
+from .scene_keys import scene_table
 from .settings import changed
+from .study_figure import draw_study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,8 +31,8 @@ Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
 class Study(Tabular):
     """How well pixels are told apart at every value of one or two numbers of a scene.
 
-    findings: `run.VARIABLES` over dimensions named by the keys. axes: what varied. experiment: the
-    scene, its frequencies, noise and presses, in one line.
+    findings: `execution.VARIABLES` over dimensions named by the keys. axes: what varied.
+    experiment: the scene, its frequencies, noise and presses, in one line.
     """
 
     findings: xr.Dataset
@@ -79,8 +79,10 @@ class Planned:
         rtol: float | None = None,
         workers: int = 1,
     ) -> Study:
-        """The study; arguments as of `run.study`, which says what is raised."""
-        found = run.study(self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers)
+        """The study; arguments as of `execution.study`, which says what is raised."""
+        found = execution.study(
+            self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
+        )
         return Study(found, self.axes, experiment_told(self.table, self.axes))
 
 
@@ -105,4 +107,4 @@ def planned(
     axes = axes_of(vary or READY_MADE, table)
     varied = [place[0] for axis in axes for place in axis.key.places]
     trial = Trial(target, draws, repetitions is not None or "experiment" in varied)
-    return Planned(table, tuple(axes), trial, tuple(run.scenes_of(table, axes, trial)))
+    return Planned(table, tuple(axes), trial, tuple(execution.scenes_of(table, axes, trial)))

@@ -13,10 +13,10 @@ from sklearn.preprocessing import StandardScaler
 
 from ...simulator.progress import Progress, silent, tracked
 from ...simulator.sweeps import InputError
-from ..cores import count_cores
 from ..inputs.samples import Samples, told_by_changes
 from ..learners.drift import drifting
 from ..learners.registry import Estimator
+from ..processor_count import count_cores
 from .answers import threshold_of
 from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
 from .folds import PLENTY, Splits, held_out_of, judging

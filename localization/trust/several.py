@@ -14,9 +14,9 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 from sklearn.utils.validation import validate_data
 
-from ..cores import count_cores
 from ..inputs.features import told_by_press
 from ..inputs.samples import Samples, drawn
+from ..processor_count import count_cores
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
 from .guard import Guard

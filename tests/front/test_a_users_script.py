@@ -12,8 +12,8 @@ from typing import get_args
 import pytest
 import rcskin
 from rcskin.localization.inputs.targets import CLASSES, Target
-from rcskin.localization.inversion.registered import EstimatorName as Estimator
-from rcskin.localization.inversion.registered import estimators
+from rcskin.localization.inversion.estimators import EstimatorName as Estimator
+from rcskin.localization.inversion.estimators import estimators
 from rcskin.simulator.check.curves import QUANTITIES, Quantity
 
 SCRIPT = Path(__file__).with_name("a_users_script.py")

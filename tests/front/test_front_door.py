@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.study.axis import axes_of
-from rcskin.localization.study.keys import scene_table
+from rcskin.localization.study.scene_keys import scene_table
 from rcskin.simulator.sweeps import InputError
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import rcskin
 from rcskin import __main__ as front
-from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.sweeps import read
 from typer.testing import CliRunner
@@ -104,7 +104,7 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
 
 @pytest.mark.slow
 def test_a_gap_is_told_of_what_both_sides_read(scene, folder, monkeypatch):
-    monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
     presses = [each for k in range(4) for each in ("none", "1,1", "1,2", "2,1", "2,2")]
     asked = [part for press in presses for part in ("--press", press)]
     command("sweep", scene, *asked, "--rtol", "1e-3", "-o", folder / "sim.nc")

@@ -8,7 +8,7 @@ from rcskin.benchmarks.localization.design_parts.kept import Kept
 from rcskin.benchmarks.localization.twin_parts.known import known_accuracy, known_distance
 from rcskin.benchmarks.localization.twin_parts.scenes import PLACED_SIZE
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.inputs.rest import RECENT
+from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.design.places import Touches
 from rcskin.simulator.limits import hand_accuracy, hand_distance
 from rcskin.simulator.models.reduced.model import Reduced

@@ -9,11 +9,11 @@ import xarray as xr
 from rcskin.benchmarks.localization.foreign_parts.effects import BODY, MOST_FINGER
 from rcskin.benchmarks.localization.foreign_parts.skin import THICKNESS
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE, RTOL, WHOLE, simulated
-from rcskin.localization.adaptation.adaptation import adapted
+from rcskin.localization.adaptation.class_adaptation import adapted
 from rcskin.localization.inputs.samples import Samples
-from rcskin.localization.model.file import load as load_model
-from rcskin.localization.model.file import save as save_model
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
+from rcskin.localization.model.model_file import load as load_model
+from rcskin.localization.model.model_file import save as save_model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.scene.scene import Scene

@@ -28,7 +28,7 @@ from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import RTOL, SEED
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, Trial, every_pixel
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.simulator.dataset.model import reduced
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced

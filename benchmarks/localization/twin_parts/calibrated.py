@@ -15,9 +15,9 @@ from rcskin.benchmarks.localization.twin_parts.training import (
 )
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.registered import estimators
+from rcskin.localization.inversion.estimators import estimators
 from rcskin.localization.learners.registry import Estimator
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.model import reduced

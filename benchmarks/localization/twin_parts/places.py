@@ -17,7 +17,7 @@ from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.inputs.rest import RECENT
+from rcskin.localization.inputs.baselines import RECENT
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
 from rcskin.localization.inversion.classifier import simulated

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.inputs.reading import read_some
-from rcskin.localization.model.model import Model
+from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.model import Training
 from rcskin.simulator.dataset.plan import Plan

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.scenes import BETWEEN_RESTS, PLACED_SIZE, believed
 from rcskin.benchmarks.localization.twin_parts.skin import Hand
 from rcskin.localization.inputs.targets import labels, positions
-from rcskin.localization.model.model import Model
+from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.dataset.presses import FIRST_RESTS
 from rcskin.simulator.scene.scene import Scene

@@ -14,7 +14,7 @@ from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweep
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Problem, Samples, samples_of
-from rcskin.localization.inversion.registered import NAME, chosen
+from rcskin.localization.inversion.estimators import NAME, chosen
 from rcskin.localization.learners.networks import SHORT
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.trust.fitting import learn_classes

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....simulator.charts import COLOURS, chart
-from ..samples import TOLD
+from ..paired_samples import TOLD
 from ..versions import BEFORE
-from .telling import called
+from .sentences import called
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..findings import Findings
+    from ..gap_findings import Findings
 
 SIGNIFICANT = 0.05
 WIDEST, MANY = 0.8, 12

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ....simulator.charts import chart
-from ...evaluation.plot import draw_confusion
-from .telling import model_told
+from ...evaluation.confusion_chart import draw_confusion
+from .sentences import model_told
 
 if TYPE_CHECKING:
-    from ..accuracy import Accuracy
-    from ..findings import Findings
+    from ..gap_findings import Findings
+    from ..mean_accuracy import Accuracy
 
 SIDE, EACH_CLASS = 3.6, 0.3
 """Inches: of a matrix at least, and of a class in a large one."""

@@ -9,7 +9,7 @@ from rcskin.hardware.live.live_baseline import RENEWED_AFTER, Rest
 from rcskin.hardware.live.session_log import rest_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, Answer
 from rcskin.hardware.record.measured_sweep import Sweep, Trace
-from rcskin.localization.inputs.rest import OPENING, RECENT, log_at_rest, means_at_rest
+from rcskin.localization.inputs.baselines import OPENING, RECENT, log_at_rest, means_at_rest
 from rcskin.simulator.sweeps import build
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))

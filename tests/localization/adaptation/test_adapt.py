@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.adaptation.adaptation import adapted
-from rcskin.localization.adaptation.places import adapted_places
-from rcskin.localization.model.file import load, save
+from rcskin.localization.adaptation.class_adaptation import adapted
+from rcskin.localization.adaptation.position_adaptation import adapted_places
+from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, write

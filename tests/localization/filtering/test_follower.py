@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.asking import Asker
+from rcskin.localization.filtering.adaptive_policy import Asker
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.filtering.touching import Touching
-from rcskin.localization.inversion.registered import NAME
+from rcskin.localization.filtering.touch_dynamics import Touching
+from rcskin.localization.inversion.estimators import NAME
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.measure.readout import read_out

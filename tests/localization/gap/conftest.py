@@ -5,10 +5,10 @@ from functools import cached_property
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.findings import find
+from rcskin.localization.gap.comparison import prepared
+from rcskin.localization.gap.gap_findings import find
+from rcskin.localization.gap.options import Question
 from rcskin.localization.gap.pair import paired
-from rcskin.localization.gap.question import Question
-from rcskin.localization.gap.trial import prepared
 from rcskin.simulator.progress import silent
 from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.sweeps import UNPRESSED, InputError, build, impedance

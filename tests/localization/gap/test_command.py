@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from rcskin.localization.model.file import load, save
+from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
@@ -68,7 +68,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     gap, files, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.localization.gap.report.pages.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     exact = simulate(Solver(load_scene("strip-1x3")), every_press(load_scene("strip-1x3")))
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.noun import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
 from rcskin.localization.gap.pair import paired, pixel_of
-from rcskin.localization.gap.thinning import MOST, SPREAD
+from rcskin.localization.gap.side_label import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
+from rcskin.localization.gap.subsampling import MOST, SPREAD
 from rcskin.localization.inputs.features import told_features
 from rcskin.simulator.scene.files import parse_scene
 from rcskin.simulator.sweeps import InputError

@@ -6,10 +6,10 @@ import re
 from dataclasses import replace
 
 import pytest
-from rcskin.localization.gap.report import pages as report
-from rcskin.localization.gap.report.charts import charts_of
-from rcskin.localization.gap.report.numbers import KEYS, numbers
-from rcskin.localization.gap.report.telling import cause_told, rows_of
+from rcskin.localization.gap.report import html_report
+from rcskin.localization.gap.report.chart_list import charts_of
+from rcskin.localization.gap.report.json_data import KEYS, numbers
+from rcskin.localization.gap.report.sentences import cause_told, rows_of
 from rcskin.simulator.calibration.misfit import Explained
 from rcskin.simulator.charts import STYLE
 
@@ -35,7 +35,7 @@ def coarse():
 @pytest.fixture(scope="module")
 def written(findings, tmp_path_factory):
     folder = tmp_path_factory.mktemp("gap")
-    report.write_report(folder, findings)
+    html_report.write_report(folder, findings)
     return folder
 
 
@@ -141,8 +141,8 @@ def test_classes_without_neighbours_are_no_unit(make_skin_sweeps, make_findings,
 @pytest.mark.usefixtures("unpainted")
 def test_charts_stand_beside_the_page_where_that_is_asked_for(findings, tmp_path, monkeypatch):
     first = charts_of(findings)[:1]
-    monkeypatch.setattr(report, "charts_of", lambda findings: first)
-    report.write_report(tmp_path, findings, ".svg")
+    monkeypatch.setattr(html_report, "charts_of", lambda findings: first)
+    html_report.write_report(tmp_path, findings, ".svg")
     assert [path.stem for path in tmp_path.glob("*.svg")] == [first[0].name]
 
 
@@ -151,9 +151,9 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
     def fails(*arguments):
         raise RuntimeError
 
-    monkeypatch.setattr("rcskin.localization.gap.report.charts.draw_accuracies", fails)
+    monkeypatch.setattr("rcskin.localization.gap.report.chart_list.draw_accuracies", fails)
     with pytest.raises(RuntimeError):
-        report.write_report(tmp_path, findings)
+        html_report.write_report(tmp_path, findings)
     assert list(tmp_path.iterdir()) == []
 
 

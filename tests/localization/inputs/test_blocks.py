@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 from rcskin.localization.inputs import features
-from rcskin.localization.inputs.reading import read_some
+from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.localization.learners.networks import NetworkClassifier
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import build, concatenate, read, write

@@ -8,10 +8,10 @@ import skops.io
 from rcskin.localization.inputs.samples import Problem
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.estimators import ADAPTED, NAME, estimators
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
-from rcskin.localization.inversion.registered import ADAPTED, NAME, estimators
-from rcskin.localization.inversion.skins import ALIKE, SKINS_KEPT
+from rcskin.localization.inversion.skin_cache import ALIKE, SKINS_KEPT
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.scene.files import builtin_text
 from rcskin.simulator.sweeps import InputError

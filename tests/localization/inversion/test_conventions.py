@@ -7,7 +7,7 @@ import pytest
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
-from rcskin.localization.inversion.skins import Skins
+from rcskin.localization.inversion.skin_cache import Skins
 from sklearn.base import is_regressor
 from sklearn.utils.estimator_checks import parametrize_with_checks
 from sklearn.utils.validation import check_array, check_is_fitted, validate_data

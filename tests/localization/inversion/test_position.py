@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inversion.position import ModelBasedPosition
-from rcskin.localization.inversion.surface import surface
+from rcskin.localization.inversion.response_surface import surface
 from sklearn.base import clone
 
 SIDE, TOUCH, NUMBERS = 0.12, 0.015, 12

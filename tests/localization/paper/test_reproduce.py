@@ -11,11 +11,11 @@ import pytest
 from matplotlib.image import imread
 from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
-from rcskin.localization.model.file import load
+from rcskin.localization.model.model_file import load
 from rcskin.localization.paper import figures
 from rcskin.localization.paper.claim import RULES, near
-from rcskin.localization.paper.rehearsal import EXPERIMENTS, SHEETS
 from rcskin.localization.paper.reproduce import draw
+from rcskin.localization.paper.simulated_experiment import EXPERIMENTS, SHEETS
 from rcskin.localization.paper.studies import crossed_cap
 from rcskin.simulator import sweeps
 from rcskin.simulator.charts import STYLE

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.image import imread
-from rcskin.localization.study.keys import scene_table
+from rcskin.localization.study.scene_keys import scene_table
 from rcskin.localization.study.settings import changed
 from rcskin.simulator.scene.files import BUILTIN
 

@@ -2,9 +2,9 @@
 
 import pytest
 from rcskin.localization.study.axis import Axis
-from rcskin.localization.study.keys import find_key, scene_table
+from rcskin.localization.study.execution import scenes_of
 from rcskin.localization.study.point import Trial
-from rcskin.localization.study.run import scenes_of
+from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.scene.files import BUILTIN
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.localization.study.axis import Axis
-from rcskin.localization.study.keys import find_key, scene_table
+from rcskin.localization.study.execution import scenes_of
 from rcskin.localization.study.point import Trial, _family, _unread, impedances
-from rcskin.localization.study.run import scenes_of
+from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import Problem, Samples
-from rcskin.localization.inversion.registered import chosen
+from rcskin.localization.inversion.estimators import chosen
 from rcskin.localization.trust.fitting import learn_classes
 
 QUANTITIES = ("dlnZ", "dphase", "lnZ0", "phase0")

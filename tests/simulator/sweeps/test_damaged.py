@@ -3,8 +3,8 @@
 import shutil
 
 import pytest
-from rcskin.localization.inputs.reading import read_some
-from rcskin.localization.model.file import load
+from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.model.model_file import load
 from rcskin.simulator.dataset.export import export
 from rcskin.simulator.scene.files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import InputError, checked_output, read, write

@@ -1,0 +1,159 @@
+"""A few labelled touches teach a model the skin at hand; it is judged by touches that did not."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.frozen import FrozenEstimator
+from sklearn.pipeline import Pipeline
+
+from ...simulator.sweeps import InputError
+from ..evaluation.evaluation import ClassScore, Score, joined, score
+from ..inputs.samples import Samples
+from ..inversion.estimators import ADAPTED, NAME, estimators
+from ..learners.decisions import decisions
+from ..learners.offsets import Offsets
+from ..model.localizer_model import Model
+from ..trust.answers import threshold_of
+from ..trust.fitted import Classifier, Guards, known_at_rest
+from ..trust.folds import splits_of, told
+from ..trust.temperature import probabilities, sharpness_of
+
+FEWEST = 2
+"""Touches of each class: one teaches where another judges."""
+WITHIN = 0.98
+"""Of the touches that teach, how many a guard is widened to take for none of a novelty."""
+FOLDS = 5
+STEADY = 50
+"""Sweeps that the sharpness of the training counts as."""
+LESSON = {NAME: "invert__learn", ADAPTED: "invert__inner__learn"}
+"""Where localizers that invert the simulator are told to learn the skin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Adaptation:
+    """The model after all touches; and what it told before, and after others than those told.
+
+    validation: how the touches that judge were held out. notes: what its user must know.
+    """
+
+    model: Model
+    before: Score
+    after: Score
+    validation: str
+    notes: tuple[str, ...] = ()
+
+
+def adapted(model: Model, samples: Samples) -> Adaptation:
+    """The model taught by all of the samples, which are of the skin it is to be asked about.
+
+    samples: as `model.samples` tells them. Raises InputError for models of positions, models that
+    were adapted before, labels that the model does not know, and fewer than FEWEST sweeps of one of
+    its classes.
+    """
+    learned = checked(model, samples)
+    splits = splits_of(samples.strata, samples.sessions, FOLDS)
+    parts = [(samples.part(train), samples.part(test)) for train, test in splits]
+    lessons = [(taught(model, learned, train), test) for train, test in parts]
+    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in lessons]
+    whole = taught(model, learned, samples)
+    index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
+    decided = np.concatenate([each for each, _ in unseen])
+    sharpness = _steadied(sharpness_of(decided, index), learned.sharpness, index.size)
+    probability = probabilities(decided, sharpness)
+    right = probability.argmax(axis=1) == index
+    threshold, notes = _threshold(model, learned, probability.max(axis=1), right)
+    found = {"sharpness": sharpness, "threshold": threshold}
+    after = joined([score(replace(each, **found), test) for each, test in lessons])
+    before = joined([score(learned, test) for _, test in parts])
+    assert isinstance(before, ClassScore) and isinstance(after, ClassScore)
+    answered = int((probability.max(axis=1) >= threshold).sum())
+    counts = {"right": int(right.sum()), "answered": answered, "held_out": right.size}
+    validation = f"{told(splits, samples.sessions)}, of {right.size} sweeps of the skin at hand"
+    better = replace(model, learned=replace(whole, **found, **counts), validation=validation)
+    return Adaptation(better, before, after, validation, notes)
+
+
+def checked(model: Model, samples: Samples) -> Classifier:
+    """What the model learned, if these can teach it. Raises InputError as `adapted`."""
+    learned = model.learned
+    assert isinstance(learned, Classifier)
+    if _was_adapted(learned.pipeline):
+        raise InputError(
+            "the model was adapted before: give all touches, old and new, to the one that it was "
+            "adapted from"
+        )
+    known, counts = np.unique(samples.y, return_counts=True)
+    unknown = np.setdiff1d(known, learned.classes)
+    if unknown.size:
+        raise InputError(f"the model knows no {model.target} {unknown[0]}, which was touched")
+    met = dict(zip(known.tolist(), counts.tolist(), strict=True))
+    needed = known if model.estimator in LESSON else learned.classes
+    few = [(each, met.get(each, 0)) for each in needed.tolist() if met.get(each, 0) < FEWEST]
+    if few:
+        others = f" (and {len(few) - 1} more)" if len(few) > 1 else ""
+        raise InputError(
+            f"needs at least {FEWEST} sweeps of each {model.target}, got {few[0][1]} of "
+            f"{few[0][0]}{others}"
+        )
+    return learned
+
+
+def _was_adapted(pipeline: Pipeline) -> bool:
+    parameters = pipeline.get_params()
+    lessons = [parameters.get(name, "nothing") for name in LESSON.values()]
+    return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in lessons)
+
+
+def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
+    """The same after these; probabilities are still those that it was trained to."""
+    guards = learned.guards and widened(learned.guards, samples)
+    pipeline: Any
+    if model.estimator in LESSON:
+        pipeline = estimators()[model.estimator].build(model.problem)
+        pipeline.set_params(**{LESSON[model.estimator]: "skin"})
+    else:
+        pipeline = Pipeline(
+            [("correct", Offsets(FrozenEstimator(learned.pipeline), learned.sharpness))]
+        )
+    return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
+
+
+def widened(guards: Guards, samples: Samples) -> Guards:
+    """The guards that take most of these sweeps for no novelties."""
+    own, changes = _wider(guards, samples.X), guards.changes
+    if changes is None or samples.changes is None:
+        return own
+    known = known_at_rest(samples.changes)
+    return replace(own, changes=_wider(changes, samples.changes[known]) if known.size else changes)
+
+
+def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
+    farther = copy(guards.kinds)
+    reach = float(np.quantile(guards.kinds.distances(X), WITHIN, method="lower"))
+    farther.limit_ = guards.kinds.limit_ * max(1.0, reach)
+    return replace(guards, kinds=farther)
+
+
+def _steadied(found: float, before: float, count: int) -> float:
+    """Between the sharpness of a few sweeps and that of the training, which counts as so many."""
+    share = count / (count + STEADY)
+    return float(np.exp(share * np.log(found) + (1 - share) * np.log(before)))
+
+
+def _threshold(
+    model: Model, learned: Classifier, probability: NDArray, right: NDArray
+) -> tuple[float, tuple[str, ...]]:
+    if model.certain is None:
+        return 0.0, ()
+    try:
+        return threshold_of(probability, right, model.certain), ()
+    except InputError:
+        return learned.threshold, (
+            f"too few sweeps to say from which probability on answers are right at a rate of "
+            f"{model.certain:g}: as before they are answered from {learned.threshold:.3f} on",
+        )

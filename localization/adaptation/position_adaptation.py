@@ -1,0 +1,88 @@
+"""A few touches at known places teach a model of positions the skin at hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from sklearn.frozen import FrozenEstimator
+from sklearn.pipeline import Pipeline
+
+from ...simulator.sweeps import InputError
+from ..evaluation.evaluation import PositionScore, joined, score
+from ..inputs.samples import Samples
+from ..inversion.estimators import ADAPTED, NAME
+from ..learners.affine import Affine
+from ..model.localizer_model import Model
+from ..trust.fitted import Guards, Regressor
+from ..trust.folds import splits_of, told
+from .class_adaptation import FOLDS, STEADY, Adaptation, widened
+
+FEWEST = 6
+"""Touches: of each direction some, and some to judge."""
+
+
+def adapted_places(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
+    """The model taught by all of the samples, touches of the skin that it is to be asked about.
+
+    samples: as `model.samples` tells them. counted: the same of its gate, where it has one; its
+    guards let such sweeps pass. Raises InputError for models that invert the simulator or were
+    adapted before, and for fewer than FEWEST touches.
+    """
+    learned = _checked(model, samples)
+    splits = splits_of(None, samples.sessions, FOLDS)
+    parts = [(samples.part(train), samples.part(test)) for train, test in splits]
+    lessons = [(_taught(learned, train), test) for train, test in parts]
+    after, before = (
+        joined([score(each, test) for each, test in pairs])
+        for pairs in (lessons, [(learned, test) for _, test in parts])
+    )
+    assert isinstance(after, PositionScore) and isinstance(before, PositionScore)
+    factor = learned.factor * _stretch(after)
+    after = replace(after, deviation=after.deviation * _stretch(after))
+    median = float(np.median(after.distance))
+    better = replace(_taught(learned, samples), factor=factor, median_error=median)
+    validation = (
+        f"{told(splits, samples.sessions)}, of {len(samples.X)} touches of the skin at hand"
+    )
+    gate = model.gate
+    if gate is not None and counted is not None:
+        opened = _opened(gate.learned.guards, counted)
+        gate = replace(gate, learned=replace(gate.learned, guards=opened))
+    found = replace(model, learned=better, gate=gate, validation=validation)
+    return Adaptation(found, before, after, validation)
+
+
+def _checked(model: Model, samples: Samples) -> Regressor:
+    learned = model.learned
+    assert isinstance(learned, Regressor)
+    if model.estimator in (NAME, ADAPTED):
+        raise InputError(
+            f"a model of positions by {model.estimator} cannot be adapted: it knows the skin by "
+            "its scene, so calibrate the scene by these touches and train it anew"
+        )
+    if isinstance(learned.pipeline[-1], Affine):
+        raise InputError(
+            "the model was adapted before: give all touches, old and new, to the one that it was "
+            "adapted from"
+        )
+    if len(samples.X) < FEWEST:
+        raise InputError(f"needs at least {FEWEST} touches of known place, got {len(samples.X)}")
+    return learned
+
+
+def _taught(learned: Regressor, samples: Samples) -> Regressor:
+    pipeline = Pipeline([("correct", Affine(FrozenEstimator(learned.pipeline)))])
+    guards = _opened(learned.guards, samples)
+    return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
+
+
+def _opened(guards: Guards | None, samples: Samples) -> Guards | None:
+    return guards and widened(guards, samples)
+
+
+def _stretch(after: PositionScore) -> np.ndarray:
+    """By how much deviations were too small, between that of a few touches and none, (3,)."""
+    off = np.square((after.told - after.truth) / np.maximum(after.deviation, 1e-9)).mean(axis=0)
+    share = len(after.truth) / (len(after.truth) + STEADY)
+    return np.exp(share * np.log(np.maximum(off, 1e-4)) / 2)

@@ -1,0 +1,79 @@
+"""A model read from its file, to be asked of sweeps from another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...simulator.shown import say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..inputs.samples import Problem
+    from ..model.localizer_model import Model
+
+
+def model_for(
+    sweeps: xr.Dataset,
+    files: Sequence[Path],
+    path: Path,
+    *,
+    anyway: bool,
+) -> Model:
+    """The model at a path; notes say where the sweeps of files do not tell their skin, and where
+    the model was trained with other versions.
+
+    anyway: it answers sweeps of another skin too. Raises InputError as `load`.
+    """
+    from ..model.model_file import load
+
+    model = load(path)
+    if model.problem.scene and not sweeps.attrs.get("scene"):
+        names = ", ".join(map(str, files))
+        say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
+    tell_age(model, path)
+    return model.insisting() if anyway else model
+
+
+def tell_age(model: Model, path: Path) -> None:
+    """A note where the model was trained with other versions than those here."""
+    if model.aged:
+        say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
+
+
+def looked_at(problem: Problem, judged: str, sweeps: xr.Dataset) -> str:
+    """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_means`."""
+    from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from ..inputs.features import AGAINST_REST
+
+    used = ", ".join(problem.quantities)
+    features = CHANGES if problem.quantities == AGAINST_REST else used
+    noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
+    return accuracy_means(problem.target, features, judged, noisy=noisy)
+
+
+def tell_features(asked: str | None, used: Sequence[str]) -> None:
+    """A note where features were not chosen, and the sweeps have none of the default ones."""
+    from ..inputs.features import AGAINST_REST
+
+    if asked is None and tuple(used) != AGAINST_REST:
+        say(
+            f"rcskin: note: --features {','.join(used)} is taken, for most presses have no sweep "
+            "of the unpressed skin before them in their session; with such sweeps, "
+            f"{','.join(AGAINST_REST)} mostly finds more",
+            err=True,
+        )
+
+
+def tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
+    """A note where the model was trained or adapted on some of these sweeps."""
+    import numpy as np
+
+    from ..inputs.fingerprints import marks_of
+
+    known = int(np.isin(marks_of(sweeps), model.marks).sum())
+    if known:
+        told = f"{known} of these {sweeps.sizes['sweep']} sweeps taught it, in `train` or `adapt`"
+        say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)

@@ -1,0 +1,84 @@
+"""Sweeps of which each reading is chosen to tell where a touch is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..inversion.place_posterior import Placing, prior_of
+from ..inversion.position import BLUR, CELLS, ModelBasedPosition, cells_of
+from ..inversion.region import Region, region_of
+from ..inversion.regions import PROBABILITY
+from ..trust.answers import CANNOT_TELL
+from .adaptive_settings import Terms
+from .adaptive_sweep import LEAST_PRIOR, Questioning
+from .cell_grid import grid_of
+from .chain import Evidence
+from .follower import Followed
+
+AT_REST = 0.5
+"""Chance that nothing is pressed, before anything is read."""
+
+
+class OfPlaces(Questioning):
+    """Whether there is a touch, and where."""
+
+    def __init__(
+        self, terms: Terms, step: ModelBasedPosition, at_rest: NDArray, gap: float
+    ) -> None:
+        super().__init__(terms, at_rest, gap)
+        self._grid = grid_of(terms.model)
+        self._placing = Placing(step, self._prior(step, gap))
+
+    @property
+    def inquiry(self) -> Placing:
+        """By the readings so far."""
+        return self._placing
+
+    @property
+    def enough(self) -> bool:
+        """Whether nothing is pressed, or the region of the touch is small enough."""
+        rest, certain = self._placing.at_rest, self._terms.certain
+        if rest > 1 - certain:
+            return rest >= certain
+        return self._region().area <= math.pi * self._terms.within**2
+
+    def answer(self, during: float) -> Followed:
+        """By the readings so far. during: s that they took."""
+        placing, follower = self._placing, self._terms.follower
+        if follower is not None:
+            told = placing.log_densities[0 if self._terms.model.knows_rest else 1 :]
+            cells = self._grid.stretched(cells_of(placing.posterior))
+            return follower.seen(Evidence(told), self.gap, during, cells)
+        rest, nothing = placing.at_rest, np.zeros(0)
+        chance = max(rest, 1 - rest)
+        if placing.novel or chance < self._terms.certain:
+            return Followed(CANNOT_TELL, chance, nothing, 0.0)
+        if rest > 0.5:
+            return Followed("0", chance, nothing, 0.0)
+        return Followed("1", chance, nothing, 0.0, self._place(), self._region())
+
+    def _place(self) -> tuple[float, ...]:
+        """x and y where most of the posterior lies around, and its deviations from there, mm."""
+        places = self._placing.places
+        best = places.peak(BLUR)
+        squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
+        off = self._grid.learned.factor[:2] * np.sqrt(places.weight @ squares)
+        return (*best.tolist(), *off.tolist())
+
+    def _region(self) -> Region:
+        return region_of(self._placing.places, PROBABILITY)
+
+    def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
+        """ln chance of the skin at rest and of each cell."""
+        terms = self._terms
+        rest = AT_REST if terms.model.knows_rest else 0.0
+        own = prior_of(step, rest)
+        if terms.follower is None:
+            return own
+        known = np.maximum(terms.follower.expected(gap)[:-1], LEAST_PRIOR / CELLS)
+        if not rest:
+            return np.append(-np.inf, np.log(known) + own[1:])
+        return np.log(known) + own - np.log(np.append(rest, np.full(CELLS, (1 - rest) / CELLS)))

@@ -1,0 +1,107 @@
+"""What a model of positions tells of the parts of a skin: a grid of cells, and where in each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr
+from scipy.stats import norm
+
+from ..inversion.adapted import AdaptedPosition
+from ..inversion.position import BLUR, GRID, ModelBasedPosition
+from ..inversion.region import Places
+from ..inversion.regions import sides_of
+from ..inversion.skin_mask import Ground
+from ..model.localizer_model import Model
+from ..trust.fitted import Regressor
+
+LEAST = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Cells of a skin, GRID of them, y within x. bounds: least and largest x and y [mm], (2, 2).
+
+    ground: where within them there is skin, None for all over.
+    """
+
+    learned: Regressor
+    bounds: NDArray[np.float64]
+    ground: Ground | None = None
+
+    @property
+    def cell(self) -> tuple[float, float]:
+        """Width and height of a cell, mm."""
+        width, height = np.ptp(self.bounds, axis=1) / GRID[:2]
+        return float(width), float(height)
+
+    @property
+    def _edges(self) -> list[NDArray[np.float64]]:
+        return [np.linspace(a, b, n + 1) for (a, b), n in zip(self.bounds, GRID[:2], strict=True)]
+
+    def told(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Shares of cells, x and y [mm] in each, and their covariance, (sweep, cell, 7)."""
+        step = self.learned.pipeline[-1]
+        if isinstance(step, ModelBasedPosition | AdaptedPosition):
+            return self.stretched(step.cells(X))
+        place, deviation = self.learned.positions(X)
+        x, y = (_along(place[:, k], deviation[:, k], edges) for k, edges in enumerate(self._edges))
+        found = np.zeros((len(X), GRID[0], GRID[1], 7))
+        found[..., 0] = x[0][:, :, None] * y[0][:, None, :]
+        found[..., 1], found[..., 3] = x[1][:, :, None], x[2][:, :, None]
+        found[..., 2], found[..., 6] = y[1][:, None, :], y[2][:, None, :]
+        return found.reshape(len(X), -1, 7)
+
+    def stretched(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Cells as `ModelBasedPosition` tells them, with deviations as they were found to be."""
+        factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
+        return cells * np.concatenate([np.ones(3), factor])
+
+    def place(
+        self, belief: NDArray[np.float64], told: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """x and y where most of a belief in cells lies around, and its deviations from there, mm.
+
+        told: of the latest sweep, as by `told`, shape (cell, 7); cells of which it tells nothing
+        are taken by their middles.
+        """
+        mean, covariance = told[:, 1:3].copy(), told[:, 3:].reshape(-1, 2, 2).copy()
+        silent = told[:, 0] <= LEAST
+        middles = [(edges[1:] + edges[:-1]) / 2 for edges in self._edges]
+        mean[silent] = np.stack(np.meshgrid(*middles, indexing="ij"), -1).reshape(-1, 2)[silent]
+        covariance[silent] = np.diag(np.square(self.cell) / 12)
+        kept = belief > LEAST * belief.max()
+        share = belief[kept] / belief[kept].sum()
+        places = Places(share, mean[kept], covariance[kept], self.bounds, self.ground)
+        best = places.peak(BLUR)
+        squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
+        return best, np.sqrt(share @ squares)
+
+
+def grid_of(model: Model) -> Grid:
+    """Of a model of positions. Raises InputError as `Model.known_scene`."""
+    assert isinstance(model.learned, Regressor)
+    step = model.pipeline[-1]
+    if isinstance(step, ModelBasedPosition | AdaptedPosition):
+        return Grid(model.learned, np.asarray(step.bounds_)[:2], step.ground)
+    return Grid(model.learned, sides_of(model.known_scene))
+
+
+def _along(
+    mean: NDArray[np.float64], deviation: NDArray[np.float64], edges: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Shares of a normal distribution between edges, its mean and variance there, (sweep, part).
+
+    N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions 1 (1994), 10.1.
+    """
+    deviation = np.maximum(deviation, 1e-3)[:, None]
+    at = (edges - mean[:, None]) / deviation
+    a, b = at[:, :-1], at[:, 1:]
+    share = np.maximum(ndtr(b) - ndtr(a), LEAST)
+    off = (norm.pdf(a) - norm.pdf(b)) / share
+    inner = np.clip(mean[:, None] + deviation * off, edges[:-1], edges[1:])
+    narrow = 1 + (a * norm.pdf(a) - b * norm.pdf(b)) / share - off**2
+    variance = np.clip(deviation**2 * narrow, 1e-6, np.diff(edges) ** 2)
+    return share / share.sum(axis=1, keepdims=True), inner, variance

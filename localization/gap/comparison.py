@@ -1,0 +1,170 @@
+"""All that the questions are asked of: both sides, versions of the simulated one, and splits.
+
+What cannot be had is left out, and a note says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...simulator.measure.simulate import ReadingError, reading_error
+from ...simulator.scene.files import scene_of_sweeps
+from ...simulator.sweeps import InputError
+from ..inversion.estimators import chosen
+from ..learners.registry import Estimator
+from .distance import MeterError, meter_error
+from .model_accuracy import BY_MODEL
+from .options import Question
+from .pair import Pair, pixel_of
+from .paired_samples import FEATURE_SETS, TOLD, Samples, samples_of
+from .splits import Split, largest_k, reserved_for_calibration, touch_splits
+from .versions import Version, versions_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ...simulator.calibration.estimates import Quantity
+    from ..model.localizer_model import Model
+
+TOUCHES = (0, 1, 2, 5)
+"""How many sweeps of every pixel are added to training."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A pair made ready.
+
+    reserved: the other side's sweeps that calibrate, shape (sweep,). versions: of the simulated
+    sweeps, by stage. features: quantities of each set of features; others: the other side's samples
+    by it. splits: by how many sweeps of a pixel are added to training. asked: the model that is
+    asked, if none is to be trained.
+    """
+
+    pair: Pair
+    question: Question
+    estimator: Estimator
+    error: MeterError | None
+    reserved: NDArray[np.bool_]
+    versions: Mapping[str, Version]
+    estimates: Sequence[Quantity]
+    features: Mapping[str, Sequence[str]]
+    others: Mapping[str, Samples]
+    splits: Mapping[int, Sequence[Split]]
+    notes: Sequence[str]
+    asked: Model | None
+
+    @property
+    def common(self) -> NDArray[np.int64]:
+        """Pixels, and the skin at rest, that both sides have; the numbers of `pixel_of`."""
+        return np.intersect1d(pixel_of(self.pair.simulated), pixel_of(self.pair.other))
+
+    @property
+    def described(self) -> NDArray[np.bool_]:
+        """The other side's sweeps that calibrated nothing; of a pixel without such, all of it."""
+        pixel = pixel_of(self.pair.other)
+        return ~self.reserved | ~np.isin(pixel, pixel[~self.reserved])
+
+
+def prepared(
+    pair: Pair,
+    question: Question,
+    model: Model | None = None,
+) -> Trial:
+    """model: to be asked.
+
+    Raises InputError where there is no such estimator, nothing is left to test, or the classes
+    cannot be told.
+    """
+    estimator = chosen(question.estimator, question.target)
+    sets = FEATURE_SETS if model is None else {BY_MODEL: model.quantities}
+    row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
+    reserved = reserved_for_calibration(row, column, question.touches, session)
+    splits, left_out = _splits(pair, question, reserved)
+    versions = versions_of(pair, reserved, question.seed)
+    rest = pair.other.isel(sweep=reserved & (row == 0))
+    others, not_told = _others(pair, rest, versions.by_stage, question.target, estimator, sets)
+    return Trial(
+        pair,
+        question,
+        estimator,
+        meter_error(pair.other, _reading_error(pair)),
+        reserved,
+        versions.by_stage,
+        versions.estimates,
+        sets,
+        others,
+        splits,
+        [*pair.notes, *versions.notes, *left_out, *not_told],
+        model,
+    )
+
+
+def _reading_error(pair: Pair) -> ReadingError | None:
+    """Of the other side's meter or, where that is not told, of the simulated one."""
+    scenes = (scene_of_sweeps(pair.other), pair.scene)
+    errors = (reading_error(each) for each in scenes if each is not None)
+    return next((error for error in errors if error is not None), None)
+
+
+def _splits(
+    pair: Pair, question: Question, reserved: NDArray[np.bool_]
+) -> tuple[dict[int, list[Split]], list[str]]:
+    """Of the pixels that both sides have; and what is left out."""
+    common = np.flatnonzero(np.isin(pixel_of(pair.other), pixel_of(pair.simulated)))
+    pixel, kept = pixel_of(pair.other)[common], reserved[common]
+    found = {k: touch_splits(pixel, kept, k, question.draws, question.seed) for k in TOUCHES}
+    if found[0] is None:
+        raise InputError(
+            "no sweep is left to test: there must be more of them, or `calibration-touches` less "
+            f"than {question.touches}"
+        )
+    splits = {
+        k: [Split(common[added], common[tested]) for added, tested in each]
+        for k, each in found.items()
+        if each is not None
+    }
+    left_out = ", ".join(str(k) for k in TOUCHES if k not in splits)
+    if not left_out:
+        return splits, []
+    most = largest_k(pixel, kept)
+    told = f"Some pixel has sweeps for no more than k = {most} and a test: without k = {left_out}."
+    return splits, [told]
+
+
+def _others(
+    pair: Pair,
+    rest: xr.Dataset,
+    versions: Mapping[str, Version],
+    target: str,
+    estimator: Estimator,
+    sets: Mapping[str, Sequence[str]],
+) -> tuple[dict[str, Samples], list[str]]:
+    """The other side's samples of each set of features that all have; why there are no others.
+
+    Raises InputError where there is none at all.
+    """
+    found, refused = {}, {}
+    for name, quantities in sets.items():
+        try:
+            for version in versions.values():
+                _check_learnable(
+                    samples_of(version.read, quantities, target, version.rest), estimator
+                )
+            found[name] = samples_of(pair.other, quantities, target, rest)
+        except InputError as error:
+            refused[name] = error
+    if not found:
+        raise next(iter(refused.values()))
+    return found, [f"Nothing is told by {TOLD[name]}: {why}." for name, why in refused.items()]
+
+
+def _check_learnable(samples: Samples, estimator: Estimator) -> None:
+    count, target = np.unique(samples.y).size, samples.problem.target
+    if count < 2:
+        raise InputError(f"`target` {target}: the simulated sweeps are of {count} class")
+    estimator.build(samples.problem)

@@ -1,0 +1,179 @@
+"""Everything the report tells: the same questions before and after calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...simulator.progress import Progress, tracked
+from ...simulator.sweeps import InputError, ToleranceError
+from ..evaluation.evaluation import ClassScore
+from .comparison import Trial
+from .discrepancy import Discrepancy, discrepancy
+from .distance import Distance, distances
+from .mean_accuracy import Accuracy, CrossValidated, cross_validated, transferred
+from .model_accuracy import BY_MODEL, accuracies_of, judged
+from .pair import pixel_of
+from .paired_samples import TOLD, Samples, samples_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ...simulator.calibration.misfit import Explained
+
+ALL = "all"
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Before or after calibration.
+
+    pressed, rest: distances of Rs and Cp; None where no such press is on both sides. transfer: by
+    set of features and by how many sweeps of every pixel were added. discrepancies: by set of
+    features and by class, ALL of them first.
+    """
+
+    pressed: Mapping[str, Distance] | None
+    rest: Mapping[str, Distance] | None
+    transfer: Mapping[str, Mapping[int, Accuracy]]
+    discrepancies: Mapping[str, Mapping[str, Discrepancy]]
+
+
+@dataclass(frozen=True, eq=False)
+class ByModel:
+    """accuracies: by how many sweeps of every pixel adapted it. judged: as it is, of all tested."""
+
+    accuracies: Mapping[int, Accuracy]
+    judged: ClassScore
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """stages: before and after. own: trained and tested on the other side, by set of features,
+    `grouped` as hard as can be and of `single` sweeps. causes: what each
+    parameter explains when it alone is fitted, the one that explains most first.
+    model: what the user's own model tells, where it is asked.
+    """
+
+    trial: Trial
+    stages: Mapping[str, Stage]
+    own: Mapping[str, Mapping[str, CrossValidated]]
+    causes: Sequence[Explained]
+    notes: Sequence[str]
+    model: ByModel | None = None
+
+
+def find(trial: Trial, progress: Progress) -> Findings:
+    """Ask everything of a trial; what cannot be asked is left out and told in the notes.
+
+    progress: as of `Progress`.
+    """
+    stages = {name: _stage(trial, name, progress) for name in trial.versions}
+    own = {name: _own(trial, samples) for name, samples in trial.others.items()}
+    causes, why = _causes(trial)
+    model, unasked = _by_model(trial)
+    notes = [*trial.notes, *why, *unasked]
+    if not all(own.values()):
+        notes.append(
+            f"A class has a single {trial.pair.noun.adjective} sweep: nothing is trained on them."
+        )
+    return Findings(trial, stages, own, causes, notes, model)
+
+
+def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
+    if trial.asked is None:
+        return None, []
+    other = trial.others[BY_MODEL]
+    accuracies, notes = accuracies_of(trial.asked, other, trial.splits)
+    tested = np.unique(np.concatenate([split.tested for split in trial.splits[0]]))
+    return ByModel(accuracies, judged(trial.asked, other.chosen(tested))), notes
+
+
+def _stage(trial: Trial, name: str, progress: Progress) -> Stage:
+    version, target = trial.versions[name], trial.question.target
+    other = trial.pair.other.isel(sweep=trial.described)
+    ours = {
+        each: _common(trial, samples_of(version.read, quantities, target, version.rest))
+        for each, quantities in trial.features.items()
+        if each in trial.others
+    }
+    return Stage(
+        pressed=distances(version.exact, other, trial.error, target, pressed=True),
+        rest=distances(version.exact, other, trial.error, target, pressed=False),
+        transfer={}
+        if trial.asked
+        else {each: _transfer(trial, ours[each], each, name, progress) for each in ours},
+        discrepancies={each: _discrepancies(trial, ours[each], each) for each in ours},
+    )
+
+
+def _common(trial: Trial, samples: Samples) -> Samples:
+    return samples.chosen(samples.told & np.isin(samples.pixel, trial.common))
+
+
+def _transfer(
+    trial: Trial, ours: Samples, feature_set: str, stage: str, progress: Progress
+) -> dict[int, Accuracy]:
+    other, estimator = trial.others[feature_set], trial.estimator
+    told = f"{stage} calibration, {TOLD[feature_set]}"
+    return {
+        k: transferred(ours, other, trial.splits[k], estimator)
+        for k in tracked(list(trial.splits), told, progress)
+    }
+
+
+def _own(trial: Trial, samples: Samples) -> dict[str, CrossValidated]:
+    which = samples.told & np.isin(samples.pixel, trial.common)
+    sweeps, samples = trial.pair.other.isel(sweep=which), samples.chosen(which)
+    estimator, seed = trial.estimator, trial.question.seed
+    found = {
+        kind: cross_validated(sweeps, samples, estimator, seed, grouped=kind == "grouped")
+        for kind in ("grouped", "single")
+    }
+    return {kind: each for kind, each in found.items() if each is not None}
+
+
+def _discrepancies(trial: Trial, ours: Samples, feature_set: str) -> dict[str, Discrepancy]:
+    """Of features in units of their spread over the other side's sweeps."""
+    theirs = _common(trial, trial.others[feature_set].chosen(trial.described))
+    scale, random = _spread(theirs.X), np.random.default_rng(trial.question.seed)
+    found = {ALL: discrepancy(ours.X / scale, theirs.X / scale, random)}
+    for label in np.unique(theirs.y).tolist():
+        X, Y = (part.X[part.y == label] / scale for part in (ours, theirs))
+        found[str(label)] = discrepancy(X, Y, random)
+    return {label: each for label, each in found.items() if each is not None}
+
+
+def _spread(X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard deviation of each feature, 1 where it does not vary."""
+    spread = X.std(axis=0)
+    return np.where(spread > 0, spread, 1.0)
+
+
+def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps at rest, and the first of each pixel."""
+    pixel = pixel_of(sweeps)
+    first = np.unique(pixel, return_index=True)[1]
+    return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
+
+
+def _causes(trial: Trial) -> tuple[Sequence[Explained], list[str]]:
+    from ...simulator.calibration.misfit import gap_by_parameter
+
+    notes: list[str] = []
+
+    def remark(work: str, done: float | None = None, total: float = 1.0, /) -> None:
+        if done is None:
+            notes.append(f"{work[0].upper()}{work[1:]}.")
+
+    if trial.pair.scene is None:
+        return (), notes
+    sweeps = _one_of_each(trial.pair.other)
+    try:
+        return gap_by_parameter(trial.pair.scene, sweeps, progress=remark), notes
+    except (InputError, ToleranceError) as error:
+        return (), [f"No causes: {error}."]

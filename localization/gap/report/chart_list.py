@@ -1,0 +1,104 @@
+"""The report's charts: which there are, and what each shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...evaluation.reliability import draw_belief
+from ..paired_samples import TOLD
+from ..versions import BEFORE
+from .bars import draw_causes, draw_distributions
+from .gap_curves import draw_accuracies, draw_distances
+from .matrices import draw_confusions
+
+if TYPE_CHECKING:
+    from ..gap_findings import Findings
+
+PRESSES = {"pressed": "over the pressed pixels", "rest": "with nothing pressed"}
+
+
+class Chart(NamedTuple):
+    """A picture to be drawn: its name, what it shows, and how it is written to a path."""
+
+    name: str
+    caption: str
+    draw: Callable[[Path], None]
+
+
+def charts_of(findings: Findings) -> list[Chart]:
+    """All that the findings have something to show in."""
+    return [
+        *_distance_charts(findings),
+        *_accuracy_charts(findings),
+        *_belief_chart(findings),
+        *_distribution_chart(findings),
+        *_cause_chart(findings),
+    ]
+
+
+def _distance_charts(findings: Findings) -> list[Chart]:
+    stages = "; ".join(
+        f"{'solid' if name == BEFORE else 'dashed'}: {name} calibration" for name in findings.stages
+    )
+    return [
+        Chart(
+            f"distance-{kind}",
+            f"Mean of the {findings.trial.pair.noun.name} less mean of the simulation, {told}; "
+            f"{stages}. A class separation is the distance of neighbouring "
+            f"{findings.trial.question.target}s in the same quantity.",
+            lambda path, kind=kind: draw_distances(findings, kind, path),
+        )
+        for kind, told in PRESSES.items()
+        if getattr(findings.stages[BEFORE], kind) is not None
+    ]
+
+
+def _accuracy_charts(findings: Findings) -> list[Chart]:
+    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    curves = Chart(
+        "accuracy",
+        f"{target.capitalize()}s right on {noun.adjective} sweeps never trained on, against how "
+        f"many {noun.adjective} sweeps of each pixel "
+        f"{'adapted the model' if findings.model else 'were added to the simulated ones'}; bars "
+        "are one standard deviation over the draws.",
+        lambda path: draw_accuracies(findings, path),
+    )
+    matrices = [
+        Chart(
+            f"confusion-{name}",
+            f"Confusion of {target}s by {TOLD[name]}; counts are of all draws together.",
+            lambda path, name=name: draw_confusions(findings, name, path),
+        )
+        for name in findings.own
+    ]
+    return [curves, *matrices]
+
+
+def _belief_chart(findings: Findings) -> list[Chart]:
+    told = (
+        "How often answers of the model as it is are right against how probable it says they are, "
+        "with 95 % intervals; and how many are wrong if only the most probable ones are told."
+    )
+    if findings.model is None:
+        return []
+    judged = findings.model.judged
+    shown = judged.answers.probability, judged.right
+    return [Chart("belief", told, lambda path: draw_belief(path, *shown))]
+
+
+def _distribution_chart(findings: Findings) -> list[Chart]:
+    told = (
+        "Distance of the distributions of the features: energy coefficient, 0 for the same and 1 "
+        "for ones far apart, and unbiased MMD²; a star where the chance of one as large without "
+        "a gap is below 5 %."
+    )
+    chart = Chart("distribution", told, lambda path: draw_distributions(findings, path))
+    return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
+
+
+def _cause_chart(findings: Findings) -> list[Chart]:
+    told = "How much of the misfit goes when one parameter alone is fitted."
+    chart = Chart("causes", told, lambda path: draw_causes(findings, path))
+    return [chart] if findings.causes else []

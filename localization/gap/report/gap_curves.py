@@ -1,0 +1,135 @@
+"""Curves of the report: distances against frequency, accuracies against touches added."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....simulator.charts import COLOURS, chart, frequency_axis
+from ....simulator.sweeps.restricting import all_of
+from ..distance import QUANTITIES
+from ..paired_samples import TOLD
+from ..versions import AFTER, BEFORE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from matplotlib.axes import Axes
+
+    from ..distance import Distance
+    from ..gap_findings import Findings
+
+STAGE_STYLE = {BEFORE: "-", AFTER: "--"}
+UNITS = {
+    "meter_errors": "(meter's errors)",
+    "percent": "(%)",
+    "separations": "(class separations)",
+}
+LINEAR = {"meter_errors": 1.0, "percent": 1.0, "separations": 0.1}
+"""Distances that do not matter: an axis shows them at least, and is linear up to them where it has
+to be logarithmic."""
+FAR = 30
+"""Times that, from which it has to be."""
+
+
+def draw_distances(findings: Findings, kind: str, path: Path) -> None:
+    """Rs and Cp, a row for each unit; a colour for each interface. kind: pressed or rest."""
+    shown = {name: getattr(stage, kind) for name, stage in findings.stages.items()}
+    units = [unit for unit in UNITS if _known(shown[BEFORE]["Rs"], unit)]
+    with chart(path, 10, 2.4 * len(units) + 0.5) as figure:
+        panels = figure.subplots(len(units), len(QUANTITIES), sharex=True, squeeze=False)
+        for row, unit in zip(panels, units, strict=True):
+            for axes, quantity in zip(row, QUANTITIES, strict=True):
+                found = {name: each[quantity] for name, each in shown.items()}
+                _draw_distance(axes, findings, found, unit)
+                axes.set_ylabel(f"{quantity} {UNITS[unit]}")
+        for axes in panels[-1]:
+            frequency_axis(axes)
+        _legend(figure, panels[0, 0])
+
+
+def _known(distance: Distance, unit: str) -> bool:
+    """Whether distances can be counted in it at all."""
+    values = getattr(distance, unit)
+    return values is not None and bool(np.isfinite(values).any())
+
+
+def _draw_distance(
+    axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str
+) -> None:
+    other = findings.trial.pair.other
+    read = all_of(other)
+    for stage, distance in found.items():
+        for index, interface in enumerate(other["interface"].values):
+            axes.plot(
+                other["frequency"].values[read[index]] / 1e3,
+                getattr(distance, unit)[index, read[index]],
+                STAGE_STYLE[stage],
+                marker=".",
+                color=COLOURS[index % len(COLOURS)],
+                label=f"{interface}, {stage} calibration",
+            )
+    furthest = np.nanmax([np.abs(getattr(each, unit)) for each in found.values()])
+    if furthest > FAR * LINEAR[unit]:
+        axes.set_yscale("symlog", linthresh=LINEAR[unit])
+        axes.yaxis.set_major_formatter("{x:g}")
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -LINEAR[unit]), max(high, LINEAR[unit]))
+    axes.axhline(0, color="0.4", linewidth=0.8)
+
+
+def draw_accuracies(findings: Findings, path: Path) -> None:
+    """A panel for each set of features."""
+    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    with chart(path, 9, 3.9) as figure:
+        panels = figure.subplots(1, len(findings.own), sharey=True, squeeze=False)[0]
+        for axes, name in zip(panels, findings.own, strict=True):
+            _draw_transfer(axes, findings, name)
+            _draw_own(axes, findings, name)
+            axes.set_title(TOLD[name])
+            axes.set_xlabel(f"{noun.adjective.capitalize()} sweeps of each pixel added")
+            axes.set_ylim(0, 103)
+        panels[0].set_ylabel(f"{target.capitalize()}s right (%)")
+        _legend(figure, panels[0])
+
+
+def _draw_transfer(axes: Axes, findings: Findings, name: str) -> None:
+    by_stage = {
+        f"trained on simulation, {stage} calibration": (stage, found.transfer[name])
+        for stage, found in findings.stages.items()
+        if found.transfer
+    }
+    if findings.model:
+        by_stage = {"the model, adapted by these": (BEFORE, findings.model.accuracies)}
+    for index, (told, (stage, transfer)) in enumerate(by_stage.items()):
+        aside = 0.06 * (index - 0.5)
+        axes.errorbar(
+            np.arange(len(transfer)) + aside,
+            [100 * each.mean for each in transfer.values()],
+            [100 * each.spread for each in transfer.values()],
+            marker="o",
+            markersize=4,
+            linestyle=STAGE_STYLE[stage],
+            capsize=3,
+            color=COLOURS[index],
+            label=told,
+        )
+        axes.set_xticks(range(len(transfer)), [str(k) for k in transfer])
+
+
+def _draw_own(axes: Axes, findings: Findings, name: str) -> None:
+    by_grouping = {found.grouping: found for found in findings.own[name].values()}
+    for (grouping, found), look in zip(by_grouping.items(), ("-.", ":"), strict=False):
+        told = f"cross-validated by {grouping or 'sweep'}"
+        axes.axhline(
+            100 * found.accuracy.mean,
+            linestyle=look,
+            color="0.35",
+            label=f"trained on {findings.trial.pair.noun.adjective} sweeps, {told}",
+        )
+
+
+def _legend(figure, axes: Axes) -> None:
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)

@@ -1,0 +1,102 @@
+"""The report: one HTML file with every chart in it, and the numbers beside it as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....simulator.report.files import filled_at_once, write_json
+from ....simulator.report.page import Grid, Items, Picture, Section, write_page
+from .chart_list import charts_of
+from .json_data import numbers
+from .sentences import cause_told, estimate_told, heads, rows_of, summary
+
+if TYPE_CHECKING:
+    from ..gap_findings import Findings
+
+HTML, JSON = "gap.html", "gap.json"
+HEADINGS = {
+    "distance": "How far apart the mean sweeps are",
+    "accuracy": "How often the localizer is right",
+    "confusion": "What is taken for what",
+    "belief": "Whether the model's probabilities can be believed",
+    "distribution": "How far apart the distributions of the features are",
+    "causes": "Which parameter explains most",
+}
+"""Of the sections of charts, by how the names of these begin."""
+
+
+def write_report(folder: Path, findings: Findings, ending: str | None = None) -> None:
+    """Write gap.html and gap.json, both whole or neither. ending: of charts beside them, if any."""
+    charts = charts_of(findings)
+    with filled_at_once(folder) as made, TemporaryDirectory() as drawn:
+        pictures = [Picture(Path(drawn) / f"{each.name}.png", each.caption) for each in charts]
+        for chart, picture in zip(charts, pictures, strict=True):
+            chart.draw(picture.path)
+        write_json(made / JSON, numbers(findings), indent=1)
+        title = f"Simulation and {findings.trial.pair.noun.name}: the gap"
+        write_page(made / HTML, title, _sections(findings, pictures))
+        for chart in charts if ending else ():
+            chart.draw(made / f"{chart.name}{ending}")
+
+
+def _sections(findings: Findings, pictures: Sequence[Picture]) -> list[Section]:
+    shown = {
+        title: [each for each in pictures if each.name.startswith(kind)]
+        for kind, title in HEADINGS.items()
+    }
+    calibrated = ["", "Scene", "Calibrated", "95 % interval"]
+    estimates = [estimate_told(each) for each in findings.trial.estimates]
+    return [
+        Section("", [_compared(findings), Items([*summary(findings), *_cause(findings)])]),
+        _accuracies(findings),
+        *(Section(title, found) for title, found in shown.items() if found),
+        *([Section("What was calibrated", [Grid(calibrated, estimates)])] if estimates else []),
+        Section("What stands behind the numbers", [Items([_error(findings), *findings.notes])]),
+    ]
+
+
+def _compared(findings: Findings) -> str:
+    pair, question = findings.trial.pair, findings.trial.question
+    other, names = pair.other, [str(name) for name in pair.other["interface"].values]
+    return (
+        f"{pair.simulated.sizes['sweep']} simulated sweeps against {other.sizes['sweep']} "
+        f"{pair.noun.adjective} sweeps at {other.sizes['frequency']} frequencies and the "
+        f"interface{'s' if len(names) > 1 else ''} {', '.join(names)}; {question.target}s by "
+        f"{question.estimator}, seed {question.seed}."
+    )
+
+
+def _cause(findings: Findings) -> list[str]:
+    told = cause_told(findings)
+    return [told] if told else []
+
+
+def _accuracies(findings: Findings) -> Section:
+    adjective, columns = findings.trial.pair.noun.adjective, heads(findings)
+    rows = [[row.trained, *row.cells] for row in rows_of(findings)]
+    done = "adapt the model" if findings.model else "are added to the simulated ones"
+    told = (
+        f"k {adjective} sweeps of each pixel {done}; ± is one standard deviation over "
+        f"{findings.trial.question.draws} draws of them. No sweep is tested that was trained or "
+        "calibrated on; those that calibrated are the first of the k. dlnZ and dphase are ln|Z| "
+        "and phase less those at rest in the same session."
+    )
+    numbered = range(1, 1 + len(columns))
+    title = f"Accuracy on {adjective} sweeps"
+    return Section(title, [Grid(["Trained on", *columns], rows, numbered), told])
+
+
+def _error(findings: Findings) -> str:
+    error = findings.trial.error
+    if error is None:
+        return "The meter's error is unknown: neither a scene nor repeated sweeps tell it."
+    return (
+        f"The meter's error is that of one reading, by {error.source}: "
+        f"{100 * error.magnitude.max():.2g} % of |Z| and "
+        f"{np.degrees(error.phase.max()):.2g}° at most."
+    )

@@ -1,0 +1,181 @@
+"""The findings as plain data for JSON: every key documented, every number with its unit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..distance import QUANTITIES, Distance
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from ...evaluation.confusion import Confusion
+    from ..comparison import Trial
+    from ..gap_findings import Findings, Stage
+    from ..mean_accuracy import Accuracy, CrossValidated
+
+ESTIMATED = ("name", "unit", "start", "value", "low", "high")
+"""What is written of each calibrated number."""
+KEYS = {
+    "compared": "of each side, simulated and other: sweeps and sessions; noun, what the other side "
+    "is; calibrating, how many of its sweeps calibrated",
+    "question": "target, estimator, seed, draws, calibration_touches: as asked on the command line",
+    "interfaces, frequency_Hz": "those that both sides have; the order of every table below",
+    "meter_error": "standard deviation of one reading at each frequency: magnitude, of |Z| (a "
+    "fraction), and phase_rad; source, where they are from; null where nothing tells them",
+    "features": "quantities of each set of features",
+    "distance": "stage -> pressed or rest -> Rs or Cp -> tables over (interface, frequency), other "
+    "side minus simulation: simulated (mean over the pixels), mean, rms (over the pixels), "
+    "meter_error (of one reading) and separation (root mean square distance of neighbouring "
+    "classes' means) in ohm for Rs and F for Cp; percent of the simulated; in_meter_errors; "
+    "in_separations (null where classes do not differ); all null where an interface was not read",
+    "accuracy.transfer": "stage -> features -> k: trained on simulation and on k sweeps of every "
+    "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
+    "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
+    "accuracy.model": "of the user's own model, null where none is asked: adapted -> k, as in "
+    "transfer, by how many sweeps of every pixel it was adapted; as it is: of all tested sweeps "
+    "accuracy, answered, accuracy of answers and calibration error, fractions of 1",
+    "accuracy.own": "features -> trained and tested on the other side, cross-validated: `grouped` "
+    "leaves out what `grouping` names as a whole, `single` leaves out single sweeps; in so many "
+    "folds",
+    "confusion": "in every accuracy: labels, and counts over (target class, output class)",
+    "discrepancy": "stage -> features -> class (`all`: of all together): first (simulated) and "
+    "second sweeps; mmd2, squared maximum mean discrepancy, unbiased; p, chance of one as large "
+    "if there were no gap; energy, energy distance of features of unit spread; coefficient, from "
+    "0 to 1. Features in units of their spread on the other side",
+    "calibration": "numbers of the scene by name, in their unit: start, as it stood; value, as "
+    "calibrated; low and high, the 95 % interval",
+    "causes": "parameter, share, from 0 to 1, of the misfit that goes when it alone is fitted, and "
+    "told, its change in words",
+    "notes": "what was left out or changed to make both sides comparable",
+}
+
+
+def numbers(findings: Findings) -> dict[str, Any]:
+    """The findings under the keys of KEYS, which are told under `about`. All numbers are finite."""
+    trial = findings.trial
+    return {
+        "about": KEYS,
+        "software": f"rcskin {version('rcskin')}",
+        "compared": _compared(trial),
+        "question": _asked(trial),
+        "interfaces": [str(name) for name in trial.pair.other["interface"].values],
+        "frequency_Hz": trial.pair.other["frequency"].values.tolist(),
+        "meter_error": _meter_error(trial),
+        "features": {name: list(findings.trial.features[name]) for name in findings.own},
+        "distance": {name: _distance(stage) for name, stage in findings.stages.items()},
+        "accuracy": {
+            "transfer": {name: _transfer(stage) for name, stage in findings.stages.items()},
+            "model": _by_model(findings),
+            "own": {
+                name: {kind: _validated(each) for kind, each in found.items()}
+                for name, found in findings.own.items()
+            },
+        },
+        "discrepancy": {name: _discrepancy(stage) for name, stage in findings.stages.items()},
+        "calibration": [{key: getattr(each, key) for key in ESTIMATED} for each in trial.estimates],
+        "causes": [
+            {"parameter": each.name, "share": each.removed, "told": each.told}
+            for each in findings.causes
+        ],
+        "notes": list(findings.notes),
+    }
+
+
+def _by_model(findings: Findings) -> dict[str, Any] | None:
+    if findings.model is None:
+        return None
+    found = {str(k): _accuracy(each) for k, each in findings.model.accuracies.items()}
+    return {"adapted": found, "as it is": findings.model.judged.figures()}
+
+
+def _compared(trial: Trial) -> dict[str, Any]:
+    sides = {"simulated": trial.pair.simulated, "other": trial.pair.other}
+    counted: dict[str, dict[str, Any]] = {
+        name: {
+            "sweeps": side.sizes["sweep"],
+            "sessions": int(np.unique(side["session"].values).size),
+        }
+        for name, side in sides.items()
+    }
+    counted["other"] |= {"noun": trial.pair.noun.name, "calibrating": int(trial.reserved.sum())}
+    return counted
+
+
+def _asked(trial: Trial) -> dict[str, Any]:
+    question = asdict(trial.question)
+    return question | {"calibration_touches": question.pop("touches")}
+
+
+def _meter_error(trial: Trial) -> dict[str, Any] | None:
+    error = trial.error
+    if error is None:
+        return None
+    return {
+        "source": error.source,
+        "magnitude": error.magnitude.tolist(),
+        "phase_rad": error.phase.tolist(),
+    }
+
+
+def _distance(stage: Stage) -> dict[str, Any]:
+    presses = {"pressed": stage.pressed, "rest": stage.rest}
+    return {
+        name: {quantity: _tables(quantity, each) for quantity, each in found.items()}
+        for name, found in presses.items()
+        if found is not None
+    }
+
+
+def _tables(quantity: str, distance: Distance) -> dict[str, Any]:
+    names = ("simulated", "mean", "rms", "separation", "percent")
+    found: dict[str, Any] = {name: _known(getattr(distance, name)) for name in names}
+    found["unit"] = QUANTITIES[quantity]
+    if distance.meter_error is not None and distance.meter_errors is not None:
+        found["meter_error"] = _known(distance.meter_error)
+        found["in_meter_errors"] = _known(distance.meter_errors)
+    return found | {"in_separations": _known(distance.separations)}
+
+
+def _known(table: NDArray[np.float64]) -> list[list[float | None]]:
+    """None where a number is not known, or nothing was read."""
+    return [[each if math.isfinite(each) else None for each in line] for line in table.tolist()]
+
+
+def _transfer(stage: Stage) -> dict[str, Any]:
+    return {
+        name: {str(k): _accuracy(each) for k, each in found.items()}
+        for name, found in stage.transfer.items()
+    }
+
+
+def _validated(found: CrossValidated) -> dict[str, Any]:
+    return _accuracy(found.accuracy) | {"grouping": found.grouping, "folds": found.folds}
+
+
+def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
+    return {
+        "mean": accuracy.mean,
+        "spread": accuracy.spread,
+        "draws": accuracy.draws,
+        "tested": accuracy.confusion.total,
+        "confusion": _confusion(accuracy.confusion),
+    }
+
+
+def _confusion(confusion: Confusion) -> dict[str, Any]:
+    return {"labels": list(confusion.labels), "counts": confusion.counts.tolist()}
+
+
+def _discrepancy(stage: Stage) -> Mapping[str, Any]:
+    return {
+        name: {label: asdict(each) for label, each in found.items()}
+        for name, found in stage.discrepancies.items()
+    }

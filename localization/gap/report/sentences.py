@@ -1,0 +1,154 @@
+"""The findings in words and in one table, as the console and the report tell them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ....simulator.models.effects import EFFECTS
+from ...trust.rates import rate_told
+from ..paired_samples import TOLD
+from ..versions import AFTER, BEFORE
+
+if TYPE_CHECKING:
+    from ....simulator.calibration.estimates import Quantity
+    from ....simulator.calibration.misfit import Explained
+    from ..gap_findings import Findings
+    from ..mean_accuracy import Accuracy
+
+
+MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
+"""Shares of the misfit from which on a parameter explains most of a gap, or a part of it, and from
+which on a second one is told."""
+
+
+class Row(NamedTuple):
+    """A way to train and test, and by each set of features what it reaches, as text."""
+
+    trained: str
+    cells: tuple[str, ...]
+
+
+def rows_of(findings: Findings) -> list[Row]:
+    """Every accuracy, one way to train a row."""
+    adjective = findings.trial.pair.noun.adjective
+    rows = []
+    for k, accuracy in findings.model.accuracies.items() if findings.model else ():
+        rows.append(Row(model_told(k), (_percent(accuracy),)))
+    for stage, found in findings.stages.items() if not findings.model else ():
+        for k in findings.trial.splits:
+            cells = tuple(_percent(found.transfer[name][k]) for name in findings.own)
+            rows.append(Row(f"simulated, {stage} calibration, k = {k}", cells))
+    for kind in ("grouped", "single"):
+        found = [each.get(kind) for each in findings.own.values()]
+        if all(found):
+            told = next(each.grouping for each in found if each) or "sweep"
+            cells = tuple(_percent(each.accuracy) for each in found if each)
+            rows.append(Row(f"{adjective}, cross-validated by {told}", cells))
+    return list(dict.fromkeys(rows))
+
+
+def heads(findings: Findings) -> list[str]:
+    """What stands above the cells of a row."""
+    return [", ".join(findings.trial.features[name]) for name in findings.own]
+
+
+def model_told(k: int) -> str:
+    """The user's model, adapted by k sweeps of every pixel."""
+    return f"the model, adapted by k = {k}" if k else "the model as it is"
+
+
+def summary(findings: Findings) -> list[str]:
+    """What matters most, a sentence each."""
+    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    before = _largest(findings, BEFORE)
+    told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
+    if AFTER in findings.stages:
+        told.append(f"After calibration it is {_largest(findings, AFTER)}.")
+    if findings.model:
+        judged = findings.model.judged
+        told.append(
+            f"Of the {noun.adjective} sweeps' {target}s the model tells "
+            f"{rate_told(*judged.rates()['accuracy'])} right, and answers "
+            f"{rate_told(*judged.rates()['answered'])}."
+        )
+        return told
+    for name in findings.own:
+        names = [
+            f"{_percent(found.transfer[name][0])} {stage} calibration"
+            for stage, found in findings.stages.items()
+        ]
+        told.append(
+            f"Trained on simulation alone and by {TOLD[name]}, {' and '.join(names)} of the "
+            f"{noun.adjective} sweeps' {target}s are right."
+        )
+    return told
+
+
+def cause_told(findings: Findings) -> str:
+    """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
+    if not findings.causes:
+        return ""
+    first, *others = findings.causes
+    name, share = called(first), f"{100 * first.removed:.0f} % of the misfit"
+    if first.removed >= MOST:
+        told = f"{name} explains most of the gap: fitted alone, it removes {share}"
+    elif first.removed >= PART:
+        told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
+    else:
+        told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
+    if others and others[0].removed >= WORTH_TELLING:
+        told += f"; next is {called(others[0])} with {100 * others[0].removed:.0f} %"
+    return told[0].upper() + told[1:] + "."
+
+
+def called(cause: Explained) -> str:
+    """A parameter by its name; one of EFFECTS by what it is, as `a body at about 6 mm`."""
+    return cause.told if cause.name in EFFECTS else _spaced(cause.name)
+
+
+def estimate_told(estimate: Quantity) -> tuple[str, str, str, str]:
+    """Name, value in the scene, calibrated value and its interval."""
+    start, value, low, high = (
+        _written(number, estimate.unit)
+        for number in (estimate.start, estimate.value, estimate.low, estimate.high)
+    )
+    return _spaced(estimate.name), start, value, f"{low} to {high}"
+
+
+def _written(number: float, unit: str) -> str:
+    """Four digits, with a prefix where there is a unit."""
+    from matplotlib.ticker import EngFormatter
+
+    rounded = f"{number:.4g}"
+    return EngFormatter(unit=unit)(float(rounded)) if unit else rounded
+
+
+def _largest(findings: Findings, stage: str) -> str:
+    """The root mean square over frequencies and interfaces, Rs and Cp apart."""
+    found = findings.stages[stage].pressed
+    assert found is not None
+    parts = []
+    for quantity, distance in found.items():
+        part = f"{_rms(distance.percent):.3g} % of {quantity}"
+        if distance.meter_errors is not None:
+            part += f" ({_rms(distance.meter_errors):.3g} of the meter's errors)"
+        parts.append(part)
+    return f"{' and '.join(parts)} (rms)"
+
+
+def _rms(values: np.ndarray) -> float:
+    """Of what was read."""
+    return float(np.sqrt(np.nanmean(np.square(values))))
+
+
+def _percent(accuracy: Accuracy) -> str:
+    """Mean and spread over draws, of which many test the same sweeps; of one draw, how many."""
+    if accuracy.draws == 1:
+        return rate_told(accuracy.confusion.correct, accuracy.confusion.total)
+    return f"{100 * accuracy.mean:.1f} ± {100 * accuracy.spread:.1f} %"
+
+
+def _spaced(name: str) -> str:
+    return name.replace("_", " ")

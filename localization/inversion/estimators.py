@@ -1,0 +1,131 @@
+"""All localizers by name: those that learn, and those that invert the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from sklearn.pipeline import Pipeline
+
+from ...simulator.scene.files import carried_scene
+from ...simulator.sweeps import InputError
+from ..inputs.baselines import FEWEST
+from ..inputs.samples import Problem
+from ..inputs.targets import CLASSES, TARGETS
+from ..learners.classifiers import REFERENCE
+from ..learners.registry import GONE, Estimator, gone, learners
+from . import adapted as inversion_adapted
+from . import classifier as inversion
+from .adapted import AdaptedClassifier, AdaptedPosition
+from .classifier import ModelBased
+from .position import ModelBasedPosition
+
+NAME, ADAPTED = "model-based", "model-adapted"
+SKINS = 4
+"""Sessions that probabilities and deviations are found on: each skin costs seconds."""
+
+
+DEFAULT_OF = {
+    **dict.fromkeys(CLASSES, REFERENCE),
+    "touches": "ksvm-components",
+    "pair": "ksvm-components",
+    "position": "kernel-ridge",
+}
+"""The localizer of a target where none is named."""
+
+
+EstimatorName = Literal[
+    "ksvm-ovo",
+    "ksvm-components",
+    "gaussian",
+    "kernel-ridge",
+    "network",
+    "model-based",
+    "model-adapted",
+]
+"""Of `estimators`."""
+
+
+def estimators() -> dict[str, Estimator]:
+    """All localizers by name."""
+    return learners() | {each.name: each for each in model_based()}
+
+
+def chosen(name: str | None, target: str) -> Estimator:
+    """The localizer of that name, or the default one.
+
+    Raises InputError for an unknown target, an unknown name, or one that cannot tell the target.
+    """
+    if target not in TARGETS:
+        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+    known = estimators()
+    able = [each.name for each in known.values() if target in each.targets]
+    name = name or DEFAULT_OF[target]
+    if name in GONE:
+        raise InputError(f"`estimator` {gone(name)}")
+    if name not in able:
+        raise InputError(
+            f"`estimator` must be one of {', '.join(able)} for `target` {target}, got {name!r}"
+        )
+    return known[name]
+
+
+def model_based() -> list[Estimator]:
+    """Both that invert the simulator: of the mean skin, and of the skin at hand, by its curve at
+    rest."""
+    adapted = partial(_pipeline, ADAPTED)
+    return [
+        Estimator(NAME, TARGETS, partial(_pipeline, NAME), taught=False),
+        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False),
+    ]
+
+
+def answer_at_once(pipeline: Pipeline) -> None:
+    """Have tables of skins made beside the work, where a pipeline makes any: see `Skins`."""
+    step: Any = pipeline[-1]
+    if isinstance(step, AdaptedClassifier | AdaptedPosition):
+        step.beside = True
+
+
+def _pipeline(name: str, problem: Problem) -> Pipeline:
+    takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
+    _check(problem, name, takes)
+    step: Any = (
+        ModelBasedPosition(problem.scene, rest_sweeps=FEWEST)
+        if problem.continuous
+        else ModelBased(problem.scene, problem.target, rest_sweeps=FEWEST)
+    )
+    if name == ADAPTED:
+        step = (AdaptedPosition if problem.continuous else AdaptedClassifier)(step)
+    return Pipeline([("invert", step)])
+
+
+def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
+    """Raises InputError where the simulator would tell other features than the sweeps."""
+    if problem.quantities != tuple(takes):
+        raise InputError(
+            f"`estimator` {name} takes the features {','.join(takes)}, "
+            f"got {','.join(problem.quantities)}"
+        )
+    scene = carried_scene(problem.scene)
+    if scene is None:
+        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
+    known = tuple(each.name for each in scene.interfaces)
+    if problem.interfaces != known:
+        raise InputError(
+            f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
+            f"got {', '.join(problem.interfaces)}"
+        )
+    asked = problem.frequencies
+    told = [
+        np.isin(asked, asked if (own := each.frequencies) is None else own)
+        for each in scene.interfaces
+    ]
+    whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
+    if not np.array_equal(told, problem.taken or whole):
+        raise InputError(
+            f"`estimator` {name} takes each interface at the `frequencies` that the scene reads it "
+            "at, and the sweeps were read at others"
+        )

@@ -1,0 +1,188 @@
+"""A trained model as plain fields and fitted estimators, and back: what stands in its file."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from sklearn.compose import TransformedTargetRegressor
+from sklearn.neighbors import KNeighborsRegressor
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
+
+from ..inputs.samples import Problem
+from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
+from ..inversion.classifier import ModelBased
+from ..inversion.position import ModelBasedPosition
+from ..learners.affine import Affine
+from ..learners.components import Components
+from ..learners.drift import Drifting
+from ..learners.ecoc import ECOCClassifier
+from ..learners.gaussians import GaussianClassifier
+from ..learners.networks import NetworkClassifier, NetworkRegressor
+from ..learners.offsets import Offsets
+from ..trust.fitted import Classifier, Guards, Regressor
+from ..trust.kinds import KindGuard
+from ..trust.several import SeveralGuard
+from .localizer_model import Model
+
+LAYOUT = 10
+"""Counts up where files of a model can no longer be read as they were."""
+EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
+"""Fields of layout 1, which did not name itself."""
+OWN_STEPS = (
+    Components,
+    Drifting,
+    ECOCClassifier,
+    ModelBased,
+    ModelBasedPosition,
+    AdaptedClassifier,
+    AdaptedPosition,
+    GaussianClassifier,
+    NetworkClassifier,
+    NetworkRegressor,
+    Offsets,
+    Affine,
+)
+STEPS = (
+    *OWN_STEPS,
+    StandardScaler,
+    SVC,
+    KNeighborsRegressor,
+    TransformedTargetRegressor,
+)
+"""What the pipeline may be made of."""
+KINDS = {
+    "pipeline": Pipeline,
+    "sharpness": float,
+    "threshold": float,
+    "factor": np.ndarray,
+    "spread": Pipeline | None,
+    "guards": dict | None,
+    "right": int,
+    "answered": int,
+    "held_out": int,
+    "median_error": float,
+    "estimator": str,
+    "problem": dict,
+    "certain": float | None,
+    "validation": str,
+    "versions": dict,
+    "trained_on": int,
+    "left_out": str,
+    "marks": np.ndarray,
+    "gate": dict | None,
+}
+GUARDS = {
+    "kinds": KindGuard,
+    "several": SeveralGuard | None,
+    "changes": dict | None,
+}
+COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out", "marks")
+"""Fields of a model that stand in the file as they are."""
+PROBLEM = {
+    "target": str,
+    "features": int,
+    "quantities": tuple,
+    "interfaces": tuple,
+    "frequencies": tuple,
+    "scene": str,
+}
+OWN_FREQUENCIES = {"taken": tuple}
+"""Also of a problem whose interfaces have frequencies of their own."""
+
+
+ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
+OF_EARLIER = "localization.", "rcskin.localization.trust.novelty."
+"""What types begin with in files of layouts up to 3, and of those up to 9 that have guards."""
+
+
+class EarlierLayoutError(Exception):
+    """The fields are of another layout; the message says what to do."""
+
+
+def fields_of(model: Model) -> dict[str, Any]:
+    """Everything of a model, under the names of KINDS and the layout."""
+    learned = model.learned
+    return {
+        "layout": LAYOUT,
+        "pipeline": learned.pipeline,
+        "sharpness": getattr(learned, "sharpness", 1.0),
+        "threshold": getattr(learned, "threshold", 0.0),
+        "factor": getattr(learned, "factor", np.ones(3)),
+        "spread": getattr(learned, "spread", None),
+        "guards": _guard_fields(learned.guards),
+        "right": getattr(learned, "right", 0),
+        "answered": getattr(learned, "answered", 0),
+        "held_out": getattr(learned, "held_out", 0),
+        "median_error": getattr(learned, "median_error", 0.0),
+        "problem": _told(model.problem),
+        **{name: getattr(model, name) for name in COPIED},
+        "gate": None if model.gate is None else fields_of(model.gate),
+    }
+
+
+def _guard_fields(guards: Guards | None) -> dict[str, Any] | None:
+    if guards is None:
+        return None
+    return {name: getattr(guards, name) for name in GUARDS} | {
+        "changes": _guard_fields(guards.changes)
+    }
+
+
+def _guards(fields: dict[str, Any] | None) -> Guards | None:
+    if fields is None:
+        return None
+    _check(fields, GUARDS)
+    own = {name: fields[name] for name in GUARDS if name != "changes"}
+    return Guards(**own, changes=_guards(fields["changes"]))
+
+
+def _told(problem: Problem) -> dict[str, Any]:
+    told = asdict(problem)
+    return {name: told[name] for name in told if name not in OWN_FREQUENCIES or told[name]}
+
+
+def model_of(fields: Any) -> Model:
+    """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
+    if _is_earlier(fields):
+        raise EarlierLayoutError(ANOTHER_LAYOUT)
+    _check(fields, {"layout": int, **KINDS})
+    own = fields["problem"]
+    _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)
+    problem = Problem(**fields["problem"])
+    return Model(
+        learned=_learned(fields, problem.continuous),
+        problem=problem,
+        gate=None if fields["gate"] is None else model_of(fields["gate"]),
+        **{name: fields[name] for name in COPIED},
+    )
+
+
+def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor:
+    kind, names = (
+        (Regressor, {"factor", "spread", "median_error"})
+        if continuous
+        else (Classifier, {"sharpness", "threshold", "right", "answered", "held_out"})
+    )
+    own = {name: fields[name] for name in names}
+    return kind(pipeline=fields["pipeline"], guards=_guards(fields["guards"]), **own)
+
+
+def _is_earlier(fields: Any) -> bool:
+    if not isinstance(fields, dict):
+        return False
+    return fields.keys() == EARLIER or fields.get("layout", LAYOUT) != LAYOUT
+
+
+def _check(fields: Any, kinds: dict[str, Any]) -> None:
+    if not isinstance(fields, dict) or fields.keys() != kinds.keys():
+        raise ValueError("other fields")
+    for name, kind in kinds.items():
+        if not isinstance(fields[name], kind):
+            raise ValueError(f"`{name}` is of another type")
+    for name in {"pipeline", "spread"} & fields.keys():
+        if fields[name] and not all(isinstance(step, STEPS) for _, step in fields[name].steps):
+            raise ValueError("a pipeline of other steps")

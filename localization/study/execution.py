@@ -1,0 +1,155 @@
+"""A study from its axes to its table of findings, on any number of processes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from ...simulator.fem.factors import one_blas_thread
+from ...simulator.models.mechanics.in_depths import foldable
+from ...simulator.models.validity import warnings
+from ...simulator.processes import each_of, hired
+from ...simulator.progress import Progress, tracked
+from ...simulator.scene.files import scene_text
+from ...simulator.scene.scene import Scene
+from .axis import Axis
+from .point import LOOSEST, Findings, Trial, judge
+from .scene_keys import with_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Given = TypeVar("Given")
+Made = TypeVar("Made")
+NEEDED = ("rcskin.localization.cli", "rcskin.localization.study.execution")
+"""What starts the command and what every task needs, imported once for all processes."""
+NOISE_SHARE, TIGHTEST = 0.1, 1e-7
+VARIABLES = {
+    "accuracy": ("share of sweeps whose class is found, on skins not trained on", "1"),
+    "accuracy_sd": ("standard deviation of the accuracy between the parts held out", "1"),
+    "least_separation": ("distance of the nearest two classes over the meter's error", "1"),
+    "median_separation": ("distance of two classes over the meter's error, median", "1"),
+    "band_start": ("lowest frequency of the band that tells neighbours best", "Hz"),
+    "band_stop": ("highest frequency of the band that tells neighbours best", "Hz"),
+    "band_separation": ("distance of the nearest neighbours within that band", "1"),
+}
+
+
+def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> list[Scene]:
+    """The scene at every point, the last axis varying fastest; raises InputError for a bad one."""
+    scenes = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        given = dict(zip((axis.key for axis in axes), values, strict=True))
+        scene = foldable(with_values(table, given), "a study")
+        trial.check(scene)
+        scenes.append(scene)
+    return scenes
+
+
+def warnings_of(scenes: Sequence[Scene]) -> list[str]:
+    """How many points drive floating foils, or leave the model's range, and the first that does."""
+    of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
+    told = [[found[0] for found in each if found] for each in of_points]
+    return [f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in told if each]
+
+
+def fitting_rtol(scenes: Sequence[Scene]) -> float:
+    """A tolerance that leaves errors of the simulation well below the least noise of the meters."""
+    noises = (
+        noise
+        for scene in scenes
+        for noise in (scene.readout.magnitude_noise, scene.readout.phase_noise)
+    )
+    return float(np.clip(NOISE_SHARE * min(noises), TIGHTEST, LOOSEST))
+
+
+def study(
+    scenes: Sequence[Scene],
+    axes: Sequence[Axis],
+    trial: Trial,
+    progress: Progress,
+    *,
+    rtol: float | None = None,
+    workers: int = 1,
+) -> xr.Dataset:
+    """What is found at every point of one or two axes; VARIABLES over dimensions named by keys.
+
+    scenes: as of `scenes_of`. rtol: largest relative error of Rs and Cp, None for what
+    fits the noise. workers: processes; the result does not depend on them.
+    Raises ToleranceError where the tolerance is not reached.
+    """
+    rtol = fitting_rtol(scenes) if rtol is None else rtol
+    with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
+        jobs = [(scene, trial, rtol) for scene in scenes]
+        findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
+    attributes = {
+        "scene": scene_text(scenes[0]),
+        "target": trial.target,
+        "draws": trial.draws,
+        "rtol": rtol,
+        "software": f"rcskin {version('rcskin')}",
+    }
+    return _dataset(axes, findings, attributes)
+
+
+def _judge(
+    job: tuple[Scene, Trial, float],
+) -> Findings:
+    return judge(*job)
+
+
+def _spread(
+    function: Callable[[Given], Made],
+    given: Sequence[Given],
+    description: str,
+    progress: Progress,
+    pool: ProcessPoolExecutor | None,
+) -> Iterator[Made]:
+    """The function of each item, in order; on one thread, as results must not depend on `pool`."""
+    made = each_of(pool, partial(_on_one_thread, function), given)
+    for _, result in zip(tracked(given, description, progress), made, strict=True):
+        yield result
+
+
+def _on_one_thread(function: Callable[[Given], Made], given: Given) -> Made:
+    with one_blas_thread():
+        return function(given)
+
+
+def _dataset(
+    axes: Sequence[Axis], findings: Sequence[Findings], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    import xarray as xr
+
+    names, shape = [axis.key.name for axis in axes], [len(axis.values) for axis in axes]
+    accuracies = np.array([each.accuracies for each in findings])
+    columns = {
+        "accuracy": accuracies.mean(axis=1),
+        "accuracy_sd": accuracies.std(axis=1, ddof=1 if accuracies.shape[1] > 1 else 0),
+        "least_separation": [each.separation.least for each in findings],
+        "median_separation": [each.separation.median for each in findings],
+        "band_start": [each.separation.band_start for each in findings],
+        "band_stop": [each.separation.band_stop for each in findings],
+        "band_separation": [each.separation.band_separation for each in findings],
+    }
+    return xr.Dataset(
+        {
+            name: (names, np.reshape(column, shape), _described(*VARIABLES[name]))
+            for name, column in columns.items()
+        },
+        {
+            axis.key.name: (axis.key.name, list(axis.values), {"units": axis.key.unit or "1"})
+            for axis in axes
+        },
+        attrs=dict(attributes),
+    )
+
+
+def _described(long_name: str, units: str) -> dict[str, str]:
+    return {"long_name": long_name, "units": units}
