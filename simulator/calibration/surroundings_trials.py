@@ -115,7 +115,9 @@ class Trials:
         scene = surrounded(asked.measurements.scene, self.names)
         none = {name: NONE[name] for name in self.names}
         self.asked = replace(
-            asked, measured=replace(asked.measurements, scene=scene), fixed={**asked.fixed, **none}
+            asked,
+            measurements=replace(asked.measurements, scene=scene),
+            fixed={**asked.fixed, **none},
         )
         self._at = at
         self._ready: Around = around(scene, at, certificate_limit(asked), progress)
