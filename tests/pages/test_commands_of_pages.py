@@ -12,10 +12,12 @@ from typer.main import get_command
 
 from .reading import blocks, commands, pages, text
 
+FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
 FINGERS = "docs/tutorials/what-a-finger-buys.md"
 SELF_MADE = (
     "README.md",
+    FIRST_STEPS,
     OWN_SKIN,
     *(
         f"docs/how-to/{name}.md"
@@ -41,12 +43,6 @@ OF_A_SCENE = {
 FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
 FOLDERS = ("limits", "judged")
 EXAMPLES = [each.epilog.split(": ", 1)[1] for each in app.registered_commands if each.epilog]
-
-
-def walked(page):
-    """The commands of its walk-through, which stands before the instructions for single tasks."""
-    first, how_to, _ = text(page).partition("\n## How to\n")
-    return [line for line in commands(page) if not how_to or line in first]
 
 
 def test_two_commands_do_all_the_set_up():
@@ -155,13 +151,11 @@ def test_a_skin_of_ones_own_goes_all_the_way(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "page", ["README.md", "docs/how-to/simulate-sweeps.md", "docs/how-to/train-a-localizer.md"]
-)
+@pytest.mark.parametrize("page", ["README.md", FIRST_STEPS])
 def test_a_walk_through_runs_in_its_order(page, tmp_path, monkeypatch):
     """Without `view`, which needs something to draw with, and `study`, which takes a minute."""
     monkeypatch.chdir(tmp_path)
-    at_hand = [line for line in walked(page) if not re.match("rcskin (view|study) ", line)]
+    at_hand = [line for line in commands(page) if not re.match("rcskin (view|study) ", line)]
     assert len(at_hand) >= 4
     for line in at_hand:
         run(monkeypatch, line)
