@@ -10,7 +10,7 @@ from rcskin.__main__ import app, main
 from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
-from .reading import blocks, commands, pages, text
+from .reading import blocks, commands, pages
 
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
