@@ -6,9 +6,9 @@ from .hardware.cli import app as meter
 from .hardware.live.command import live
 from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
-from .simulator.asked.numbers import with_ranges
-from .simulator.asked.replacing import with_replacing
 from .simulator.cli import app, run, with_short_help
+from .simulator.requests.number_ranges import with_ranges
+from .simulator.requests.overwrite_options import with_replacing
 
 __all__ = ["app", "main"]
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..simulator.asked.options import complete_scene
-from ..simulator.shown import say
+from ..simulator.requests.options import complete_scene
+from ..simulator.safe_text import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
 from .record.recording_output import gather_command
 from .record_command import record
@@ -183,7 +183,7 @@ def misbehave(
 def _exhibit(
     scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
 ) -> Exhibit:
-    from ..simulator.asked.scene import asked_scene, tell_if_noise_free
+    from ..simulator.requests.requested_scene import asked_scene, tell_if_noise_free
     from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
 

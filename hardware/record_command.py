@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..simulator.asked.options import SceneName
-from ..simulator.shown import say, terminal
+from ..simulator.requests.options import SceneName
+from ..simulator.safe_text import say, terminal
 from .options import (
     Accuracy,
     Baud,
@@ -69,8 +69,8 @@ def record(
     accuracy: Accuracy = None,
 ) -> None:
     """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-    from ..simulator.asked.scene import asked_scene, warn_of_earth
-    from ..simulator.scene.reading import checked_interfaces
+    from ..simulator.requests.requested_scene import asked_scene, warn_of_earth
+    from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, counted
     from .meter.accuracy_table import DERIVED, read_table
     from .meter.hioki import open_meter
@@ -121,8 +121,8 @@ def header_of(
 
     settings: of the meter, to be set before it begins. session: as of `Header`.
     """
-    from ..simulator.scene.files import scene_text
-    from ..simulator.scene.reading import through
+    from ..simulator.scene.changed_readings import through
+    from ..simulator.scene.scene_files import scene_text
     from .record.recording_journal import Header
 
     read = through(scene, interfaces)

@@ -10,8 +10,6 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from .asked.options import SceneName, complete_scene
-from .asked.telling import tell_what_is_logged
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .check.join_command import join
@@ -22,7 +20,9 @@ from .interrupt import Heard, ending_soon, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
-from .shown import say, terminal
+from .requests.console import tell_what_is_logged
+from .requests.options import SceneName, complete_scene
+from .safe_text import say, terminal
 from .view.command import view
 
 BAD_INPUT, FAILURE = 2, 1
@@ -93,7 +93,7 @@ def scenes(
     """List the built-in scenes, or show the file of one."""
     from rich.table import Column, Table
 
-    from .scene.files import builtin_names, builtin_text, load_scene
+    from .scene.scene_files import builtin_names, builtin_text, load_scene
 
     if name is not None:
         typer.echo(builtin_text(name), nl=False)
@@ -138,7 +138,7 @@ def new(
     ] = None,
 ) -> None:
     """Begin a scene of your own: a commented file with every basic key and its unit."""
-    from .scene.files import checked_low, write_new
+    from .scene.scene_files import checked_low, write_new
 
     if low is None and sys.stdin.isatty():
         low = typer.prompt(LOW_TERMINAL, default=VIRTUAL_EARTH)
@@ -175,15 +175,15 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
-    from .asked.durations import foretold
-    from .asked.scene import asked_scene, warn_of_model
-    from .asked.telling import note, written
     from .measure.in_time import in_words
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.in_depths import depths_in_words
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal, tracked
+    from .requests.console import note, written
+    from .requests.requested_scene import asked_scene, warn_of_model
+    from .requests.time_estimates import foretold
     from .sweeps import checked_output, counted, write
 
     checked_output(output)

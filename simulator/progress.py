@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from .shown import terminal
+from .safe_text import terminal
 
 if TYPE_CHECKING:
     from rich.progress import Task

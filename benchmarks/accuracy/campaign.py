@@ -24,7 +24,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS, NOT_EVEN
 from rcskin.benchmarks.accuracy.campaign_parts.running import verdicts
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.bench import Run, commit, launch
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 
 SEEDS, SEEDS_IN_TURN = range(6), range(FIRST_IN_TURN, FIRST_IN_TURN + len(IN_TURN))
 TIMEOUT = 90.0

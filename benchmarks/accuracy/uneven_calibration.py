@@ -23,8 +23,8 @@ from rcskin.simulator.models.slow.sheets import with_sheet_waves
 from rcskin.simulator.models.slow.waves import Uneven
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 NAME = "uneven_calibration"
 TWINS, FEWEST = 8, 1

@@ -27,7 +27,7 @@ import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.hardware.control_client import ask
 from rcskin.hardware.meter.accuracy_table import Conditions
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 
 SCENE, PIXELS, FEW_PIXELS = "sheet-5x5-two-interfaces", 5, 3
 SWEEPS, FEW_SWEEPS = 2000, 400

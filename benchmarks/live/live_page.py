@@ -22,7 +22,7 @@ from rcskin.benchmarks.live.page_parts.commands import Linked, ended_in, linked,
 from rcskin.benchmarks.live.page_parts.hostile import Target, besieged, fuzzed
 from rcskin.benchmarks.live.page_parts.viewers import NEVER, Watching
 from rcskin.hardware.control_client import ask
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SEED = 5
 SLOW = 1.0

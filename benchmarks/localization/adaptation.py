@@ -33,11 +33,11 @@ from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate
 
 MOUNTED = 103

@@ -21,13 +21,13 @@ from joblib import Parallel, delayed
 from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.common_draws import CommonDraws
-from rcskin.simulator.charts import COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.design.on_skin import Material
 from rcskin.simulator.design.trained import Trained
 from rcskin.simulator.scene.contacts import Interface
-from rcskin.simulator.scene.design import Design
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 BASE = "sheet-5x5-two-interfaces"
 EDGES = ("left", "bottom", "right", "top")

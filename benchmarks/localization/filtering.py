@@ -41,7 +41,7 @@ from rcskin.localization.filtering.adaptive_policy import Asker
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.scene.scene import Scene
 
 PIXELS, TRAINING = 5, 2000

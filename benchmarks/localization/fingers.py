@@ -17,10 +17,10 @@ import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.readings import Hypothesis, Readings, hypotheses, kinds
-from rcskin.simulator.charts import COLOURS, chart
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.randomisation import Fixed, Normal
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 CAPACITANCES, FEW = (0.0, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0), (0.0, 5.0)
 """pF."""

@@ -22,10 +22,10 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.localization.inversion.estimators import NAME, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 AGAINST_REST = ("dlnZ", "dphase")
 RTOL = 1e-3

@@ -23,9 +23,8 @@ from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_rat
 from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.scene.randomisation import (
     DrawnPress,
     Fixed,
@@ -36,6 +35,7 @@ from rcskin.simulator.scene.randomisation import (
     Uniform,
 )
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 PREDICTION = (
     "Pairs shown in training are noticed more often than the spread of single presses alone tells, "

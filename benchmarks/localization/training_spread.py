@@ -24,11 +24,11 @@ from rcskin.benchmarks.localization.twin_parts.training import CHANGE, RTOL, SEE
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
-from rcskin.simulator.charts import COLOURS, LINE_STYLES, chart
-from rcskin.simulator.dataset.model import reduced
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.scene.randomisation import MOST_UNEVEN, Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate
 
 PREDICTION = (

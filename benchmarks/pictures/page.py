@@ -19,8 +19,8 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.models.plain import folded
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import packed, reduced_for_page
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 RTOL, CELLS, PRESSES = 1e-3, 2, 100
 UNEVEN = {

@@ -21,10 +21,10 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.scale.cluster_parts.crowd import Busy, busy
 from rcskin.benchmarks.scale.cluster_parts.hostile import Trouble, made
 from rcskin.benchmarks.scale.dataset import MEGABYTE, SCENE, digest
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.workers import MOST_TOGETHER
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from scipy.optimize import nnls
 
 BILLION = 10**9

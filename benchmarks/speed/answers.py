@@ -21,7 +21,7 @@ from rcskin.benchmarks.speed.answers_parts.outlines import OUTLINES
 from rcskin.benchmarks.speed.answers_parts.question import Question
 from rcskin.benchmarks.speed.answers_parts.touches import TOUCHES
 from rcskin.benchmarks.speed.work_precision_chart import curve, looks_of
-from rcskin.simulator.charts import chart, logarithmic_axis
+from rcskin.simulator.chart_style import chart, logarithmic_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

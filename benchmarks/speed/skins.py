@@ -17,14 +17,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 from rcskin.benchmarks.bench import Run, best_time, launch, publish, timed
 from rcskin.benchmarks.speed.skins_scenes import Case, answered, cases
-from rcskin.simulator.charts import COLOURS, LINE_STYLES, chart
+from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of, indented
 from rcskin.simulator.models.heterogeneous.square_meshes import Squares
 from rcskin.simulator.models.plain import electrical_press
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 PREDICTION = (
     "Triangles of order 3 that are halved where the next order changes most gain h^6 of their own "

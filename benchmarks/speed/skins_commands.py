@@ -23,8 +23,8 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.speed.skins_reduced import scenes
-from rcskin.simulator.scene.files import load_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 SIDE = 0.15
 DEPTH = 2e-3

@@ -29,8 +29,8 @@ from rcskin.benchmarks.rivals.scikit_fem_script import Elements
 from rcskin.benchmarks.speed.work_precision_chart import draw
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCIES = load_scene("sheet-5x5").sweep

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.simulator.charts import AT_REST, COLOURS, chart, logarithmic_axis
+from rcskin.simulator.chart_style import AT_REST, COLOURS, chart, logarithmic_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

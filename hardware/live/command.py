@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say, terminal
+from ...simulator.safe_text import say, terminal
 from ..options import (
     Accuracy,
     Baud,
@@ -180,7 +180,7 @@ def _run(session: Session, answers: int | None) -> None:
 @contextmanager
 def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
-    from ...simulator.scene.reading import reading_at, through
+    from ...simulator.scene.changed_readings import reading_at, through
     from ..event_counter import counting
     from ..page.page_document import Document
     from ..page.page_thread import beside

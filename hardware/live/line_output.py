@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TextIO
 
-from ...simulator.shown import shown
+from ...simulator.safe_text import shown
 from ..meter.meter_reading import Reading
 from .live_session import Moment
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...simulator.sweeps import InputError, inputs
-from ...simulator.sweeps.pace import reading_time
+from ...simulator.sweeps.reading_time import reading_time
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import logging
 from contextlib import suppress
 from typing import Any, ClassVar, Self
 
-from ...simulator.sweeps.reach import REACH
+from ...simulator.sweeps.meter_bands import REACH
 from .accuracy_table import Conditions
 from .connection import Connection, connect
 from .conversation import Conversation

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...simulator.sweeps.reach import REACH
+from ...simulator.sweeps.meter_bands import REACH
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 MODELS = tuple(REACH)

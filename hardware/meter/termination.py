@@ -13,8 +13,8 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
-from ...simulator.shown import shown
-from ...simulator.sweeps.ending import waited_for
+from ...simulator.safe_text import shown
+from ...simulator.sweeps.cleanup import waited_for
 from .windows_console import closing_console
 
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")

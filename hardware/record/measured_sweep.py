@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.reach import beyond_reach
+from ...simulator.sweeps.meter_bands import beyond_reach
 from ..meter.hioki import Meter
 from ..meter.meter_reading import BY_CODE, Reading
 from ..switch.switch import Switch

@@ -8,8 +8,8 @@ from itertools import product
 from pathlib import Path
 
 from ...simulator.sweeps import UNPRESSED, InputError, inputs
+from ...simulator.sweeps.free_space import check_memory
 from ...simulator.sweeps.press_text import parse_touches, written_pixel
-from ...simulator.sweeps.space import check_memory
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from typing import Any
 from ...simulator.sweeps import InputError, inputs, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
-from ...simulator.sweeps.files import locked
+from ...simulator.sweeps.output_files import locked
 from .measured_sweep import Sweep, Trace
 
 HEADER, SWEEPS, FOUND = "recording.json", "[0-9]*.json", "meter.json"

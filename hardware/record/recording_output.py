@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say
+from ...simulator.safe_text import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -17,7 +17,7 @@ from pydantic import (
 )
 
 from ...simulator.sweeps import InputError, inputs
-from ...simulator.sweeps.pace import SETTLE
+from ...simulator.sweeps.reading_time import SETTLE
 from .relays import NUMERALS, Closed, Lcus, Numato, SerialLine
 from .scpi import ROUTINGS, Scpi, open_scpi
 from .switch import Turning

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ...simulator.sweeps import UNPRESSED
-from ...simulator.sweeps.reach import VIRTUAL_MODEL
+from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL
 from ..event_counter import Report
 from ..meter.meter_identity import VIRTUAL_SERIAL
 from .faults import Faults

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import UNPRESSED, InputError
-from ...simulator.sweeps.reach import VIRTUAL_MODEL, beyond_reach
+from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, beyond_reach
 from ..meter.accuracy_table import DERIVED, read_table
 from ..page.page_address import LOOPBACK
 from .control import Control
@@ -71,7 +71,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     Raises InputError at other interfaces, or where the virtual meter lacks a frequency of them.
     """
     from ...simulator.measure.specimen import SessionErrors, Specimen
-    from ...simulator.scene.reading import checked_interfaces, through
+    from ...simulator.scene.changed_readings import checked_interfaces, through
 
     names = checked_interfaces(interfaces, scene)
     read = through(scene, names)

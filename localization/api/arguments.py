@@ -31,7 +31,7 @@ def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
     def call(*given: Given.args, **named: Given.kwargs) -> Made:
         from inspect import signature
 
-        from ...simulator.asked.numbers import check_numbers
+        from ...simulator.requests.number_ranges import check_numbers
         from ...simulator.sweeps import InputError
 
         own = signature(function)
@@ -98,8 +98,8 @@ KINDS: dict[str, tuple[str, Callable[[object], bool]]] = {
 
 def scene_of(given: Scene | str | Path) -> Scene:
     """The scene, or the one of that name or path. Raises InputError."""
-    from ...simulator.scene.files import load_scene
     from ...simulator.scene.scene import Scene
+    from ...simulator.scene.scene_files import load_scene
 
     if isinstance(given, str | Path):
         return load_scene(given)

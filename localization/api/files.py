@@ -12,7 +12,7 @@ from .arguments import checked, path_of, refuse, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.check.curves import Quantity
+    from ...simulator.check.sweep_curves import Quantity
     from ...simulator.scene.scene import Scene
     from ..model.localizer_model import Model
 
@@ -46,8 +46,8 @@ def write(
 def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
     import xarray as xr
 
-    from ...simulator.scene.files import write_scene
     from ...simulator.scene.scene import Scene
+    from ...simulator.scene.scene_files import write_scene
     from ...simulator.sweeps import write as write_sweeps
 
     if isinstance(given, xr.Dataset):
@@ -71,6 +71,6 @@ def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quant
     Cp and, where the skin at rest was measured, their changes. Raises InputError for another ending
     or an absent folder.
     """
-    from ...simulator.check.page import draw
+    from ...simulator.check.curve_page import draw
 
     return draw([sweeps_of(sweeps)], path_of(path), what)

@@ -23,7 +23,7 @@ def load(scene: str | Path) -> Scene:
 
     Raises InputError in one line naming the file, the key, the value and what is allowed.
     """
-    from ...simulator.scene.files import load_scene
+    from ...simulator.scene.scene_files import load_scene
 
     return load_scene(path_of(scene, "scene"))
 
@@ -71,7 +71,7 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
     no scene.
     """
     from ...simulator.measure.simulate import read_by_meter
-    from ...simulator.scene.files import scene_of_sweeps
+    from ...simulator.scene.scene_files import scene_of_sweeps
     from ...simulator.sweeps import InputError
 
     sweeps = sweeps_of(sweeps)
@@ -92,8 +92,8 @@ def dataset(
     relative error of Rs and of Cp before the noise. Raises InputError where a number is out of
     range, ToleranceError where rtol cannot be kept.
     """
-    from ...simulator.dataset.memory import in_memory
-    from ...simulator.dataset.plan import Plan
+    from ...simulator.dataset.dataset_plan import Plan
+    from ...simulator.dataset.memory_dataset import in_memory
     from ...simulator.models.mechanics.in_depths import foldable
 
     return in_memory(Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol))

@@ -128,7 +128,7 @@ def calibrate(
     from ...simulator.calibration.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
     from ...simulator.models.mechanics.in_depths import foldable
-    from ...simulator.scene.files import scene_text
+    from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps.same_skin import check_same_skin
 
     scene, sweeps = scene_of(scene), sweeps_of(sweeps)

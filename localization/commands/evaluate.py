@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say
+from ...simulator.safe_text import say
 from . import options
 
 if TYPE_CHECKING:
@@ -44,9 +44,9 @@ def evaluate(
     calibration, and figures are means over folds, with their spread. Whole
     sessions are held out where there are three or more.
     """
-    from ...simulator.charts import checked_ending
+    from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
-    from ...simulator.scene.files import scene_of_sweeps
+    from ...simulator.scene.scene_files import scene_of_sweeps
     from ...simulator.sweeps import InputError, checked_folder
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated

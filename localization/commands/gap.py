@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say, terminal
+from ...simulator.safe_text import say, terminal
 from . import options
 from .options import as_typed
 
@@ -69,10 +69,10 @@ def gap(
     --model it is your own model that is asked, as it is and adapted by a
     few touches, and whether its probabilities can be believed.
     """
-    from ...simulator.asked.scene import asked_scene, warn_of_earth
-    from ...simulator.charts import checked_ending
+    from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
-    from ...simulator.scene.files import scene_text
+    from ...simulator.requests.requested_scene import asked_scene, warn_of_earth
+    from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
     from ..gap.comparison import prepared
     from ..gap.gap_findings import find

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say
+from ...simulator.safe_text import say
 from . import options
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def localize(
     """
     from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
-    from ...simulator.sweeps.cells import guarded
+    from ...simulator.sweeps.csv_cells import guarded
     from ..inputs.sweep_files import read_some
     from ..trust.answers import CANNOT_TELL
     from .model_notes import model_for, tell_known

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...simulator.shown import say
+from ...simulator.safe_text import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,7 @@ def tell_age(model: Model, path: Path) -> None:
 
 def looked_at(problem: Problem, judged: str, sweeps: xr.Dataset) -> str:
     """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_means`."""
-    from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_means
     from ..inputs.features import AGAINST_REST
 
     used = ", ".join(problem.quantities)

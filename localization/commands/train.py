@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.shown import say
+from ...simulator.safe_text import say
 from . import options
 
 if TYPE_CHECKING:

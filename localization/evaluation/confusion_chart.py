@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from ...simulator.charts import COLOURS
+from ...simulator.chart_style import COLOURS
 from .confusion import Confusion
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from sklearn import config_context
 
 from ...simulator.progress import Progress, silent, tracked
-from ...simulator.scene.files import carried_scene
+from ...simulator.scene.scene_files import carried_scene
 from ..inputs.features import Quantities, chosen_quantities, told_features
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.charts import COLOURS, chart
+from ...simulator.chart_style import COLOURS, chart
 from ..inversion.region import Region
 from ..inversion.regions import PROBABILITY
 from ..trust.rates import CONFIDENCE, interval

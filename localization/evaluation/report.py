@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...simulator.charts import chart
+from ...simulator.chart_style import chart
 from ...simulator.report.files import filled_at_once, write_rows
 from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told

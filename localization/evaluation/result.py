@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...simulator.shown import Tabular
+from ...simulator.safe_text import Tabular
 from ...simulator.sweeps import InputError
 from .evaluation import Nested, Score, score
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.measure.simulate import ReadingError, reading_error
-from ...simulator.scene.files import scene_of_sweeps
+from ...simulator.scene.scene_files import scene_of_sweeps
 from ...simulator.sweeps import InputError
 from ..inversion.estimators import chosen
 from ..learners.registry import Estimator

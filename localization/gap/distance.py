@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...simulator.measure.simulate import ReadingError
 from ...simulator.sweeps import impedance
 from ...simulator.sweeps.laws.noise import repeatability
-from ...simulator.sweeps.restricting import all_of
+from ...simulator.sweeps.reading_subset import all_of
 from ..inputs.targets import labels
 from .pair import pixel_of
 

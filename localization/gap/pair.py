@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.measure.simulate import resimulated
-from ...simulator.scene.files import scene_of_sweeps, scene_text
 from ...simulator.scene.scene import Scene
+from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.restricting import all_of, restricted
+from ...simulator.sweeps.reading_subset import all_of, restricted
 from .side_label import Noun, noun_of
 from .subsampling import thinned
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.scene.files import scene_of_sweeps
+from ...simulator.scene.scene_files import scene_of_sweeps
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.press_text import WrittenTouch, parse_touches
 

@@ -16,7 +16,7 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ...simulator.scene.files import carried_scene
+from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from .fine_tuning import LESSONS, learned
 from .hypotheses import Hypotheses, hypotheses, labels

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.scene.files import carried_scene
+from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import FEWEST
 from ..inputs.samples import Problem

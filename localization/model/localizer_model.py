@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.scene.files import carried_scene
-from ...simulator.shown import Tabular
+from ...simulator.safe_text import Tabular
+from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import check_told
 from ..inputs.features import changes_from_rest, told_features

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ...simulator.shown import terminal
+from ...simulator.safe_text import terminal
 
 
 def reproduce(
@@ -17,7 +17,7 @@ def reproduce(
     charts: Annotated[str, typer.Option(help="Figures besides: svg or pdf.")] = "png",
 ) -> None:
     """Reproduce the paper: its figures and confusion matrices, and its numbers beside ours."""
-    from ...simulator.charts import checked_ending
+    from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
     from . import reproduce as paper
 

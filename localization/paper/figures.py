@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.charts import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
+from ...simulator.chart_style import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
 from ...simulator.models.solver import Solver

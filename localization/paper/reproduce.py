@@ -15,7 +15,7 @@ from ...simulator.measure.readout import read_out
 from ...simulator.progress import Progress, tracked
 from ...simulator.report.files import write_frame
 from ...simulator.report.page import Picture, Section
-from ...simulator.scene.files import load_scene
+from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import UNCHECKED, cross_validate

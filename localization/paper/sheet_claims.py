@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.scene.files import load_scene
+from ...simulator.scene.scene_files import load_scene
 from ..evaluation.confusion import Confusion
 from .claim import (
     ENOUGH,

@@ -14,9 +14,9 @@ from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.progress import Progress, tracked
-from ...simulator.scene.files import load_scene
 from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
+from ...simulator.scene.scene_files import load_scene
 from ..evaluation.evaluation import cross_validate
 from ..inputs.features import PAPER
 from .simulated_experiment import Rehearsal, with_pixels

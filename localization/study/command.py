@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ...simulator.asked.options import SceneName
-from ...simulator.shown import say
+from ...simulator.requests.options import SceneName
+from ...simulator.safe_text import say
 
 SECONDS_A_POINT = 1.0
 """About, of one process: a reduced model of the paper's sheets, 2000 sweeps, four trainings."""
@@ -75,13 +75,13 @@ def study(
     noise), on skins not trained on; the distance between classes in units of
     the meter's error; and the band of frequencies that tells neighbours best.
     """
-    from ...simulator.asked.durations import tell_if_long
-    from ...simulator.asked.scene import asked_scene
-    from ...simulator.asked.telling import warn, written
-    from ...simulator.charts import checked_chart
+    from ...simulator.chart_style import checked_chart
     from ...simulator.progress import on_terminal
+    from ...simulator.requests.console import warn, written
+    from ...simulator.requests.requested_scene import asked_scene
+    from ...simulator.requests.time_estimates import tell_if_long
     from ...simulator.sweeps import checked_output
-    from ...simulator.sweeps.meaning import CHANGES, accuracy_means
+    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_means
     from .execution import warnings_of
     from .report import ENDINGS, screenful
     from .settings import checked_workers

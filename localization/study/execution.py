@@ -16,8 +16,8 @@ from ...simulator.models.mechanics.in_depths import foldable
 from ...simulator.models.validity import warnings
 from ...simulator.processes import each_of, hired
 from ...simulator.progress import Progress, tracked
-from ...simulator.scene.files import scene_text
 from ...simulator.scene.scene import Scene
+from ...simulator.scene.scene_files import scene_text
 from .axis import Axis
 from .point import LOOSEST, Findings, Trial, judge
 from .scene_keys import with_values

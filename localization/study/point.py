@@ -11,11 +11,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.dataset.memory import in_memory
-from ...simulator.dataset.model import Family, own_skin, reduced
-from ...simulator.dataset.plan import Plan, check_cells
-from ...simulator.dataset.presses import FIRST_RESTS, pressed_pixels
-from ...simulator.dataset.session import audited
+from ...simulator.dataset.dataset_plan import Plan, check_cells
+from ...simulator.dataset.drawn_presses import FIRST_RESTS, pressed_pixels
+from ...simulator.dataset.drawn_session import audited
+from ...simulator.dataset.memory_dataset import in_memory
+from ...simulator.dataset.skin_model import Family, own_skin, reduced
 from ...simulator.measure.experiment import own_presses
 from ...simulator.measure.simulate import check_fits
 from ...simulator.measure.streams import AUDIT, stream

@@ -10,10 +10,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ...simulator.scene.files import BUILTIN, builtin_names, load_scene
-from ...simulator.scene.keys.tables import at, keys
+from ...simulator.scene.keys.key_paths import at, keys
 from ...simulator.scene.meter import FrequencyGrid
 from ...simulator.scene.scene import BOTH, Scene
+from ...simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 from ...simulator.scene.validation import one_line, unit_of
 from ...simulator.sweeps import InputError, inputs
 

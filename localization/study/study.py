@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...simulator.charts import checked_chart
+from ...simulator.chart_style import checked_chart
 from ...simulator.progress import Progress, silent
+from ...simulator.safe_text import Tabular
 from ...simulator.scene.scene import Scene
-from ...simulator.shown import Tabular
 from ...simulator.sweeps import checked_output
 from . import execution
 from .axis import READY_MADE, Axis, axes_of

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.charts import COLOURS, chart, plain_numbers, unit_axis
+from ...simulator.chart_style import COLOURS, chart, plain_numbers, unit_axis
 from .axis import Axis
 from .report import AS_GOOD, as_good, axis_label, best_index, named
 

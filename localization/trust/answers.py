@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.shown import Tabular
+from ...simulator.safe_text import Tabular
 from ...simulator.sweeps import InputError
 from .rates import CONFIDENCE, at_least
 

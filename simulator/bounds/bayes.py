@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from ..chebyshev import barycentric, extrema, refined
 from ..measure.experiment import strengths
+from ..method_cache import remembered
 from ..press.batch import PressBatch
 from ..progress import Progress, silent, tracked
-from ..remembered import remembered
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError

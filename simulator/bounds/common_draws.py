@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of, observed
+from ..method_cache import remembered
 from ..models.reduced.skin import ReducedSkin
-from ..remembered import remembered
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
-from ..scene.readings import Reading
+from ..scene.reading_setup import Reading
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Array, Draws, Judged

@@ -27,7 +27,7 @@ from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from ..sweeps.space import check_memory
+from ..sweeps.free_space import check_memory
 from .touches.about_pixels import (
     AboutPixels,
     DeepOnes,

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ..asked.options import Charts, SceneName
-from ..shown import say, terminal
+from ..requests.options import Charts, SceneName
+from ..safe_text import say, terminal
 
 
 def calibrate(
@@ -90,12 +90,12 @@ def calibrate(
     by their sum, and their ratio is assumed from the scene.
     """
 
-    from ..asked.scene import asked_scene, warn_of_earth
-    from ..charts import checked_ending
+    from ..chart_style import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..scene.files import scene_text
+    from ..requests.requested_scene import asked_scene, warn_of_earth
     from ..scene.frequency import parse_band
+    from ..scene.scene_files import scene_text
     from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
     from .fit_options import Options

@@ -22,12 +22,12 @@ from ..press.press import (
     strength_of,
 )
 from ..press.touch import Touch, place_of
+from ..scene.changed_readings import reading_at
 from ..scene.meter import Readout
-from ..scene.reading import reading_at
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
 from ..sweeps.inputs import objects
-from ..sweeps.restricting import all_of, restricted
+from ..sweeps.reading_subset import all_of, restricted
 from ..sweeps.schema import taken_of
 
 if TYPE_CHECKING:

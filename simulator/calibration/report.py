@@ -13,8 +13,8 @@ import numpy as np
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
 from ..report.terminal import table as in_columns
-from ..scene.files import scene_text
-from ..shown import shown
+from ..safe_text import shown
+from ..scene.scene_files import scene_text
 from .estimates import HEADER
 from .residual_chart import draw_residuals
 from .sheet_intervals import MISMATCH, RATIO

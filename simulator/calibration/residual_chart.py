@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import AT_REST, COLOURS, chart, frequency_axis
+from ..chart_style import AT_REST, COLOURS, chart, frequency_axis
 from ..sweeps import parallel_capacitance
 from .fit import Fit
 from .measurements import MeasuredSweep

@@ -19,8 +19,8 @@ from ..models.slow.foam import check_even_foam, with_foam_waves
 from ..models.slow.sheets import check_even_sheets, with_sheet_waves
 from ..models.slow.waves import Uneven
 from ..progress import Progress, silent
+from ..safe_text import Tabular
 from ..scene.scene import Scene
-from ..shown import Tabular
 from .centered_model import Around, Model, around, checked_model, model_of
 from .estimates import HEADER, Quantity, intervals, quantile, quantities, told_together
 from .fit import Fit, best_fit, certificate_limit, model_tolerance

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..shown import say, terminal
+from ..safe_text import say, terminal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +71,7 @@ def import_sweeps(
     column, repetition, interface or session label the lines; without them a
     sweep begins where the frequencies start over.
     """
-    from ..asked.telling import warn, written
+    from ..requests.console import warn, written
     from ..sweeps import checked_output, counted, write
     from ..sweeps.importing.branch import checked_branch
     from ..sweeps.imports import import_files
@@ -138,8 +138,8 @@ def check(
     ([surroundings]) each reading is checked by itself alone.
     """
 
-    from ..asked.telling import note, warn
-    from ..scene.files import scene_of_sweeps
+    from ..requests.console import note, warn
+    from ..scene.scene_files import scene_of_sweeps
     from ..sweeps import InputError
     from ..sweeps.clock import set_back
     from ..sweeps.joining import join
@@ -205,10 +205,10 @@ def plot(
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
-    from ..asked.telling import note, written
+    from ..requests.console import note, written
     from ..sweeps import counted
-    from .curves import MOST_DRAWN, checked_quantities
-    from .page import checked_drawing, draw
+    from .curve_page import checked_drawing, draw
+    from .sweep_curves import MOST_DRAWN, checked_quantities
 
     checked_quantities(what or ())
     checked_drawing(output)

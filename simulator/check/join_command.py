@@ -20,7 +20,7 @@ def join(
     Sessions of one name (`record --session NAME`) are one session. Wherever
     sweeps are asked for, several files may stand, too.
     """
-    from ..asked.telling import written
+    from ..requests.console import written
     from ..sweeps import checked_output, counted, write
     from ..sweeps.joining import one_session, read_joined
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import ENDINGS
+from ..chart_style import ENDINGS
 from ..report.files import filled_at_once, write_rows
 from ..report.terminal import table
 from ..sweeps import InputError, checked_folder, checked_output

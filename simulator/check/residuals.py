@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..charts import COLOURS, chart, frequency_axis
+from ..chart_style import COLOURS, chart, frequency_axis
 from ..sweeps.laws.examination import Judgement
 
 if TYPE_CHECKING:

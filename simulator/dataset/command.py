@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from ..asked.options import SceneName
-from ..shown import say
+from ..requests.options import SceneName
+from ..safe_text import say
 
 READINGS_A_SECOND = 6e5
 """About, of one process: sweeps of 20 frequencies, 32 800 a second."""
@@ -39,16 +39,16 @@ def dataset(
     same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
     the version only, and sweep k on neither SWEEPS nor who computes it.
     """
-    from ..asked.durations import tell_if_long
-    from ..asked.scene import asked_scene, tell_if_noise_free
-    from ..asked.telling import written
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
+    from ..requests.console import written
+    from ..requests.requested_scene import asked_scene, tell_if_noise_free
+    from ..requests.time_estimates import tell_if_long
     from ..sweeps import counted
     from ..sweeps.errors import InterruptedWorkError
+    from .dataset_plan import Plan, readings
+    from .generation import generate
     from .layout import readings_along
-    from .plan import Plan, readings
-    from .run import generate
     from .store import told as told_of
 
     loaded = asked_scene(scene)
@@ -103,7 +103,7 @@ def export(
     frequency. Parquet has one row a sweep: labels, touches, and columns
     Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
     """
-    from ..asked.telling import written
+    from ..requests.console import written
     from ..sweeps import counted
     from .export import export as write_as
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..scene.scene import Scene
 from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
-from .plan import Plan, readings
-from .presses import MOST_TOUCHES
-from .session import Drawn
+from .dataset_plan import Plan, readings
+from .drawn_presses import MOST_TOUCHES
+from .drawn_session import Drawn
 
 SINGLE_DIGITS = 6
 """Decimal digits that float32 keeps."""

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..sweeps.digests import OF_STORE, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
 from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
+from .dataset_plan import Plan
 from .layout import SESSION, SWEEP, Variable, sizes, variables
-from .plan import Plan
 
 if TYPE_CHECKING:
     import zarr

@@ -11,14 +11,14 @@ from typing import Any
 
 from ..processes import WorkerError, uninterrupted
 from ..sweeps import InputError, check_needs
-from .block import Workshop, make_block
+from .work_block import Workshop, make_block
 
 NEEDED = (
     "numcodecs.blosc",
     "numcodecs.vlen",
     "rcskin.simulator.cli",
-    "rcskin.simulator.dataset.block",
-    "rcskin.simulator.dataset.warmed",
+    "rcskin.simulator.dataset.work_block",
+    "rcskin.simulator.dataset.preload",
 )
 """What every block needs, and what starts the command: imported once, by the process that all
 workers are copies of."""

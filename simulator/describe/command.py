@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from ..asked.options import SceneName
-from ..shown import say
+from ..requests.options import SceneName
+from ..safe_text import say
 
 
 def describe(
@@ -23,12 +23,12 @@ def describe(
     frequency beside the sweep's; which rows and columns look alike to any
     meter; the meter's noise; and what the file does not say and is assumed.
     """
-    from ..asked.scene import asked_scene, warn_of_model
-    from ..asked.telling import written
     from ..press.pixels import pixels_with_skin
+    from ..requests.console import written
+    from ..requests.requested_scene import asked_scene, warn_of_model
     from ..sweeps import checked_output
-    from .drawing import ENDINGS, draw_scene
     from .facts import facts
+    from .scene_drawing import ENDINGS, draw_scene
 
     if output is not None:
         checked_output(output, ENDINGS)

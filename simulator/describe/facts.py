@@ -20,10 +20,10 @@ from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps.errors import InputError
-from ..sweeps.reach import REACH, VIRTUAL_MODEL, beyond_reach
+from ..sweeps.meter_bands import REACH, VIRTUAL_MODEL, beyond_reach
 from ..sweeps.units import prefixed
-from .apart import told_apart
-from .beyond import beyond
+from .distinct_pixels import told_apart
+from .secondary_effects import beyond
 
 LINES = 64
 """Along each side of the skin, at which maps are averaged."""

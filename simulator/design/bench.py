@@ -12,9 +12,9 @@ from functools import cached_property
 
 from ..bounds.sets import candidates_in, own_band
 from ..progress import Progress
-from ..scene.design import POSITION, Design
-from ..scene.files import scene_text
+from ..scene.design_goals import POSITION, Design
 from ..scene.scene import Scene
+from ..scene.scene_files import scene_text
 from .journal import Journal
 from .judged import Judge, Layout, PlaceJudge, merits
 from .on_skin import Material, material_of

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import SceneName
-from ..shown import say
+from ..requests.options import SceneName
+from ..safe_text import say
 
 if TYPE_CHECKING:
-    from ..scene.design import Design
+    from ..scene.design_goals import Design
     from ..scene.scene import Scene
 
 FOLDER = Path("design")
@@ -88,13 +88,13 @@ def design(
 
     A search that was killed goes on with the same command.
     """
-    from ..asked.scene import asked_scene
     from ..bounds.sets import own_band
     from ..models.plain import folded
     from ..progress import on_terminal
-    from ..scene.files import scene_text
+    from ..requests.requested_scene import asked_scene
     from ..scene.frequency import parse_band
-    from ..sweeps.meaning import bound_means
+    from ..scene.scene_files import scene_text
+    from ..sweeps.accuracy_text import bound_means
     from .bench import Asking
     from .journal import Journal
     from .report.folder import answer, write_folder
@@ -139,7 +139,7 @@ def design(
 def _asked(scene: Scene, given: dict[str, object]) -> Design:
     from pydantic import ValidationError
 
-    from ..scene.design import Design
+    from ..scene.design_goals import Design
     from ..scene.validation import one_line
     from ..sweeps import InputError
 

@@ -14,7 +14,7 @@ from ..bounds.readings import Hypothesis
 from ..mesh.held import held
 from ..press.batch import PressBatch
 from ..scene.scene import Scene
-from ..sweeps.space import check_memory
+from ..sweeps.free_space import check_memory
 from .on_skin import OnSkin
 
 NEAREST = 10

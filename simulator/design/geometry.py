@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-from ..scene.design import Design
+from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .pool import terminals

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..bounds.common_draws import CommonDraws
 from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
-from ..scene.design import Design
+from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from .on_skin import Material, OnSkin
 from .places import Touches

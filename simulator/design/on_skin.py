@@ -16,7 +16,7 @@ from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
-from ..scene.readings import Reading
+from ..scene.reading_setup import Reading
 from ..scene.scene import Scene
 
 

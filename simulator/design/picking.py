@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..bounds.readings import hypotheses
 from ..measure.readout import ErrorModel
 from ..scene.contacts import Interface
-from ..scene.design import Design
+from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from ..sweeps.pace import SETTLE, reading_time
+from ..sweeps.reading_time import SETTLE, reading_time
 from .choosing import Choice, bound, chosen, exchanged_by_slope
 from .curves import Pairs, check_comparable, pairs
 from .merits import Merit

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ..scene.contacts import Interface
 from ..scene.scene import Scene
-from ..scene.wiring import joined
+from ..scene.wiring_checks import joined
 
 ALL_SETS = 5
 """Wires up to which sets of any size are read; of more, sets of two at most."""

@@ -16,7 +16,7 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.model import Reduced
 from ..progress import Progress, silent
 from ..scene.contacts import Interface
-from ..scene.design import Design
+from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from .on_skin import Material, OnSkin, material_of
 from .places import Touches

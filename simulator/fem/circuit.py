@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
-from ..scene.wiring import joined
+from ..scene.wiring_checks import joined
 from .excitation import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12

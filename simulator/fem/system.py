@@ -15,7 +15,7 @@ from scipy.sparse import csc_matrix
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
 from ..scene.contacts import Contact
 from ..scene.scene import Scene
-from ..sweeps.space import check_memory
+from ..sweeps.free_space import check_memory
 from .assembly import Group, add_terms, edge_masses, fill, groups
 from .circuit import Circuit, Terminal
 from .pattern import Pattern

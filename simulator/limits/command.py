@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import (
+from ..requests.options import (
     RESTS,
     AgainstRest,
     Charts,
@@ -16,7 +16,7 @@ from ..asked.options import (
     TouchFactor,
     TouchSide,
 )
-from ..shown import say
+from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..progress import Progress
@@ -76,11 +76,11 @@ def limits(
     With --accuracy: the largest number of pixels for it, by target, of grids
     in the proportion of the scene's rows and columns.
     """
-    from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
-    from ..charts import checked_ending
+    from ..chart_style import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
+    from ..requests.requested_scene import asked_scene
     from ..sweeps import checked_folder, made_folder
     from .findings import WRITTEN, Findings
     from .identity import Sampling, identity

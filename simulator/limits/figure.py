@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.position import Bounds
-from ..charts import COLOURS, LINE_STYLES, chart, plain_numbers
+from ..chart_style import COLOURS, LINE_STYLES, chart, plain_numbers
 from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
 from ..scene.scene import Scene
 from .survey import Variant

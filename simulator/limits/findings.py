@@ -10,9 +10,9 @@ from ..bounds.touches.errors import LaidErrors
 from ..measure.symmetry import repeated_told
 from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
+from ..safe_text import say, terminal
 from ..scene.scene import Scene
-from ..shown import say, terminal
-from ..sweeps.meaning import bound_means
+from ..sweeps.accuracy_text import bound_means
 from .figure import draw_distances, draw_maps
 from .identity import Identity
 from .report import summary, write_distances, write_places

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import RESTS, AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
-from ..shown import say, terminal
+from ..requests.options import RESTS, AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
+from ..safe_text import say, terminal
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -53,11 +53,11 @@ def frequencies(
     line; the comparison then goes to standard error.
     """
 
-    from ..asked.scene import asked_scene
     from ..bounds.position import chosen_touch
     from ..bounds.sets import chosen_band, frequencies_among
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
+    from ..requests.requested_scene import asked_scene
     from .criteria import checked_criterion
     from .design import check_design, design
     from .survey import with_interfaces

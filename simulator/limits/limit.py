@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..shown import Tabular
+from ..safe_text import Tabular
 
 
 @dataclass(frozen=True, repr=False)

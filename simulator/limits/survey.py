@@ -20,7 +20,7 @@ from ..bounds.position import (
 from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.touches.errors import LaidErrors
 from ..progress import Progress, silent
-from ..scene.reading import through
+from ..scene.changed_readings import through
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches

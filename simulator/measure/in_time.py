@@ -22,7 +22,7 @@ from ..press.memory import Creep
 from ..press.press import Press, check_press
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
-from ..sweeps.pace import SETTLE, reading_time
+from ..sweeps.reading_time import SETTLE, reading_time
 from ..sweeps.units import prefixed
 from .foam_state import FoamState
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.meter import Readout
-from ..scene.readings import Reading
+from ..scene.reading_setup import Reading
 from ..sweeps import InputError, build, impedance, parallel_capacitance
 from ..sweeps.schema import taken_of
 

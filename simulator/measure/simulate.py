@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ..models.answer import Answer
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
-from ..scene.files import scene_text
-from ..scene.reading import reading_at
+from ..scene.changed_readings import reading_at
 from ..scene.scene import Scene
+from ..scene.scene_files import scene_text
 from ..sweeps import InputError, Table, concatenate, tabled
-from ..sweeps.restricting import all_of, restricted
-from ..sweeps.space import check_memory
+from ..sweeps.free_space import check_memory
+from ..sweeps.reading_subset import all_of, restricted
 from .in_time import answered_in_time
 from .readout import read_out
 

@@ -9,12 +9,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ..method_cache import remembered
 from ..models.mechanics.in_depths import depths_in_words
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, label_of, press_on
 from ..press.touch import Touch
-from ..remembered import remembered
 from ..scene.scene import Scene, interface_names
 from ..sweeps import InputError
 from .foam_state import FoamState

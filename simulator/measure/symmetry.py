@@ -20,7 +20,7 @@ from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
-from ..scene.wiring import joined
+from ..scene.wiring_checks import joined
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the skin at rest."""

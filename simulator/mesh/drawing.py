@@ -16,7 +16,7 @@ from ..scene.contacts import Contact
 from ..scene.planar import Circle, Points, regular, sides
 from ..scene.scene import Pixels, Scene
 from ..scene.skin import Skin
-from ..scene.wiring import strip
+from ..scene.wiring_checks import strip
 
 Shape = Circle | Points
 """A circle, or the corners of a polygon or polyline, shape (corner, 2)."""

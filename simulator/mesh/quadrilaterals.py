@@ -15,7 +15,7 @@ from ..scene.contacts import Contact
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.scene import Scene
 from ..scene.skin import Skin
-from ..scene.wiring import ACROSS, strip, touch_at
+from ..scene.wiring_checks import ACROSS, strip, touch_at
 from .rings import Cells, rectangles, ringed
 
 

@@ -21,9 +21,9 @@ from ..fem.error_estimate import ROUNDING, relative_difference
 from ..fem.excitation import impedance_with_error
 from ..fem.safety_factors import UNIFORM
 from ..mesh.quadrilaterals import Resolution
+from ..method_cache import remembered
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
-from ..remembered import remembered
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .answer import Answer, Progress, Rung

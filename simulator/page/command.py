@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..asked.options import SceneName
+from ..requests.options import SceneName
 
 CELLS = 2
 
@@ -28,11 +28,11 @@ def page(
     believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
     is for looking at one press in space instead.
     """
-    from ..asked.scene import asked_scene, tell_if_noise_free
-    from ..asked.telling import note, written
     from ..models.plain import evenly_pressed
     from ..models.reduced.indented.draws import felt_beside
     from ..progress import on_terminal
+    from ..requests.console import note, written
+    from ..requests.requested_scene import asked_scene, tell_if_noise_free
     from ..sweeps import checked_output, whole_file
     from .document import document
     from .packed import packed, reduced_for_page

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..shown import pages
+from ..safe_text import pages
 
 SITE = Path(__file__).parent / "site"
 

@@ -22,8 +22,8 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import Progress, silent
-from ..scene.files import scene_text
 from ..scene.scene import Scene
+from ..scene.scene_files import scene_text
 from ..sweeps import InputError
 from . import base64_arrays
 from .model import packed_model

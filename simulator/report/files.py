@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..sweeps import made_folder, whole_file
-from ..sweeps.cells import Writer
+from ..sweeps.csv_cells import Writer
 from ..sweeps.writing.replacing import UNFINISHED, on_occasion
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import FOIL, foil_offset
+from ..chart_style import FOIL, foil_offset
 from ..mesh.skin_mesh import domain
 from ..mesh.triangles import edges_of
 from ..press.press import Press

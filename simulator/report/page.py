@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..shown import pages
+from ..safe_text import pages
 from .files import write_text
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from .foam_in_time import Celsius, Humid
-from .keys.tables import OrTable, OrText
+from .keys.key_paths import OrTable, OrText
 from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
 from .validation import Number, Table, Whole, one_line, within
 

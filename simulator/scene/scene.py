@@ -29,18 +29,18 @@ from .contacts import (
     farthest,
     taken,
 )
-from .design import Design
+from .design_goals import Design
 from .foam_in_time import in_ambient
 from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness
-from .readings import Reading
+from .reading_setup import Reading
 from .skin import Name, Skin
 from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
 from .validation import Number, Table, Whole, one_line
-from .wiring import DrivenByTouch, check_wiring, driven_by_touch
+from .wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
 
 BOTH = {
     "pixels": ("pixels.rows", "pixels.columns"),

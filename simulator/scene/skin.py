@@ -19,7 +19,7 @@ from .form.mesh_data import MeshData, read_along
 from .form.outline import Curve, Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import Loss, penetration_depth
-from .keys.tables import OrText
+from .keys.key_paths import OrText
 from .maps import Map
 from .planar import Circle, Points, inside, reach_into, sides
 from .ranges import (

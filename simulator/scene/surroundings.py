@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from .keys.tables import OrTable, OrText
+from .keys.key_paths import OrTable, OrText
 from .ranges import Air, Distance, PerArea, PerLength, Permittivity, Thickness
 from .skin import VACUUM_PERMITTIVITY, Electrode
 from .validation import Table, one_line

@@ -11,8 +11,8 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Str
 from pydantic.fields import FieldInfo
 
 from ..sweeps.units import meant
-from .keys.meant import likely
-from .keys.tables import Location, required
+from .keys.key_paths import Location, required
+from .keys.suggestions import likely
 
 Number = Annotated[float, Strict()]
 """A number as TOML has it: neither text nor true or false."""

@@ -1,12 +1,12 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
 from .errors import InputError, OutputError, ToleranceError
-from .files import checked_folder, checked_output, made_folder, write
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
+from .input_files import counted, loaded, open_zarr, read
 from .joining import read_joined
 from .laws.passivity import Violation, violations
-from .needs import check_needs
-from .reading import counted, loaded, open_zarr, read
+from .optional_packages import check_needs
+from .output_files import checked_folder, checked_output, made_folder, write
 from .schema import (
     OPENING,
     UNPRESSED,
@@ -17,7 +17,7 @@ from .schema import (
     side_by_side,
     tabled,
 )
-from .table import Table
+from .sweep_table import Table
 from .writing import kept_file, whole_file
 
 __all__ = [

@@ -19,7 +19,7 @@ from .file_kinds import check_file_kind
 from .importing.branch import checked_branch, chosen_at_each, told
 from .importing.dialect import read_table
 from .importing.grouping import Defaults, grouped, places
-from .importing.readings import impedance_readings
+from .importing.impedance_columns import impedance_readings
 from .joining import aligned
 from .schema import build, concatenate
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import InputError
-from .space import SHARE, free_memory
+from .free_space import SHARE, free_memory
 
 MIB, GIB = 2**20, 2**30
 WHOLE = 2**63

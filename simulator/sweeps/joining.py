@@ -11,8 +11,8 @@ import numpy as np
 
 from .errors import InputError
 from .importing.grouping import SAME_FREQUENCY
+from .input_files import read
 from .inputs import objects
-from .reading import read
 from .same_skin import difference
 from .schema import SESSIONS, TIME, concatenate, session_names, taken_alike
 

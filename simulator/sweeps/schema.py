@@ -11,7 +11,7 @@ import numpy as np
 from .errors import InputError
 from .impedance import parallel_capacitance
 from .inputs import objects
-from .table import DIMENSIONS, Table, Variable
+from .sweep_table import DIMENSIONS, Table, Variable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..asked.options import SceneName
-from ..shown import say
+from ..requests.options import SceneName
+from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..progress import Progress
@@ -71,8 +71,8 @@ def view(
     every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
     from dataclasses import replace
 
-    from ..asked.telling import note, written
     from ..progress import on_terminal
+    from ..requests.console import note, written
     from .outputs import write_output
 
     every = every and animate != "phase"
@@ -127,10 +127,10 @@ def _stage(
     every: bool,
     progress: Progress,
 ) -> Stage:
-    from ..asked.scene import asked_scene
-    from ..asked.telling import note, warn
     from ..models.fields import fields
     from ..press.press import press_on
+    from ..requests.console import note, warn
+    from ..requests.requested_scene import asked_scene
     from ..scene.scene import checked_interface
     from .scenery import Stage
 

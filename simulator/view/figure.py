@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import STYLE, chart
-from ..shown import charting, painting
+from ..chart_style import STYLE, chart
+from ..safe_text import charting, painting
 from .axes import (
     NUMBERS_WIDTH,
     colour_bar,

@@ -7,7 +7,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from ..charts import ENDINGS as STILLS
+from ..chart_style import ENDINGS as STILLS
 from ..progress import Progress, silent, tracked
 from ..sweeps import InputError, check_needs
 from .quantities import Quantity, chosen
@@ -168,7 +168,7 @@ def _write_frames(
 
 
 def _write_data(path: Path, stage: Stage, what: str) -> None:
-    from ..scene.files import scene_text
+    from ..scene.scene_files import scene_text
     from .paraview import write_dataset
 
     about = {

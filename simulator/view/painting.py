@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import AT_REST, COLOURS
+from ..chart_style import AT_REST, COLOURS
 from ..sweeps import InputError
 from .surface import polygons
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..charts import AT_REST
-from ..shown import in_plotly
+from ..chart_style import AT_REST
+from ..safe_text import in_plotly
 from ..sweeps import whole_file
 from .painting import ARROW, BODY, GRID, arrow_mesh, foil_colours, lifted, ribbon
 from .surface import triangles

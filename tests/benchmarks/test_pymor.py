@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 pytest.importorskip("pymor")
 

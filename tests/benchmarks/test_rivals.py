@@ -248,7 +248,7 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
 
 def test_membrane_on_a_grid_falls_off_as_the_exponential(rival):
     """Beside a held strip of linear foam w = depth exp(-x / sqrt(T d / E))."""
-    from rcskin.simulator.scene.files import load_scene
+    from rcskin.simulator.scene.scene_files import load_scene
 
     tension, modulus, depth = 20.0, 30e3, 1e-6
     foam = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": modulus, "tension": tension}

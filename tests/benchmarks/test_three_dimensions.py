@@ -18,7 +18,7 @@ from rcskin.benchmarks.accuracy.three_dimensions_parts.statics import (
 from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch, step_excess
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 COARSE = Grid(finest=0.3, ratio=0.12, order=3)

@@ -14,7 +14,7 @@ import rcskin
 from rcskin.localization.inputs.targets import CLASSES, Target
 from rcskin.localization.inversion.estimators import EstimatorName as Estimator
 from rcskin.localization.inversion.estimators import estimators
-from rcskin.simulator.check.curves import QUANTITIES, Quantity
+from rcskin.simulator.check.sweep_curves import QUANTITIES, Quantity
 
 SCRIPT = Path(__file__).with_name("a_users_script.py")
 

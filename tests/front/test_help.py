@@ -5,7 +5,7 @@ import re
 
 import pytest
 from rcskin.__main__ import app
-from rcskin.simulator.scene.files import builtin_names
+from rcskin.simulator.scene.scene_files import builtin_names
 from typer.main import get_command
 from typer.testing import CliRunner
 

@@ -13,7 +13,7 @@ import rcskin
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from rcskin.__main__ import main
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import InputError, build
 
 SCRIPT = "<script>alert(1)</script>"

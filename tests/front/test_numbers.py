@@ -8,10 +8,10 @@ import pytest
 import rcskin
 import xarray as xr
 from rcskin.__main__ import app
-from rcskin.simulator.asked.numbers import range_of
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.requests.number_ranges import range_of
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 GLOVE, EMPTY = load_scene("glove"), xr.Dataset()

@@ -9,7 +9,7 @@ import pytest
 import rcskin
 from rcskin import __main__ as front
 from rcskin.localization.inputs.sweep_files import read_some
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read
 from typer.testing import CliRunner
 

@@ -11,7 +11,7 @@ from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.model.model_file import save
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate, impedance, read
 from typer.testing import CliRunner
 

@@ -2,7 +2,7 @@
 
 import rcskin
 from rcskin.hardware.cli import serve
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 
 PARTS = ("magnitude", "phase")
 

@@ -19,7 +19,7 @@ from rcskin.hardware.virtual.measurement import Bench
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.meter_state import PerRange, Settings
 from rcskin.hardware.virtual.recorded_skin import exact
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from typer.testing import CliRunner
 from websockets.sync.client import connect
 

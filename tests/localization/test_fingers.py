@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.memory import in_memory
-from rcskin.simulator.dataset.model import own_skin, reduced
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.presses import drawn_presses
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.drawn_presses import drawn_presses
+from rcskin.simulator.dataset.memory_dataset import in_memory
+from rcskin.simulator.dataset.skin_model import own_skin, reduced
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.streams import PRESSES, stream
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 RIM = {"mutual": 5.4e-12, "top": 5.5e-12, "bottom": 5.5e-12}

@@ -3,7 +3,7 @@
 import pytest
 from rcskin import localize, train
 from rcskin.hardware.live.session_log import read_rest
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, read, write
 
 OWN, CALIBRATED, OTHER = (

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.__main__ import app, main
-from rcskin.simulator.scene.files import AROUND, builtin_names, builtin_text, load_scene
+from rcskin.simulator.scene.scene_files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
 from .reading import blocks, commands, pages

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from matplotlib.figure import Figure
-from rcskin.simulator.charts import (
+from rcskin.simulator.chart_style import (
     ENDINGS,
     chart,
     checked_chart,
@@ -14,7 +14,7 @@ from rcskin.simulator.charts import (
     frequency_axis,
     unit_axis,
 )
-from rcskin.simulator.shown import shown
+from rcskin.simulator.safe_text import shown
 from rcskin.simulator.sweeps import InputError
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}

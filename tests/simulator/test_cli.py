@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.linalg import LinAlgError
 from rcskin.simulator import sweeps
-from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 from rcskin.simulator.scene.surroundings import Surroundings
 
 

@@ -38,7 +38,7 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
 WAITED_FOR = """
 import sys, time
 from rcskin.simulator.interrupt import ending_soon
-from rcskin.simulator.sweeps.ending import waited_for
+from rcskin.simulator.sweeps.cleanup import waited_for
 
 with ending_soon(), waited_for():
     print("at work", flush=True)

@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import pytest
-from rcskin.simulator.charts import LEAST_TICKS, MOST_TICKS, plain_numbers
+from rcskin.simulator.chart_style import LEAST_TICKS, MOST_TICKS, plain_numbers
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 from rcskin.simulator.models.fields import fields
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.progress import on_terminal, time_left, tracked
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import weakref
 
 import pytest
 from rcskin.simulator.measure.specimen import Specimen
+from rcskin.simulator.method_cache import remembered
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.remembered import remembered
 
 PRESS = "1,1"
 

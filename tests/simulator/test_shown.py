@@ -3,7 +3,7 @@
 import io
 
 import pytest
-from rcskin.simulator.shown import shown, terminal
+from rcskin.simulator.safe_text import shown, terminal
 
 OBEYED = ["\x1b[31m", "\x9b2J", "\x1b]0;title\x07", "a\rb", "a\nb", "\u202eabc", "\u2028", "\x7f"]
 HARMLESS = ["[red]it[/red]", "[/]", "[link=http://x]y[/link]", "kΩ, 10 µm², 5°", "指尖", ":smile:"]

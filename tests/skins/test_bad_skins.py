@@ -5,7 +5,7 @@ import pytest
 import tomli_w
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.files import load_scene, parse_scene
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError
 
 SHEETS = ("top", "bottom")

@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.simulator.measure.specimen import Specimen
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import InputError, read
 
 

@@ -3,9 +3,9 @@
 import meshio
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.presses import drawn_presses
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.drawn_presses import drawn_presses
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.held import held
 from rcskin.simulator.models.solver import Solver

@@ -6,9 +6,9 @@ from rcskin.localization.study.point import Trial, impedances
 from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.dataset.model import reduced as family_of
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
+from rcskin.simulator.dataset.skin_model import reduced as family_of
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses

@@ -7,23 +7,23 @@ import meshio
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.dataset import cells
-from rcskin.simulator.dataset.anywhere.deep import (
+from rcskin.simulator.dataset import cell_errors as cells
+from rcskin.simulator.dataset.anywhere.deflections import (
     raised_by_triangles,
     raised_on_cells,
     strengths_anywhere,
 )
-from rcskin.simulator.dataset.anywhere.places import texts
-from rcskin.simulator.dataset.cells import error_of_cells, error_of_deflections
-from rcskin.simulator.dataset.model import REDUCED, Training
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.presses import drawn_presses
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.anywhere.touch_places import texts
+from rcskin.simulator.dataset.cell_errors import error_of_cells, error_of_deflections
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.drawn_presses import drawn_presses
+from rcskin.simulator.dataset.generation import generate
+from rcskin.simulator.dataset.skin_model import REDUCED, Training
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.scene.skin import on_skin
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner

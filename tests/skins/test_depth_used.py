@@ -15,8 +15,8 @@ from rcskin.simulator.measure.under_touches import factors_under
 from rcskin.simulator.models.mechanics.in_depths import depths_in_words, in_depths
 from rcskin.simulator.models.mechanics.indentation import pressed
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, read, write
 from typer.testing import CliRunner
 

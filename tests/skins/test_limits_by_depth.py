@@ -22,7 +22,7 @@ from rcskin.simulator.models.mechanics.lattice.presses import raised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 

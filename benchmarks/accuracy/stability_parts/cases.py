@@ -14,8 +14,8 @@ from rcskin.benchmarks.rivals.scikit_fem_script import Elements
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 FACTOR = 2.0
 AROUND_THE_KNEE = (0.1, 1.0, 10.0)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from rcskin.simulator.charts import chart
+from rcskin.simulator.chart_style import chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

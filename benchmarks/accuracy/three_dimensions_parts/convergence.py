@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 from .blocks import block_of
 from .comparing import changes, sigmas

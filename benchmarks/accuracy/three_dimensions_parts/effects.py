@@ -10,8 +10,8 @@ import pandas as pd
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 from .blocks import block_of
 from .comparing import capacitance, changes, resistance, sigmas, spanned

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import pandas as pd
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 from .blocks import block_of
 from .comparing import changes, sigmas, worst

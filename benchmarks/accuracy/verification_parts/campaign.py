@@ -14,7 +14,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.record import published
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.accuracy.verification_parts.report import FAILED, PASSED, Check, Section
 from rcskin.benchmarks.bench import RESULTS, Run
-from rcskin.simulator.charts import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
 
 TABLE, TABLE_IN_TURN, CHART = "campaign.csv", "campaign_in_turn.csv", "campaign.png"
 COMMAND = (

@@ -27,8 +27,8 @@ from rcskin.simulator.models.solver import ModelName, Solver
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import (
     UNPRESSED,
     ToleranceError,

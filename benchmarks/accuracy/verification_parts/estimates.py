@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.random_scenes import random_press, random_scene
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, below
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.charts import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh

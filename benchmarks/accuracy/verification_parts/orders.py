@@ -19,7 +19,7 @@ from rcskin.benchmarks.accuracy.verification_parts.formulas import (
 )
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, slopes
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.charts import COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet import Sheet

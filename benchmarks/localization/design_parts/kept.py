@@ -13,11 +13,11 @@ from rcskin.benchmarks.localization.design_parts.goals import SHOWN, Goal
 from rcskin.benchmarks.localization.design_parts.searching import command, searched
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.training import BY_CHANGE, CHANGE, SEED, WHOLE
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 READ = {"gaussian": ("lnZ", "phase")}
 """Features that localizers take beside WHOLE."""

@@ -9,8 +9,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from filelock import FileLock
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 
 
 def searched(scene: Scene, options: Sequence[str], folder: Path) -> Path:

@@ -15,7 +15,7 @@ from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.model_file import load as load_model
 from rcskin.localization.model.model_file import save as save_model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 

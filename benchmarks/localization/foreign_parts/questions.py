@@ -29,11 +29,11 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import RTOL, SEED
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, Trial, every_pixel
 from rcskin.localization.model.localizer_model import Model
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read, write
 
 GOAL = 0.97

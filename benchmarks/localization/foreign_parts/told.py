@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from rcskin.benchmarks.bench import publish
 from rcskin.benchmarks.localization.foreign_parts.questions import Question
-from rcskin.simulator.charts import COLOURS
+from rcskin.simulator.chart_style import COLOURS
 
 NARROW = 0.8
 """Of the room of an effect, that its bars take."""

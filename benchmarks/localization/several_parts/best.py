@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.localization.inputs.baselines import RECENT
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.scene import Scene
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rcskin.simulator.charts import COLOURS
+from rcskin.simulator.chart_style import COLOURS
 
 SPREAD = 0.18
 LEGEND = (

@@ -22,11 +22,11 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
 from rcskin.localization.inversion.classifier import simulated
 from rcskin.localization.inversion.position import ModelBasedPosition
-from rcskin.simulator.dataset.model import reduced
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.randomisation import Normal
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import scene_text
 
 SEED, RTOL = 777, 1e-3
 DRIFT = 6e-4

@@ -7,7 +7,6 @@ scene knows nothing of; with two interfaces the pair that is not driven floats, 
 from __future__ import annotations
 
 from rcskin.simulator.scene.contacts import Contact
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.randomisation import (
     DrawnPress,
     Fixed,
@@ -18,6 +17,7 @@ from rcskin.simulator.scene.randomisation import (
     Uniform,
 )
 from rcskin.simulator.scene.scene import Pixels, Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SWEEPS_PER_SESSION, BETWEEN_RESTS = 60, 5
 """Of recordings and of training: presses, after which the skin is read at rest."""

@@ -12,9 +12,9 @@ from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.model import Training
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
+from rcskin.simulator.dataset.skin_model import Training
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.scene.scene import Scene

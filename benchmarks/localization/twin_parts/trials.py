@@ -14,7 +14,7 @@ from rcskin.benchmarks.localization.twin_parts.skin import Hand
 from rcskin.localization.inputs.targets import labels, positions
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.trust.answers import CANNOT_TELL
-from rcskin.simulator.dataset.presses import FIRST_RESTS
+from rcskin.simulator.dataset.drawn_presses import FIRST_RESTS
 from rcskin.simulator.scene.scene import Scene
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import psutil
-from rcskin.simulator.dataset.block import Workshop
-from rcskin.simulator.dataset.model import REDUCED
+from rcskin.simulator.dataset.skin_model import REDUCED
+from rcskin.simulator.dataset.work_block import Workshop
 from rcskin.simulator.dataset.workers import cluster
 
 Begun = Callable[..., Coroutine[object, object, None]]

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.workers import WorkerError
 
 SLOW_DISK = """

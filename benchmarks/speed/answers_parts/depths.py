@@ -15,7 +15,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 AGAIN, REDUCED = "rcskin, each further depth", "rcskin, reduced model"
 EVEN, GRID = "one factor for the whole pixel", "differences, then scikit-fem Q1"

@@ -18,8 +18,8 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 AGAIN, ON_CELLS = "rcskin, each further touch", "rcskin, data set on cells"
 PRESS = "rect(0.0373,0.0611,0.021,0.017)"

@@ -22,8 +22,8 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch, TouchedCells
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 FREQUENCIES = np.geomspace(40.0, 200e3, 20)
 FACTORS = (1.2, 3.0)

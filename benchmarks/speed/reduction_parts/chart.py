@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from rcskin.simulator.charts import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from ....simulator.sweeps.reach import REACH, VIRTUAL_MODEL
+from ....simulator.sweeps.meter_bands import REACH, VIRTUAL_MODEL
 from ...meter.accuracy_table import RANGES
 from ..instrument import Instrument
 from ..measurement import PARAMETERS

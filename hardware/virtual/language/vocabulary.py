@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from ....simulator.sweeps.reach import VIRTUAL_MODEL
+from ....simulator.sweeps.meter_bands import VIRTUAL_MODEL
 from .meter_command import Command, forms
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....simulator.charts import COLOURS, chart
+from ....simulator.chart_style import COLOURS, chart
 from ..paired_samples import TOLD
 from ..versions import BEFORE
 from .sentences import called

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....simulator.charts import COLOURS, chart, frequency_axis
-from ....simulator.sweeps.restricting import all_of
+from ....simulator.chart_style import COLOURS, chart, frequency_axis
+from ....simulator.sweeps.reading_subset import all_of
 from ..distance import QUANTITIES
 from ..paired_samples import TOLD
 from ..versions import AFTER, BEFORE

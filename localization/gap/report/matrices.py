@@ -6,7 +6,7 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ....simulator.charts import chart
+from ....simulator.chart_style import chart
 from ...evaluation.confusion_chart import draw_confusion
 from .sentences import model_told
 

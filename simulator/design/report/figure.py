@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...charts import AT_REST, COLOURS, chart, foil_offset
+from ...chart_style import AT_REST, COLOURS, chart, foil_offset
 from ...report.from_above import MM, draw_outline, ribbon
 from ...scene.contacts import Interface
 from ...scene.scene import Scene

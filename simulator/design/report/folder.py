@@ -8,8 +8,8 @@ from typing import Any
 
 from ...report.files import filled_at_once, write_json, write_rows, write_text
 from ...report.page import write_page
-from ...scene.files import scene_text
 from ...scene.scene import Scene
+from ...scene.scene_files import scene_text
 from ..bench import Asking
 from ..flat import Along, along_all, worth
 from ..judged import Layout, designed

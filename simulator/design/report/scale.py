@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...scene.design import POSITION, Design
+from ...scene.design_goals import POSITION, Design
 from ...scene.scene import Scene
 from ..places import Touches
 

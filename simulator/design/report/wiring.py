@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ...scene.contacts import Interface
 from ...scene.scene import Scene
-from ...scene.wiring import joined
+from ...scene.wiring_checks import joined
 
 
 class Row(NamedTuple):

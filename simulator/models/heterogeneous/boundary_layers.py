@@ -12,7 +12,7 @@ from ...press.press import Press
 from ...press.touch import Rectangle, Touch
 from ...scene.planar import NO_LINES, Lines
 from ...scene.scene import Scene
-from ...scene.wiring import strip
+from ...scene.wiring_checks import strip
 from ..plain import electrical
 from ..resolution import Ladder, all_lines, depth_of, felt, strongest
 from .materials import strain_of

@@ -33,7 +33,7 @@ from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import PixelMesh
 from ...scene.contacts import Contact
 from ...scene.skin import Skin
-from ...scene.wiring import under_foil
+from ...scene.wiring_checks import under_foil
 
 MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
 """Degrees of the rules beyond twice the order: for the coefficients."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...progress import Progress, silent
 from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
-from ...scene.wiring import check_wiring, joined
+from ...scene.wiring_checks import check_wiring, joined
 from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw

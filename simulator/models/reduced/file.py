@@ -16,7 +16,7 @@ from ...fem.excitation import Excitation
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
-from ...scene.files import parse_scene, scene_text
+from ...scene.scene_files import parse_scene, scene_text
 from ...sweeps import InputError, digests, inputs, kept_file
 from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ...press.capacitance import touched_cells
 from ...press.press import Press, press_on
+from ...safe_text import Tabular
 from ...scene.frequency import laplace_variable
-from ...shown import Tabular
 from ..parameters import Variation
 from .projection import Projection
 from .skin import ReducedSkin

@@ -15,7 +15,7 @@ from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene
 from ..validation import Bounds, said_of, unit_of
-from .tables import Location, OrTable, OrText, inner, keys
+from .key_paths import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
 

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import inputs
-from ..cells import Writer, as_given, guarded_comment
+from ..csv_cells import Writer, as_given, guarded_comment
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
 from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
 from ..importing.branch import chosen_at_each, told
 from ..schema import SESSIONS, TAKEN, TIME, build
-from ..table import Table, table_of
+from ..sweep_table import Table, table_of
 from ..units import plain_number
 
 if TYPE_CHECKING:

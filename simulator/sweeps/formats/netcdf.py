@@ -19,7 +19,7 @@ import numpy as np
 from .. import inputs
 from ..digests import check_binary, seal_binary
 from ..errors import InputError
-from ..table import DIMENSIONS, Table
+from ..sweep_table import DIMENSIONS, Table
 
 if TYPE_CHECKING:
     import xarray as xr

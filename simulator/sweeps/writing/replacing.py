@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
-from .measured import measured
+from .measured_files import measured
 from .register import made_by
 
 PYTHON = "Python"

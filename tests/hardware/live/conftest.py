@@ -15,7 +15,7 @@ from rcskin.hardware.live.session_log import Log
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import Limits
-from rcskin.simulator.asked.replacing import with_replacing
+from rcskin.simulator.requests.overwrite_options import with_replacing
 from typer.testing import CliRunner
 
 RIG = Path(__file__).with_name("live_rig.py")

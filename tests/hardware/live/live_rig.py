@@ -9,10 +9,10 @@ import numpy as np
 from rcskin.hardware.live.command import live
 from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.simulator.asked.replacing import with_replacing
 from rcskin.simulator.cli import app, run
 from rcskin.simulator.page import linked
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.requests.overwrite_options import with_replacing
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
 R, C, RISE = 10e3, 1e-9, 0.01

@@ -14,7 +14,7 @@ from rcskin.hardware.virtual.recorded_skin import exact
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 CREEP = {"skin.foam.relaxation": [{"share": 0.1, "time_constant": 1.0}]}

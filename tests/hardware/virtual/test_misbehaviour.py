@@ -15,7 +15,7 @@ from rcskin.hardware.meter.meter_reading import Status
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import simulated
-from rcskin.simulator.scene.reading import reading_at
+from rcskin.simulator.scene.changed_readings import reading_at
 from rcskin.simulator.sweeps import InputError
 
 

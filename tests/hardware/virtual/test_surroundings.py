@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.virtual.serving import instrument, simulated
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 C_E = 1e-9
 """F/m², of a body behind the bottom sheet."""

@@ -8,7 +8,7 @@ from rcskin.localization.adaptation.class_adaptation import adapted
 from rcskin.localization.adaptation.position_adaptation import adapted_places
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, write
 
 FREQUENCY = np.geomspace(1e3, 200e3, 20)

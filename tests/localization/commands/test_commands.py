@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import skops.io
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate, read, write
 
 SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))

@@ -5,7 +5,7 @@ import io
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate, write
 
 SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))

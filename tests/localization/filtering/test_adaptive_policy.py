@@ -13,7 +13,7 @@ from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.fitted import Classifier, Regressor
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, build
 from sklearn.pipeline import Pipeline
 

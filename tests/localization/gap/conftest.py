@@ -10,7 +10,7 @@ from rcskin.localization.gap.gap_findings import find
 from rcskin.localization.gap.options import Question
 from rcskin.localization.gap.pair import paired
 from rcskin.simulator.progress import silent
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import UNPRESSED, InputError, build, impedance
 
 FREQUENCY = np.geomspace(1e3, 200e3, 8)

@@ -13,7 +13,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import read, write
 
 ENTRIES = {"about", "accuracy", "calibration", "causes", "compared", "discrepancy", "distance",

@@ -6,7 +6,7 @@ from rcskin.localization.gap.pair import paired, pixel_of
 from rcskin.localization.gap.side_label import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
 from rcskin.localization.gap.subsampling import MOST, SPREAD
 from rcskin.localization.inputs.features import told_features
-from rcskin.simulator.scene.files import parse_scene
+from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError
 
 MEASURED = {"model": "measured"}

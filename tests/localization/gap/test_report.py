@@ -11,7 +11,7 @@ from rcskin.localization.gap.report.chart_list import charts_of
 from rcskin.localization.gap.report.json_data import KEYS, numbers
 from rcskin.localization.gap.report.sentences import cause_told, rows_of
 from rcskin.simulator.calibration.misfit import Explained
-from rcskin.simulator.charts import STYLE
+from rcskin.simulator.chart_style import STYLE
 
 CHARTS = {
     "distance-pressed",

@@ -13,7 +13,7 @@ from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
 from rcskin.localization.inversion.skin_cache import ALIKE, SKINS_KEPT
 from rcskin.localization.trust.fitted import Regressor
-from rcskin.simulator.scene.files import builtin_text
+from rcskin.simulator.scene.scene_files import builtin_text
 from rcskin.simulator.sweeps import InputError
 from sklearn.base import clone
 from sklearn.pipeline import Pipeline

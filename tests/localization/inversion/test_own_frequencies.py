@@ -9,9 +9,9 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate
-from rcskin.simulator.sweeps.restricting import restricted
+from rcskin.simulator.sweeps.reading_subset import restricted
 
 READOUT = {
     "magnitude_accuracy": 2e-3,

@@ -12,7 +12,7 @@ from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegr
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.folds import PLENTY, held_out_of, judging, splits_of, told
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate
 from sklearn import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks

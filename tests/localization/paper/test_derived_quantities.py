@@ -12,7 +12,7 @@ from rcskin.localization.paper.derived_quantities import (
     separation_peaks,
     totals,
 )
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 
 def test_changes_of_capacitance_on_the_strip_at_its_highest_frequency():

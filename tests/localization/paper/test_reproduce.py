@@ -18,9 +18,9 @@ from rcskin.localization.paper.reproduce import draw
 from rcskin.localization.paper.simulated_experiment import EXPERIMENTS, SHEETS
 from rcskin.localization.paper.studies import crossed_cap
 from rcskin.simulator import sweeps
-from rcskin.simulator.charts import STYLE
+from rcskin.simulator.chart_style import STYLE
 from rcskin.simulator.progress import silent
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from typer.testing import CliRunner
 
 CHARTS = ("figure-2c", *EXPERIMENTS, "frequencies", "noise", "contacts")

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.image import imread
 from rcskin.localization.study.scene_keys import scene_table
 from rcskin.localization.study.settings import changed
-from rcskin.simulator.scene.files import BUILTIN
+from rcskin.simulator.scene.scene_files import BUILTIN
 
 FAST = ("--repetitions", "8", "--workers", "1", "--rtol", "1e-2")
 COLUMNS = [

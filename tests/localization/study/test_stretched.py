@@ -5,7 +5,7 @@ from rcskin.localization.study.axis import Axis
 from rcskin.localization.study.execution import scenes_of
 from rcskin.localization.study.point import Trial
 from rcskin.localization.study.scene_keys import find_key, scene_table
-from rcskin.simulator.scene.files import BUILTIN
+from rcskin.simulator.scene.scene_files import BUILTIN
 
 
 def test_a_study_may_stretch_a_skin(tmp_path):

@@ -12,7 +12,7 @@ from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.folds import splits_of
 from rcskin.localization.trust.temperature import calibration_error, probabilities
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate
 
 SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.06, "pixels.columns": 6}))

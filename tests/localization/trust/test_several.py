@@ -7,8 +7,8 @@ from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.randomisation import Randomisation, Session
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import build, concatenate
 
 EVEN = Randomisation(session=Session(unevenness=0, foam_spread=0))

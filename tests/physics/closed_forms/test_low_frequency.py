@@ -12,7 +12,7 @@ from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import parallel_capacitance
 
 MILLIHERTZ = np.array([1e-3])

@@ -12,8 +12,8 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.capacitance import lines, tile_map
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Rectangle
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.frequency import laplace_variable
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 THINNEST = 1e-6

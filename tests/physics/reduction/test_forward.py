@@ -12,8 +12,8 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.meter import Sweep
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}

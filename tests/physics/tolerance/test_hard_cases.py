@@ -10,7 +10,7 @@ from rcskin.simulator.models.resolution import Ladder
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import parallel_capacitance
 
 RTOL = 1e-6

@@ -11,8 +11,8 @@ from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, every_press, parse_press
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.frequency import penetration_depth
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import ToleranceError, parallel_capacitance
 
 WHOLE_EDGES = [[(0.0, 1.0)]]

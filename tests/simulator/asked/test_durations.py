@@ -1,8 +1,8 @@
 """A word before what takes minutes, by how long the first presses took."""
 
 import pytest
-from rcskin.simulator.asked.durations import foretold, tell_if_long
 from rcskin.simulator.progress import duration
+from rcskin.simulator.requests.time_estimates import foretold, tell_if_long
 
 
 def told(capsys, first, later, count):

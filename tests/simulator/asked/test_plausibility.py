@@ -1,9 +1,9 @@
 """Numbers that no skin has are told with what was likely meant; those of real skins never are."""
 
 import pytest
-from rcskin.simulator.asked.plausibility import slips
 from rcskin.simulator.models.line import cut_off_frequency
-from rcskin.simulator.scene.files import BUILTIN, builtin_names, load_scene
+from rcskin.simulator.requests.plausibility import slips
+from rcskin.simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 
 GLOVE = load_scene("glove")
 MECHANICS = {"porosity": 0.9, "solid_permittivity": 3.0, "modulus": 5e4}

@@ -4,7 +4,7 @@ import json
 
 import pytest
 from rcskin.simulator.models.parameters import scene_with
-from rcskin.simulator.scene.files import read_scene, scene_text
+from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import read as read_sweeps
 from rcskin.simulator.sweeps import write
 

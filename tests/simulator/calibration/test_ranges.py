@@ -9,7 +9,7 @@ from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.specimen import SessionErrors
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import build, impedance
 
 pytestmark = pytest.mark.usefixtures("models_made_once")

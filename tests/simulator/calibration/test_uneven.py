@@ -12,7 +12,7 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.slow.foam import map_of, with_foam_waves
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 FIT = ("sheet_resistance", "capacitance", *FOAM_WAVES)

@@ -14,7 +14,7 @@ from rcskin.simulator.models.slow.foam import with_foam_waves
 from rcskin.simulator.models.slow.sheets import with_sheet_waves
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import read_scene, scene_text
+from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import InputError, write
 
 pytestmark = pytest.mark.usefixtures("models_made_once")

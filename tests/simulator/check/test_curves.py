@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.check.curves import (
+from rcskin.simulator.check.sweep_curves import (
     MOST_DRAWN,
     MOST_NAMED,
     QUANTITIES,
@@ -139,7 +139,7 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
 
 
 def test_a_page_without_plotly_is_told_in_one_line(refused, file, tmp_path, monkeypatch):
-    monkeypatch.setattr("rcskin.simulator.sweeps.needs.find_spec", lambda name: None)
+    monkeypatch.setattr("rcskin.simulator.sweeps.optional_packages.find_spec", lambda name: None)
     assert "needs plotly: pip install 'rcskin[view]'" in refused(
         "plot", file, "-o", tmp_path / "page.html"
     )

@@ -35,12 +35,12 @@ def test_the_chart_is_a_whole_PNG(judge, tmp_path):
 @pytest.fixture
 def figures(monkeypatch, tmp_path):
     """A function that draws the chart of judgements and gives the figure."""
-    from rcskin.simulator import charts
+    from rcskin.simulator import chart_style
     from rcskin.simulator.check import residuals
 
     @contextmanager
     def kept(*size):
-        with charts.chart(*size) as figure:
+        with chart_style.chart(*size) as figure:
             yield figure
             drawn.append(figure)
 

@@ -28,7 +28,7 @@ def make(toy, tmp_path):
     """A function that makes a data set of the toy family and gives its path."""
 
     def make(name="out", plan=None, processes=1, **family):
-        from rcskin.simulator.dataset.run import generate
+        from rcskin.simulator.dataset.generation import generate
 
         output = tmp_path / f"{name}.zarr"
         plan = plan or toy.small_plan()

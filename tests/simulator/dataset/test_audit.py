@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.presses import drawn_presses
-from rcskin.simulator.dataset.session import Audit, audited, drawn_sessions, together
+from rcskin.simulator.dataset.drawn_presses import drawn_presses
+from rcskin.simulator.dataset.drawn_session import Audit, audited, drawn_sessions, together
 from rcskin.simulator.measure.streams import AUDIT, PRESSES, stream
 from rcskin.simulator.sweeps import ToleranceError, open_zarr
 
@@ -30,7 +30,7 @@ class Skin:
 
 @pytest.fixture(scope="module")
 def presses():
-    from rcskin.simulator.scene.files import load_scene
+    from rcskin.simulator.scene.scene_files import load_scene
 
     return drawn_presses(load_scene("sheet-3x3"), stream(1, 0, PRESSES), 500, (3, 3))
 

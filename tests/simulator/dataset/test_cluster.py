@@ -9,7 +9,7 @@ import pytest
 from distributed import LocalCluster
 from distributed.cli import dask_scheduler, dask_worker
 from rcskin.simulator import dataset
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.workers import MOST_TOGETHER, TASKS_EACH, tasks_of
 from rcskin.simulator.sweeps import InputError
 

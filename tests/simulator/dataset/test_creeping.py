@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.creeping import at_the_end
-from rcskin.simulator.dataset.memory import in_memory
-from rcskin.simulator.dataset.plan import Plan
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.foam_state import FoamState
 from rcskin.simulator.measure.in_time import reading_moments
 from rcskin.simulator.measure.simulate import simulate
@@ -13,7 +13,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance
 
 ONE = [{"share": 0.15, "time_constant": 0.5}]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import BUILTIN, read_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import impedance, parallel_capacitance, read, write
 
 ALIKE = """

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.randomisation import (
     CUT,
     SLOW_WAVES,
@@ -11,6 +10,7 @@ from rcskin.simulator.scene.randomisation import (
     Randomisation,
     Uniform,
 )
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 TEXT = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")

@@ -2,20 +2,20 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.cells import error_of_cells
-from rcskin.simulator.dataset.model import reduced
-from rcskin.simulator.dataset.presses import (
+from rcskin.simulator.dataset.cell_errors import error_of_cells
+from rcskin.simulator.dataset.drawn_presses import (
     cells_of_pixels,
     drawn_presses,
     session_presses,
 )
+from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
 from rcskin.simulator.press.capacitance import capacitance_map, grid_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.randomisation import CUT, SLOW_WAVES, Uniform
+from rcskin.simulator.scene.scene_files import load_scene
 
 SCENE = load_scene("sheet-3x3")
 GRID = (6, 9)

@@ -2,16 +2,16 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.drawn_presses import drawn_presses, pressed_pixels
 from rcskin.simulator.dataset.layout import variables
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.presses import drawn_presses, pressed_pixels
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.measure.streams import PRESSES, stream
 from rcskin.simulator.press.finger import finger_capacitance
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 ROD = load_scene("sheet-3x3")

@@ -9,7 +9,7 @@ import time
 from dataclasses import replace
 
 import pytest
-from rcskin.simulator.dataset.run import generate
+from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.models.reduced.file import load
 from rcskin.simulator.sweeps import InputError, read
 

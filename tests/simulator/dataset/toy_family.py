@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rcskin.simulator.dataset.model import Training
-from rcskin.simulator.dataset.plan import Plan
-from rcskin.simulator.dataset.run import generate
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.generation import generate
+from rcskin.simulator.dataset.skin_model import Training
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 
 @dataclass(frozen=True)

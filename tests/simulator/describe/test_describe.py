@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.describe.apart import alike, told_apart
-from rcskin.simulator.describe.beyond import beyond
+from rcskin.simulator.describe.distinct_pixels import alike, told_apart
 from rcskin.simulator.describe.facts import assumed, facts, prefixed
+from rcskin.simulator.describe.secondary_effects import beyond
 from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import BUILTIN, load_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene
 
 CORNERS = [[0, 0], [0.12, 0], [0.12, 0.05], [0.05, 0.05], [0.05, 0.12], [0, 0.12]]
 L_SHAPE = {
@@ -169,7 +169,7 @@ def test_a_skin_without_symmetry_says_so():
 )
 def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
     scene, path = skin(SKINS[kind]), tmp_path / f"out.{ending}"
-    from rcskin.simulator.scene.files import scene_text
+    from rcskin.simulator.scene.scene_files import scene_text
 
     (tmp_path / "mine.toml").write_text(scene_text(scene), encoding="utf-8")
     code, out, _ = run("describe", tmp_path / "mine.toml", "-o", path)

@@ -1,8 +1,8 @@
 """A strip whose one pair of foils is all there is to read, and a meter that errs much."""
 
 import pytest
-from rcskin.simulator.scene.files import scene_text
 from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene_files import scene_text
 
 NOISE = {"magnitude_noise": 0.02, "phase_noise": 0.02}
 

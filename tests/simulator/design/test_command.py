@@ -4,7 +4,7 @@ import csv
 
 import pytest
 from rcskin.simulator.design.bench import Bench
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--casts", 1, "--draws", 40, "--sheet-ratio", 1)
 

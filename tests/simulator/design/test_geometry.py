@@ -7,8 +7,8 @@ from rcskin.simulator.design.journal import Journal
 from rcskin.simulator.design.on_skin import material_of
 from rcskin.simulator.design.pool import terminals
 from rcskin.simulator.design.search import search
-from rcskin.simulator.scene.design import Design
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.design_goals import Design
+from rcskin.simulator.scene.scene_files import load_scene
 
 SHEET = load_scene("sheet-5x5-two-interfaces")
 FOILS = {"top-left": {"span": [0.0, 0.3]}, "bottom-left": {"span": [0.0, 0.3]}}

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 from rcskin.simulator.design.choosing import bound, exchanged_by_slope
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 
 def test_exchanges_come_near_the_best_of_all(seed=3):

@@ -10,7 +10,7 @@ from rcskin.simulator.design.bench import Asking, Bench
 from rcskin.simulator.design.journal import Journal
 from rcskin.simulator.design.places import CELLS, Touches
 from rcskin.simulator.design.pool import terminals
-from rcskin.simulator.scene.design import Design
+from rcskin.simulator.scene.design_goals import Design
 
 POSITIONS = {"target": "position", "casts": 1, "sheet_ratio": 1.0, "readings": 2}
 

@@ -17,7 +17,7 @@ from rcskin.simulator.design.search import best_along, search
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.scene.design import Design
+from rcskin.simulator.scene.design_goals import Design
 from rcskin.tests.simulator.bounds.every_strength import exact
 
 SINGLE = {"frequencies": 1, "readings": 1, "casts": 1, "band": (300.0, 30e3), "sheet_ratio": 1.0}

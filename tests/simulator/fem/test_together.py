@@ -8,7 +8,7 @@ from rcskin.simulator.fem.lanczos import potentials, potentials_of_all
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet import Sheet
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SHIFTS = np.geomspace(1e3, 1e6, 4)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.inversion.tables import _unknown_skin, templates
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 READOUT = {
     "magnitude_accuracy": 2e-3,

@@ -6,7 +6,7 @@ import json
 import pytest
 from matplotlib.image import imread
 from rcskin.simulator.limits import findings
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--draws", "50", "-n", "2")
 

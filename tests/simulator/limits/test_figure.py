@@ -8,11 +8,11 @@ import pytest
 from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 from rcskin.simulator.bounds.position import Bounds
-from rcskin.simulator.charts import FOIL
+from rcskin.simulator.chart_style import FOIL
 from rcskin.simulator.limits import figure as figures
 from rcskin.simulator.limits.figure import draw_maps, draw_sheet
 from rcskin.simulator.limits.survey import Variant
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 CORNERS = [[0, 0], [0.12, 0], [0.12, 0.06], [0.06, 0.06], [0.06, 0.12], [0, 0.12]]
 L_SHAPE = {

@@ -11,7 +11,7 @@ from rcskin.simulator.limits.survey import with_finger
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 ROD = load_scene("sheet-3x3")

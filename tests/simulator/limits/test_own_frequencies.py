@@ -7,7 +7,7 @@ import pytest
 from rcskin.simulator.bounds.fields import fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits.survey import Question, survey, with_interfaces
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 FREQUENCIES = [1e3, 1e4, 1e5]
 OWN = {"interface.1.frequencies": [1e3, 1e4], "interface.2.frequencies": [1e4, 1e5]}

@@ -10,7 +10,7 @@ from rcskin.simulator.measure.in_time import reading_moments
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on
-from rcskin.simulator.scene.files import load_scene, write_scene
+from rcskin.simulator.scene.scene_files import load_scene, write_scene
 from rcskin.simulator.sweeps import InputError, concatenate, impedance, write
 
 ONE = [{"share": 0.1, "time_constant": 1.0}]

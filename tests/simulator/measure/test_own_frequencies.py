@@ -13,16 +13,16 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene, parse_scene, scene_text
-from rcskin.simulator.scene.meter import Readout
-from rcskin.simulator.scene.reading import (
+from rcskin.simulator.scene.changed_readings import (
     reading_at,
     through,
 )
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError, check, concatenate, impedance, read, write
 from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.joining import join
-from rcskin.simulator.sweeps.restricting import restricted
+from rcskin.simulator.sweeps.reading_subset import restricted
 
 FREQUENCIES = [1e3, 1e4, 1e5]
 READOUT = {"magnitude_accuracy": 0.02, "magnitude_noise": 0.02, "phase_noise": 0.02}

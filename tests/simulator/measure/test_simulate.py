@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.measure.simulate import gather, read_by_meter, resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, concatenate
 
 

@@ -8,7 +8,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import impedance
 from scipy.optimize import minimize_scalar
 

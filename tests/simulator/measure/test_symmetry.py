@@ -6,7 +6,7 @@ from rcskin.simulator.measure.symmetry import representative
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 MERGED = {
     "sheet-5x5": [(4, 2), (4, 5)],

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.mesh.arcs import arc_length
 from rcskin.simulator.mesh.triangles import edge_numbers, edges_of
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.planar import distance
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SCENES = Path(__file__).parent / "scenes"
 FOOT = 0.05

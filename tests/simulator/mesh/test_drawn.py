@@ -9,8 +9,8 @@ from rcskin.simulator.mesh.drawing import shape_of, sharp_touches
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Disc, Polygon, Rectangle, Touch
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.planar import Circle, sides
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 REST = Press()

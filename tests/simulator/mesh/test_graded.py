@@ -8,7 +8,7 @@ from rcskin.simulator.mesh.refining.exponents import Sheet, corner_exponents
 from rcskin.simulator.mesh.refining.graded import fewest, graded
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 CORNER = (0.05, 0.05)
 ORDER = 3

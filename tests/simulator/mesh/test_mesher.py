@@ -14,7 +14,7 @@ from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.mesh.triangles import edge_numbers, edges_of
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Disc
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import ToleranceError
 
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
@@ -118,7 +118,7 @@ from pathlib import Path
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Disc
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 mesh = domain(load_scene(Path({str(path)!r})), Press((Disc(0.07, 0.07, 0.01, 2.0),)), 0.01)
 print(mesh.p.tobytes().hex() + mesh.t.tobytes().hex())
 """

@@ -8,8 +8,8 @@ from rcskin.simulator.mesh.arcs import NO_ARCS
 from rcskin.simulator.mesh.refining.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
 from rcskin.simulator.scene.planar import inside
+from rcskin.simulator.scene.scene_files import load_scene
 
 PRESS = "rect(0.045,0.03,0.02,0.03)+disc(0.02,0.08,0.01)"
 

@@ -9,7 +9,7 @@ from rcskin.simulator.models.mechanics import adaptive
 from rcskin.simulator.models.outlook import Outlook, cells_needed, check_within_reach
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import ToleranceError
 
 

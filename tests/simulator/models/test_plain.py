@@ -4,8 +4,8 @@ import pytest
 from rcskin.simulator.models.plain import electrical, electrical_press, folded, require_plain
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 from rcskin.simulator.sweeps import InputError
 

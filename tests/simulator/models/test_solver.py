@@ -9,7 +9,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, every_press, parse_press
-from rcskin.simulator.scene.files import load_scene, parse_scene
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, ToleranceError, check
 
 ACROSS = parse_press("1,1", 2.0)

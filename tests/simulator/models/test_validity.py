@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.stray import rim_share, straight_share
 from rcskin.simulator.models.validity import earth_left_out, warnings
-from rcskin.simulator.scene.files import builtin_names, load_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import builtin_names, load_scene
 
 
 def with_foam(make_scene, **foam):

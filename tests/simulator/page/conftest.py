@@ -12,8 +12,8 @@ from rcskin.simulator.models.plain import evenly_pressed
 from rcskin.simulator.models.reduced.model import Reduced
 from rcskin.simulator.page.document import SITE
 from rcskin.simulator.page.packed import packed, reduced_for_page
-from rcskin.simulator.scene.files import load_scene, parse_scene
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 
 CROSSED = """
 name = "crossed"

@@ -8,7 +8,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import read_scene
+from rcskin.simulator.scene.scene_files import read_scene
 from rcskin.simulator.sweeps import read
 
 FREQUENCIES = (1e3, 3e3, 1e4, 3e4, 1e5)

@@ -10,7 +10,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.files import BUILTIN, read_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import read
 
 PIXEL = (0.45, 0.52)

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, every_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 L = [[0, 0], [0.12, 0], [0.12, 0.04], [0.04, 0.04], [0.04, 0.12], [0, 0.12]]
 OUTLINES = {

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from rcskin.simulator import sweeps
 from rcskin.simulator.press.press import Press, check_press, order, parse_press, require_plain
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
-from rcskin.simulator.scene.files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FINGER, MOST_FORCE
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.dataset.anywhere.places import texts
+from rcskin.simulator.dataset.anywhere.touch_places import texts
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints, rasterized
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SCENE = load_scene("sheet-3x3")
 SIDE = 0.12

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from rcskin.simulator.charts import chart
+from rcskin.simulator.chart_style import chart
 from rcskin.simulator.report.files import files_in, filled_at_once, write_json, write_rows
 from rcskin.simulator.report.from_above import draw_foils, draw_outline, draw_pixels
 from rcskin.simulator.report.page import Cell, Grid, Items, Picture, Section, write_page
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps.writing.register import made_by
 
 HOSTILE = "<script>alert(1)</script>"

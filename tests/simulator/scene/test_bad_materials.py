@@ -1,7 +1,7 @@
 """Keys of materials at the command line: what is wrong."""
 
 import pytest
-from rcskin.simulator.scene.files import BUILTIN
+from rcskin.simulator.scene.scene_files import BUILTIN
 
 
 @pytest.fixture

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import (
+from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene_files import (
     BUILTIN,
     builtin_names,
     load_scene,
@@ -12,7 +13,6 @@ from rcskin.simulator.scene.files import (
     read_scene,
     scene_text,
 )
-from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from PIL import Image
-from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 

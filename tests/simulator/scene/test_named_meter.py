@@ -1,8 +1,8 @@
 """A scene may name its meter, and is told of where it has none."""
 
 import pytest
-from rcskin.simulator.scene.files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.meter import Readout, meter_names
+from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 OF_THE_PAPER = [name for name in builtin_names() if name.startswith(("sheet", "strip"))]

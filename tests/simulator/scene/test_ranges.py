@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
 EXTREMES = [math.nan, math.inf, -math.inf, -1e300, 1e300, 10**30, -(10**30), 1e30, 5e-324]

@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.describe.facts import facts
 from rcskin.simulator.measure.symmetry import repeated
-from rcskin.simulator.scene.files import parse_scene, scene_text
+from rcskin.simulator.scene.scene_files import parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 SCENE = """

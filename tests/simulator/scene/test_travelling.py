@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 from PIL import Image
 from rcskin.simulator.measure.simulate import resimulated
-from rcskin.simulator.scene.files import BUILTIN, load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError, read, write
 
 OPENED = []

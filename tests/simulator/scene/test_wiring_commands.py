@@ -1,7 +1,7 @@
 """Foils that are driven because they touch: told by every command that tells of a scene."""
 
 import pytest
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 
 TOLD = (
     "contact 'top-left' floats at interface 'bottom' but touches 'top-bottom', which is driven: "

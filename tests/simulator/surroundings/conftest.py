@@ -1,7 +1,7 @@
 """Skins of the paper's two sizes with the thickness of their foam."""
 
 import pytest
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 
 def _skin(name, **surroundings):

@@ -8,7 +8,7 @@ from rcskin.simulator.sweeps import InputError, branch_reactance, impedance, par
 from rcskin.simulator.sweeps.importing.branch import checked_branch, chosen
 from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file, import_files
-from rcskin.simulator.sweeps.reading import read
+from rcskin.simulator.sweeps.input_files import read
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 S = 2j * np.pi * FREQUENCY

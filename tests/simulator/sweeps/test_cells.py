@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import build, read, write
-from rcskin.simulator.sweeps.cells import Writer, as_given, guarded
+from rcskin.simulator.sweeps.csv_cells import Writer, as_given, guarded
 
 NAMES = ["=1+1", "+cmd", "-left", "@sum", "\tx", "\rx", "'=x", "''", "'it", "-3", "+1e-3", "[red]"]
 

@@ -6,7 +6,7 @@ import pytest
 from rcskin.localization.inputs.sweep_files import read_some
 from rcskin.localization.model.model_file import load
 from rcskin.simulator.dataset.export import export
-from rcskin.simulator.scene.files import BUILTIN, read_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import InputError, checked_output, read, write
 from rcskin.simulator.sweeps.press_text import parse_touches
 

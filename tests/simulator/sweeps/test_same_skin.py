@@ -1,7 +1,7 @@
 """Sweeps are asked of the skin they were recorded for, however its materials may differ."""
 
 import pytest
-from rcskin.simulator.scene.files import builtin_names, builtin_text, load_scene, scene_text
+from rcskin.simulator.scene.scene_files import builtin_names, builtin_text, load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.same_skin import check_same_skin, difference
 

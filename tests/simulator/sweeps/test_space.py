@@ -9,8 +9,9 @@ from rcskin.localization.study.point import Trial
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.files import load_scene, scene_text
-from rcskin.simulator.sweeps import InputError, space
+from rcskin.simulator.scene.scene_files import load_scene, scene_text
+from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps import free_space as space
 
 CORNER = Press((Touch(1, 1, 2.0),))
 

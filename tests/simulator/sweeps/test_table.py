@@ -7,7 +7,7 @@ import pytest
 from rcskin.simulator.measure.simulate import gather
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, tabled, write
 
 WITHOUT = """

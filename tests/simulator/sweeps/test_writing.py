@@ -279,7 +279,7 @@ def test_measured_sweeps_need_a_demand_of_their_own(make_sweeps, tmp_path, endin
 
 def test_every_command_that_writes_has_the_options(run):
     from rcskin.__main__ import app
-    from rcskin.simulator.asked.replacing import OUTPUTS
+    from rcskin.simulator.requests.overwrite_options import OUTPUTS
 
     meter = next(group.typer_instance for group in app.registered_groups)
     for command in [*app.registered_commands, *meter.registered_commands]:

@@ -9,7 +9,7 @@ import pytest
 import pyvista
 from meshio.xdmf import TimeSeriesReader
 from PIL import Image, ImageSequence
-from rcskin.simulator.scene.files import parse_scene
+from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.view import outputs
 from rcskin.simulator.view.movie import write_movie

@@ -1,6 +1,6 @@
 """What `view` says of foam that creeps."""
 
-from rcskin.simulator.scene.files import load_scene, write_scene
+from rcskin.simulator.scene.scene_files import load_scene, write_scene
 from rcskin.simulator.view import command
 
 

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.image import imread
 from rcskin.simulator.models import fields as solver_fields
 from rcskin.simulator.progress import silent
-from rcskin.simulator.scene.files import scene_text
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.view.command import _stage
 
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....fem.circuit import Circuit
+from ....method_cache import remembered
 from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
-from ....remembered import remembered
 from ....scene.scene import Scene
 from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case

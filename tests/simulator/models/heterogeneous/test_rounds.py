@@ -11,7 +11,7 @@ from rcskin.simulator.models.heterogeneous.elements import raising, triangles
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene
 
 SCENES = Path(__file__).parents[2] / "mesh" / "scenes"
 FEW_CELLS = 600

@@ -7,7 +7,7 @@ import pytest
 from rcskin.simulator import sweeps
 from rcskin.simulator.press.press import strength_of
 from rcskin.simulator.press.touch import Depth, Force
-from rcskin.simulator.scene.files import BUILTIN, parse_scene, scene_text
+from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 BUILT_IN = (BUILTIN / "strip-1x3.toml").read_text()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.simulator.scene import keys
-from rcskin.simulator.scene.keys.tables import paths
+from rcskin.simulator.scene.keys.key_paths import paths
 from rcskin.simulator.scene.scene import Scene
 
 ROOT = Path(keys.__file__).parents[3]

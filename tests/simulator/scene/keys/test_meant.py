@@ -1,7 +1,7 @@
 """Keys that are missing or not known: all told at once, with what was likely meant."""
 
 import pytest
-from rcskin.simulator.scene.files import BUILTIN, parse_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene
 from rcskin.simulator.sweeps import InputError
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")

@@ -15,12 +15,12 @@ from ..mesh.held import held
 from ..models.mechanics.pressed import check_plane
 from ..models.reduced.indented.applicators import deepest
 from ..models.reduced.indented.draws import spreading
-from ..scene.files import parse_scene, scene_text
 from ..scene.scene import Scene
+from ..scene.scene_files import parse_scene, scene_text
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
 from .creeping import check_creep
-from .fingers import check_surroundings
+from .drawn_fingers import check_surroundings
 
 LAYOUT = 6
 """To be raised whenever the same plan would give other bytes."""

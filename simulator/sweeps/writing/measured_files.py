@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..reading import ENDINGS, counted, open_zarr, read
+from ..input_files import ENDINGS, counted, open_zarr, read
 from ..schema import MEASURED, VIRTUAL
 
 

@@ -15,9 +15,9 @@ from .digests import seal_store
 from .errors import InputError
 from .formats.csv import write_csv, write_rows
 from .formats.netcdf import write_dataset, write_table
-from .reading import ENDINGS, check_zarr
+from .input_files import ENDINGS, check_zarr
 from .schema import check
-from .table import Table
+from .sweep_table import Table
 from .writing import check_free, named_failures, whole_file
 from .writing.replacing import check_all_free
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .schema import ERRORS, QUANTITIES, TAKEN, taken_of
-from .table import DIMENSIONS
+from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,10 +14,10 @@ from ..press.press import rod_text
 from ..press.rasterized import Footprints
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
-from .anywhere.deep import raised_on_cells, strengths_anywhere
-from .anywhere.places import drawn_places
-from .anywhere.places import texts as texts_anywhere
-from .fingers import OWN_FINGERS, Fingers, drawn_fingers
+from .anywhere.deflections import raised_on_cells, strengths_anywhere
+from .anywhere.touch_places import drawn_places
+from .anywhere.touch_places import texts as texts_anywhere
+from .drawn_fingers import OWN_FINGERS, Fingers, drawn_fingers
 from .strengths import drawn_strengths, texts, told
 
 MOST_TOUCHES = 2

@@ -12,10 +12,10 @@ from ..fem.factors import one_blas_thread
 from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
+from .dataset_plan import Plan, parse_plan
+from .drawn_session import Audit, drawn_sessions, together
 from .layout import joined, values
-from .model import Family
-from .plan import Plan, parse_plan
-from .session import Audit, drawn_sessions, together
+from .skin_model import Family
 
 PLAN_FILE = "plan.json"
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..charts import FOIL, chart, foil_offset
+from ..chart_style import FOIL, chart, foil_offset
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
@@ -27,7 +27,7 @@ from ..report.from_above import (
 from ..scene.contacts import Contact
 from ..scene.scene import Scene
 from ..sweeps import checked_output
-from .apart import middle
+from .distinct_pixels import middle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

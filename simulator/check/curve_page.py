@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..charts import checked_chart
-from ..shown import in_plotly
+from ..chart_style import checked_chart
+from ..safe_text import in_plotly
 from ..sweeps import check_needs, checked_output, whole_file
-from .curves import (
+from .sweep_curves import (
     QUANTITIES,
     Shown,
     colours_of,

@@ -13,9 +13,9 @@ from .errors import InputError
 from .file_kinds import check_file_kind
 from .formats.csv import read_csv
 from .formats.netcdf import DAMAGED, read_dataset
-from .needs import check_needs
+from .optional_packages import check_needs
 from .schema import QUANTITIES, check
-from .table import DIMENSIONS
+from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
     import xarray as xr

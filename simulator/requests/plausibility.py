@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..models.line import cut_off_frequency
 from ..scene.scene import Scene
-from .usual import HERTZ, PER_AREA, SIDE, USUAL
+from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL
 
 FAR = 1e4
 """Times that a cut-off may lie beyond either end of the sweep."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..models.plain import electrical
 from ..models.validity import earth_left_out, warnings
-from ..scene.files import load_scene
 from ..scene.scene import Scene
+from ..scene.scene_files import load_scene
+from .console import note, warn
 from .plausibility import slips
-from .telling import note, warn
 
 
 def asked_scene(name: str) -> Scene:

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from ..sweeps import InputError, checked_output, inputs, whole_file
 from ..sweeps.builtin import BUILTIN, builtin_names
-from ..sweeps.cells import printable
+from ..sweeps.csv_cells import printable
 from ..sweeps.file_kinds import check_file_kind
 from ..sweeps.units import in_si
 from .map_file import with_grids

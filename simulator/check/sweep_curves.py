@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from ..charts import (
+from ..chart_style import (
     AT_REST,
     COLOURS,
     LINE_STYLES,

@@ -14,14 +14,14 @@ from ..models.reduced.indented.draws import spreading
 from ..processes import hired
 from ..progress import Progress, silent
 from ..sweeps import InputError, inputs, kept_file
-from ..sweeps.files import checked_place, locked
-from ..sweeps.space import check_disk
+from ..sweeps.free_space import check_disk
+from ..sweeps.output_files import checked_place, locked
 from ..sweeps.writing import check_free, named_failures, note_made, occasion, put, sync
 from . import store, workers
-from .block import PLAN_FILE, Workshop, audit_of
+from .dataset_plan import Plan, first_difference, readings
 from .layout import least_size
-from .model import REDUCED, Family, Training
-from .plan import Plan, first_difference, readings
+from .skin_model import REDUCED, Family, Training
+from .work_block import PLAN_FILE, Workshop, audit_of
 
 ENDING = ".zarr"
 
@@ -176,7 +176,7 @@ def _of_cells(workshop: Workshop, plan: Plan) -> dict[str, float]:
     scene, told = plan.scene, dict[str, float]()
     if not scene.dataset.press.laid:
         return told
-    from .cells import error_of_cells, error_of_deflections
+    from .cell_errors import error_of_cells, error_of_deflections
 
     family = workshop.load(workshop.model_file)
     if scene.dataset.press.place == "anywhere":

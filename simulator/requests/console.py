@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from pathlib import Path
 
-from ..shown import say
+from ..safe_text import say
 
 
 def warn(text: str) -> None:

@@ -16,9 +16,9 @@ from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError, parallel_capacitance
 from .creeping import in_states
-from .model import Family, SkinModel
-from .plan import Plan
-from .presses import Presses, session_presses
+from .dataset_plan import Plan
+from .drawn_presses import Presses, session_presses
+from .skin_model import Family, SkinModel
 
 ONE_IN = 1000
 

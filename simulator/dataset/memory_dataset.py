@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..fem.factors import one_blas_thread
-from ..scene.files import scene_text
+from ..scene.scene_files import scene_text
 from ..sweeps import build
+from .dataset_plan import Plan
+from .drawn_session import drawn_sessions
 from .layout import joined, touch_variables, values
-from .model import Family, reduced
-from .plan import Plan
-from .session import drawn_sessions
+from .skin_model import Family, reduced
 
 if TYPE_CHECKING:
     import xarray as xr

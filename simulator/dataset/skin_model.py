@@ -22,7 +22,7 @@ from ..press.batch import PressBatch, TouchedCells
 from ..scene.randomisation import Session
 from ..scene.scene import Scene
 from .creeping import in_states
-from .presses import drawn_presses
+from .drawn_presses import drawn_presses
 
 TRAINED_TO = 0.5
 """Of the tolerance: a press that training has not met is then still within it."""

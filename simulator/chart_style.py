@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .shown import charting, painting
+from .safe_text import charting, painting
 from .sweeps import InputError, checked_output, whole_file
 
 if TYPE_CHECKING:

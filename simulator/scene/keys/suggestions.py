@@ -8,7 +8,7 @@ from os.path import commonprefix
 
 from pydantic import BaseModel
 
-from .tables import Location, at, keys, paths
+from .key_paths import Location, at, keys, paths
 
 MOST = 2
 ALIKE, ALIKE_ELSEWHERE = 0.6, 0.8

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..models.reduced.greedy import reduce
-from ..scene.files import load_scene
-from .block import make_block
+from ..scene.scene_files import load_scene
+from .work_block import make_block
 
 SCENE, RTOL = "sheet-3x3", 1e-2
 READY = make_block

@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import TypeVar
 
 from ..progress import duration
-from .telling import note
+from .console import note
 
 Item = TypeVar("Item")
 

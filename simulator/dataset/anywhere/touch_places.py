@@ -10,7 +10,7 @@ from ...models.reduced.indented.draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
 from ...scene.skin import covers
-from ..fingers import Fingers
+from ..drawn_fingers import Fingers
 from ..strengths import finger_texts, joined
 
 LENGTH_DECIMALS = 6

@@ -15,10 +15,10 @@ from ..models.reduced.indented.draws import spreading
 from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.scene import Scene
-from .anywhere.deep import raised_by_triangles
+from .anywhere.deflections import raised_by_triangles
 from .creeping import at_the_end
-from .model import Family, own_skin
-from .presses import Presses, drawn_presses
+from .drawn_presses import Presses, drawn_presses
+from .skin_model import Family, own_skin
 
 SAMPLE = 16
 
