@@ -19,7 +19,7 @@ PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
 that what is left to do at exit may take."""
 SHOWN_CURSOR = "\x1b[?25h"
 """What gives a terminal its cursor back, which a progress bar had hidden."""
-ENDING = f"{__package__}.sweeps.ending"
+ENDING = f"{__package__}.sweeps.cleanup"
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 """Ctrl-C; told to end; the terminal is closed or the line to it lost; Ctrl-Break on Windows."""
 

@@ -7,7 +7,7 @@ import meshio
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.dataset import cell_errors as cells
+from rcskin.simulator.dataset import cell_errors
 from rcskin.simulator.dataset.anywhere.deflections import (
     raised_by_triangles,
     raised_on_cells,
@@ -78,7 +78,7 @@ trained = cache(REDUCED.train)
 @pytest.fixture
 def compared(monkeypatch):
     """A function: errors are told of so many presses."""
-    return lambda count: monkeypatch.setattr(cells, "SAMPLE", count)
+    return lambda count: monkeypatch.setattr(cell_errors, "SAMPLE", count)
 
 
 def test_errors_told_cover_those_of_some_others(scenes, compared):

@@ -10,8 +10,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
-from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps import free_space as space
+from rcskin.simulator.sweeps import InputError, free_space
 
 CORNER = Press((Touch(1, 1, 2.0),))
 
@@ -22,21 +21,23 @@ def machine(monkeypatch):
 
     def machine(memory=1e12, disk=1e12):
         usage = type(shutil.disk_usage("."))
-        monkeypatch.setattr(space, "free_memory", lambda: memory)
-        monkeypatch.setattr(space.shutil, "disk_usage", lambda path: usage(2 * disk, disk, disk))
+        monkeypatch.setattr(free_space, "free_memory", lambda: memory)
+        monkeypatch.setattr(
+            free_space.shutil, "disk_usage", lambda path: usage(2 * disk, disk, disk)
+        )
 
     return machine
 
 
 def test_memory_that_is_free_is_a_number_of_this_machine():
-    assert 1e7 < space.free_memory() < 1e15
+    assert 1e7 < free_space.free_memory() < 1e15
 
 
 @pytest.mark.parametrize(
     ("size", "told"), [(0, "0 bytes"), (999, "999 bytes"), (4.2e10, "42 GB"), (5e20, "500000 PB")]
 )
 def test_amounts_are_told_as_people_say_them(size, told):
-    assert space.amount(size) == told
+    assert free_space.amount(size) == told
 
 
 def test_pixels_that_need_more_than_there_is_are_refused_at_once(machine):
