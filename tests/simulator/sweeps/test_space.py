@@ -22,9 +22,7 @@ def machine(monkeypatch):
     def machine(memory=1e12, disk=1e12):
         usage = type(shutil.disk_usage("."))
         monkeypatch.setattr(free_space, "free_memory", lambda: memory)
-        monkeypatch.setattr(
-            free_space.shutil, "disk_usage", lambda path: usage(2 * disk, disk, disk)
-        )
+        monkeypatch.setattr(free_space.shutil, "disk_usage", lambda _: usage(2 * disk, disk, disk))
 
     return machine
 
