@@ -6,13 +6,14 @@ from importlib import import_module
 from importlib.util import find_spec
 
 import pytest
+from rcskin.docs import generate
 
 from .reading import RESULTS, ROOT, anchors, links, pages, prose, text
 
 LINES_OF_THE_FRONT_PAGE = 200
+LINES_OF_A_ROOM = 25
 TABLES = [path.relative_to(ROOT).as_posix() for path in RESULTS.glob("*.md")]
 DOCS = [page for page in pages() if page.startswith("docs/")]
-GENERATED = ("docs/reference/keys.md",)
 
 
 def targets(page):
@@ -38,6 +39,29 @@ def test_every_page_has_one_title(page):
 
 def test_the_front_page_is_read_in_one_go():
     assert len(text("README.md").splitlines()) <= LINES_OF_THE_FRONT_PAGE
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in pages() if page.endswith("/README.md") and page != "hardware/README.md"],
+)
+def test_the_page_of_a_room_is_short(page):
+    assert len(text(page).splitlines()) <= LINES_OF_A_ROOM
+
+
+def test_every_page_is_linked_from_the_index():
+    linked = {path for _, path, _ in targets("docs/index.md")}
+    assert {*DOCS} - linked == {"docs/index.md"}
+
+
+def test_every_table_of_results_is_linked():
+    linked = {path for page in [*pages(), *TABLES] for _, path, _ in targets(page)}
+    assert {*TABLES} <= linked
+
+
+@pytest.mark.parametrize("path", generate.pages(), ids=lambda path: path.name)
+def test_pages_made_from_the_code_are_up_to_date(path):
+    assert path.read_text(encoding="utf-8") == generate.pages()[path], "python docs/generate.py"
 
 
 @pytest.mark.parametrize("page", [page for page in pages() if page != "CHANGELOG.md"])

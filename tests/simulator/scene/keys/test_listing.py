@@ -14,7 +14,7 @@ PAGE = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
 def test_the_page_is_what_the_command_prints(run):
     code, out, err = run("keys")
     assert (code, err) == (0, "")
-    assert out == PAGE, "rcskin keys > docs/reference/keys.md"
+    assert out == PAGE, "python docs/generate.py"
 
 
 def test_every_key_stands_on_the_page():

@@ -1,0 +1,27 @@
+"""Write the pages of the reference that are made from the code.
+
+Run: python docs/generate.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rcskin.docs import commands, rooms
+from rcskin.simulator.scene.keys import listing
+
+HERE = Path(__file__).parent
+
+
+def pages() -> dict[Path, str]:
+    """The text of each page by its path."""
+    return {
+        HERE / "reference" / "keys.md": listing.page(),
+        HERE / "reference" / "commands.md": commands.page(),
+        HERE / "explanation" / "rooms.md": rooms.page(),
+    }
+
+
+if __name__ == "__main__":
+    for path, text in pages().items():
+        path.write_text(text, encoding="utf-8")
