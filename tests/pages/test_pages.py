@@ -2,6 +2,7 @@
 
 import os
 import re
+import tomllib
 from importlib import import_module
 from importlib.util import find_spec
 
@@ -10,7 +11,7 @@ from rcskin.docs import generate
 
 from .reading import RESULTS, ROOT, anchors, links, pages, prose, text
 
-LINES_OF_THE_FRONT_PAGE = 200
+LINES_OF_THE_FRONT_PAGE = 150
 LINES_OF_A_ROOM = 25
 TABLES = [path.relative_to(ROOT).as_posix() for path in RESULTS.glob("*.md")]
 DOCS = [page for page in pages() if page.startswith("docs/")]
@@ -73,3 +74,10 @@ def test_every_path_and_module_that_is_named_exists(page):
     for name in re.findall(r"rcskin(?:\.\w+)+", "".join(re.findall(r"`[^`]+`", text(page)))):
         module, _, last = name.rpartition(".")
         assert find_spec(name) or hasattr(import_module(module), last), name
+
+
+def test_the_version_is_the_same_everywhere():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    latest = re.search(r"^## (\S+)", text("CHANGELOG.md"), flags=re.MULTILINE)[1]
+    cited = re.search(r"^version: (\S+)", (ROOT / "CITATION.cff").read_text("utf-8"), flags=re.M)[1]
+    assert project["version"] == latest == cited
