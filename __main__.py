@@ -8,7 +8,7 @@ from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
 from .simulator.cli import app, run, with_short_help
 from .simulator.requests.number_ranges import with_ranges
-from .simulator.requests.overwrite_options import with_replacing
+from .simulator.requests.overwrite_options import with_overwrite_options
 
 __all__ = ["app", "main"]
 
@@ -20,7 +20,7 @@ app.command(
 app.add_typer(meter, name="meter")
 
 for commands, above in ((app, ""), (meter, "meter")):
-    with_replacing(commands, above)
+    with_overwrite_options(commands, above)
     with_short_help(commands)
     with_ranges(commands)
 

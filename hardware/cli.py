@@ -183,7 +183,7 @@ def misbehave(
 def _exhibit(
     scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
 ) -> Exhibit:
-    from ..simulator.requests.requested_scene import asked_scene, tell_if_noise_free
+    from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
     from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
 
@@ -192,9 +192,9 @@ def _exhibit(
     if recorded:
         return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
-    asked = asked_scene(scene)
+    asked = requested_scene(scene)
     exhibit = serving.simulated(asked, interfaces, seed)
-    tell_if_noise_free(asked.name, asked)
+    note_if_noise_free(asked.name, asked)
     return exhibit
 
 

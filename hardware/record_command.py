@@ -69,9 +69,9 @@ def record(
     accuracy: Accuracy = None,
 ) -> None:
     """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
-    from ..simulator.requests.requested_scene import asked_scene, warn_of_earth
+    from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ..simulator.scene.changed_readings import checked_interfaces
-    from ..simulator.sweeps import checked_output, counted
+    from ..simulator.sweeps import checked_output, sizes_text
     from .meter.accuracy_table import DERIVED, read_table
     from .meter.hioki import open_meter
     from .meter.termination import ending_in_order
@@ -82,7 +82,7 @@ def record(
     from .switch.switch_options import asked_switch
 
     checked_output(output)
-    asked = asked_scene(scene)
+    asked = requested_scene(scene)
     interfaces = checked_interfaces(interface, asked)
     if not (interface or switch or switch_with):
         _check_one_interface(asked)
@@ -96,7 +96,7 @@ def record(
         output,
         lambda: open_meter(resource, timeout, baud),
         table,
-        Limits(repeatability=repeatability, drift=drift, two_poles=asked.two_poles),
+        Limits(repeatability=repeatability, drift=drift, two_terminal=asked.two_terminal),
         same_mounting,
         asked_switch(switch, switch_with, settle, interfaces, ask),
     )
@@ -107,7 +107,7 @@ def record(
         with screen:
             header, entries = record_task(replace(task, tell=tell), operator)
         sweeps = finish(journal, header, dict(enumerate(entries)))
-        say("; ".join([f"{counted(sweeps.sizes)} -> {output}", *remarkable(entries)]))
+        say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *remarkable(entries)]))
 
 
 def header_of(
@@ -121,11 +121,11 @@ def header_of(
 
     settings: of the meter, to be set before it begins. session: as of `Header`.
     """
-    from ..simulator.scene.changed_readings import through
+    from ..simulator.scene.changed_readings import restricted_to_interfaces
     from ..simulator.scene.scene_files import scene_text
     from .record.recording_journal import Header
 
-    read = through(scene, interfaces)
+    read = restricted_to_interfaces(scene, interfaces)
     whole = tuple(read.frequencies.tolist())
     own = {name: tuple(each) for name, each in read.reading.own.items()}
     return Header(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .safe_text import charting, painting
+from .safe_text import figure_style, rendering
 from .sweeps import InputError, checked_output, whole_file
 
 if TYPE_CHECKING:
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
 LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
-AT_REST = "#000000"
-FOIL = {"top": COLOURS[1], "bottom": COLOURS[0]}
+UNPRESSED_COLOUR = "#000000"
+FOIL_COLOURS = {"top": COLOURS[1], "bottom": COLOURS[0]}
 """Of the foils of each electrode sheet."""
-FOIL_OFF = {"top": 0.018, "bottom": 0.042}
+FOIL_OFFSETS = {"top": 0.018, "bottom": 0.042}
 """From the edge, over the longer side: foils of the bottom sheet are drawn outside the top's."""
 ENDINGS = (".png", ".svg", ".pdf")
 """Of every chart: pixels for screens, lines for papers."""
-ROUND = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
+ROUND_DIGITS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
 """First digits of round numbers, the roundest first."""
-LEAST_TICKS, MOST_TICKS = 4, 8
+MIN_TICKS, MAX_TICKS = 4, 8
 """Labelled, on a logarithmic axis."""
 PRINTED_DPI = 300
 """Of pixels within lines."""
@@ -58,7 +58,7 @@ STYLE: dict[Any, Any] = {
 
 def foil_offset(electrode: str, longer: float) -> float:
     """How far outside the edge foils of a sheet are drawn, in the unit of the longer side."""
-    return FOIL_OFF[electrode] * longer
+    return FOIL_OFFSETS[electrode] * longer
 
 
 def frequency_axis(axes: Axes) -> None:
@@ -98,12 +98,12 @@ def round_numbers(low: float, high: float) -> NDArray[np.float64]:
     from matplotlib.ticker import MaxNLocator
 
     decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    for digits in ROUND:
+    for digits in ROUND_DIGITS:
         ticks = np.outer(decades, digits).ravel()
         inside = ticks[(low <= ticks) & (ticks <= high)]
-        if len(inside) >= LEAST_TICKS:
-            return inside[:: -(-len(inside) // MOST_TICKS)]
-    ticks = np.asarray(MaxNLocator(MOST_TICKS, min_n_ticks=LEAST_TICKS).tick_values(low, high))
+        if len(inside) >= MIN_TICKS:
+            return inside[:: -(-len(inside) // MAX_TICKS)]
+    ticks = np.asarray(MaxNLocator(MAX_TICKS, min_n_ticks=MIN_TICKS).tick_values(low, high))
     return ticks[(low <= ticks) & (ticks <= high)]
 
 
@@ -154,10 +154,10 @@ def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with charting(STYLE):
+    with figure_style(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         yield figure
-        with painting(figure), whole_file(path) as unfinished:
+        with rendering(figure), whole_file(path) as unfinished:
             dpi = None if path.suffix == ".png" else PRINTED_DPI
             figure.savefig(unfinished, dpi=dpi, metadata=UNDATED.get(path.suffix))

@@ -16,11 +16,11 @@ from .check.join_command import join
 from .dataset.command import dataset, export
 from .describe.command import describe
 from .design.command import design
-from .interrupt import Heard, ending_soon, leave
+from .interrupt import EndSignal, end_on_signals, leave
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
-from .requests.console import tell_what_is_logged
+from .requests.console import show_log_as_notes
 from .requests.options import SceneName, complete_scene
 from .safe_text import say, terminal
 from .view.command import view
@@ -181,13 +181,13 @@ def sweep(
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal, tracked
-    from .requests.console import note, written
-    from .requests.requested_scene import asked_scene, warn_of_model
-    from .requests.time_estimates import foretold
-    from .sweeps import checked_output, counted, write
+    from .requests.console import note, report_written
+    from .requests.requested_scene import requested_scene, warn_of_model
+    from .requests.time_estimates import with_time_estimate
+    from .sweeps import checked_output, sizes_text, write
 
     checked_output(output)
-    loaded = asked_scene(scene)
+    loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     check_fits(loaded, len(presses))
@@ -195,7 +195,7 @@ def sweep(
         note(f"{scene}: {line}")
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as progress:
-        patient = foretold(scene, tracked(presses, loaded.name, progress), len(presses))
+        patient = with_time_estimate(scene, tracked(presses, loaded.name, progress), len(presses))
         found = list(answered(solver, patient))
     sweeps = gather(solver, found)
     write(sweeps, output)
@@ -206,7 +206,7 @@ def sweep(
             say(*solver.explain(asked, answer).splitlines())
     for line in depths_in_words(loaded, presses):
         note(line)
-    written(counted(sweeps.sizes), output)
+    report_written(sizes_text(sweeps.sizes), output)
 
 
 app.command(epilog="Example: rcskin describe sheet-5x5 -o sheet.png")(describe)
@@ -230,8 +230,8 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
     failures: further errors whose message says all there is to say.
     """
     _take_any_terminal()
-    tell_what_is_logged("rcskin")
-    heard = Heard()
+    show_log_as_notes("rcskin")
+    heard = EndSignal()
     try:
         _run(failures, heard)
     except SystemExit as end:
@@ -248,9 +248,9 @@ def _take_any_terminal() -> None:
     os.environ["MPLBACKEND"] = "agg"
 
 
-def _run(failures: tuple[type[Exception], ...], heard: Heard) -> NoReturn:
+def _run(failures: tuple[type[Exception], ...], heard: EndSignal) -> NoReturn:
     try:
-        with ending_soon(heard):
+        with end_on_signals(heard):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
@@ -263,12 +263,12 @@ def _run(failures: tuple[type[Exception], ...], heard: Heard) -> NoReturn:
         _end(str(error), FAILURE)
     except Exception as error:
         _end_as_told(error, heard)
-    if code == Heard().code:  # typer takes Ctrl-C for an answer
+    if code == EndSignal().code:  # typer takes Ctrl-C for an answer
         _end("interrupted", heard.code)
     sys.exit(code or 0)
 
 
-def _end_as_told(error: Exception, heard: Heard) -> NoReturn:
+def _end_as_told(error: Exception, heard: EndSignal) -> NoReturn:
     """What only work that has gone wrong can have raised: what raises it is loaded by then."""
     from .sweeps.errors import (
         InputError,

@@ -36,7 +36,7 @@ _CHOOSING = threading.Lock()
 """Held while numba's settings differ from the process's own."""
 
 
-class Kept(FunctionCache):
+class KernelCache(FunctionCache):
     """What numba keeps of a function; a file that is spoilt or cannot be written is as none.
 
     Who misses a function takes turns with other processes: numba's own index of what is kept names
@@ -105,7 +105,7 @@ def compiled(**options: Any) -> Callable[[Kernel], Kernel]:
         if kernel is not function:  # NUMBA_DISABLE_JIT leaves it as it is
             try:
                 with _in_folder_of_user():
-                    kernel._cache = Kept(function)
+                    kernel._cache = KernelCache(function)
             except (RuntimeError, OSError):  # no folder can be written, no source can be read
                 pass
             else:
@@ -155,7 +155,7 @@ def _stamp(function: Callable[..., Any]) -> str:
     return digest.hexdigest()
 
 
-def _in_turn(compile_one: Callable[[Any], Any], kept: Kept) -> Callable[[Any], Any]:
+def _in_turn(compile_one: Callable[[Any], Any], kept: KernelCache) -> Callable[[Any], Any]:
     def compile_in_turn(sig: Any) -> Any:
         try:
             return compile_one(sig)

@@ -26,7 +26,7 @@ SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 Handler = Callable[[int, FrameType | None], object] | int | None
 
 
-class Heard(threading.Event):
+class EndSignal(threading.Event):
     """Set by a signal that ends the command."""
 
     number = int(signal.SIGINT)
@@ -46,7 +46,7 @@ class Heard(threading.Event):
 
 
 @contextmanager
-def ending_soon(heard: Heard | None = None) -> Iterator[None]:
+def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
     """Each of SIGNALS raises KeyboardInterrupt, and ends the process where that takes too long.
 
     Python raises it between two of its own instructions, which a fit in C may keep waiting for
@@ -58,7 +58,7 @@ def ending_soon(heard: Heard | None = None) -> Iterator[None]:
     if not before or threading.current_thread() is not threading.main_thread():
         yield
         return
-    heard, over = heard or Heard(), threading.Event()
+    heard, over = heard or EndSignal(), threading.Event()
     ours, theirs = socket.socketpair()
     theirs.setblocking(False)
     woken = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
@@ -83,7 +83,7 @@ def _usual() -> dict[int, Handler]:
     return {number: handler for number, handler in handlers.items() if handler in usual}
 
 
-def _watch(signals: socket.socket, ends: set[int], heard: Heard, over: threading.Event) -> None:
+def _watch(signals: socket.socket, ends: set[int], heard: EndSignal, over: threading.Event) -> None:
     """Ends the process where a signal does not end the block; ends itself at the block's end."""
     with signals:
         while number := signals.recv(1):
@@ -92,7 +92,7 @@ def _watch(signals: socket.socket, ends: set[int], heard: Heard, over: threading
             last = monotonic() + UNWOUND
             told = heard.wait(PATIENCE) or over.is_set()
             if ENDING in sys.modules:  # else nothing can be in such a block
-                told = sys.modules[ENDING].wait() or told
+                told = sys.modules[ENDING].wait_for_cleanup() or told
             if not (told and over.wait(max(last - monotonic(), LEAVE))):
                 with suppress(OSError, ValueError):  # the terminal may be closed
                     cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""

@@ -13,7 +13,7 @@ from typing import Any, TypeVar, cast
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
-def remembered(most: int) -> Callable[[Method], Method]:
+def cached_method(most: int) -> Callable[[Method], Method]:
     """Of a method, by its positional arguments; most: answers kept, the oldest are forgotten."""
 
     def of(method: Method) -> Method:

@@ -26,7 +26,9 @@ class WorkerError(RuntimeError):
 
 
 @contextmanager
-def hired(workers: int, needed: Sequence[str], advice: str) -> Iterator[ProcessPoolExecutor | None]:
+def worker_pool(
+    workers: int, needed: Sequence[str], advice: str
+) -> Iterator[ProcessPoolExecutor | None]:
     """So many processes on this machine, for which all is made ready while this one works.
 
     They begin with the first task. None where one is asked for: there is work for this process
@@ -84,7 +86,7 @@ def _copies(needed: Sequence[str]) -> BaseContext:
     return context
 
 
-def each_of(
+def map_in_order(
     pool: ProcessPoolExecutor | None, function: Callable[[Given], Made], given: Sequence[Given]
 ) -> Iterator[Made]:
     """The function of each item, in order: by processes, or in this one for None."""

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from rich.progress import Task
 
 Item = TypeVar("Item")
-MOST_ROWS = 12
+MAX_ROWS = 12
 """Pieces of work that are shown; a terminal of 24 rows has room for them and a few notes."""
 
 
-class Progress(Protocol):
+class ProgressCallback(Protocol):
     """Callback that takes what is being done, and how much of a total is done, None if unknown.
 
     Work that is reported again as unknown or at 0 begins anew.
@@ -30,7 +30,7 @@ def silent(work: str, done: float | None = None, total: float = 1.0, /) -> None:
     """Shows nothing."""
 
 
-def tracked(items: Sequence[Item], work: str, progress: Progress) -> Iterator[Item]:
+def tracked(items: Sequence[Item], work: str, progress: ProgressCallback) -> Iterator[Item]:
     """The items one by one; each counts as done when the next one is asked for."""
     progress(work, 0, len(items))
     for done, item in enumerate(items, 1):
@@ -59,7 +59,7 @@ def time_left(elapsed: float, share: float, then: float, first: float = 0.0) -> 
 
 
 @contextmanager
-def on_terminal(unit: str = "") -> Iterator[Progress]:
+def on_terminal(unit: str = "") -> Iterator[ProgressCallback]:
     """Draws a bar for each piece of work if standard error is a terminal.
 
     Beside it: how many of a total are done, how long the work has lasted, and how long the rest
@@ -90,7 +90,7 @@ def on_terminal(unit: str = "") -> Iterator[Progress]:
 
         def progress(work: str, done: float | None = None, total: float = 1.0, /) -> None:
             if work not in rows:
-                if len(rows) == MOST_ROWS:
+                if len(rows) == MAX_ROWS:
                     bars.remove_task(rows.pop(next(iter(rows))).id)
                 bars.add_task(work, total=None, then=0.0, first=(done or 0.0) / (total or 1.0))
                 rows[work] = bars.tasks[-1]

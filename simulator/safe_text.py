@@ -21,23 +21,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
 
-OBEYED = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
+CONTROL_CATEGORIES = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 """Unicode's categories of control, format (direction marks), lone surrogates, and other lines."""
-PLAIN = re.compile(r"[ -~]*")
-MOST_ROWS = 20
+PRINTABLE_ASCII = re.compile(r"[ -~]*")
+MAX_ROWS = 20
 """Of a result that a script or a notebook prints."""
 
 
-def shown(text: object) -> str:
+def escaped(text: object) -> str:
     """On one line, with what a terminal would obey written as Python writes it: \\x1b, \\u202e."""
     given = str(text)
-    if PLAIN.fullmatch(given):
+    if PRINTABLE_ASCII.fullmatch(given):
         return given
     return "".join(map(_visible, given))
 
 
 def _visible(character: str) -> str:
-    obeyed = unicodedata.category(character) in OBEYED
+    obeyed = unicodedata.category(character) in CONTROL_CATEGORIES
     return character.encode("unicode_escape").decode() if obeyed else character
 
 
@@ -45,18 +45,18 @@ def say(*lines: object, err: bool = False) -> None:
     """Write lines to standard output, or to standard error."""
     import typer
 
-    typer.echo("\n".join(map(shown, lines)), err=err)
+    typer.echo("\n".join(map(escaped, lines)), err=err)
 
 
 def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:
-    """A rich console that takes no text for markup, and shows it as `shown` does."""
+    """A rich console that takes no text for markup, and shows it as `escaped` does."""
     from rich.console import Console, ConsoleOptions
     from rich.segment import Segment
     from rich.text import Text
 
     class Shown(Console):
         def render_str(self, text: str, **options: Any) -> Text:
-            return super().render_str(shown(text), **options)
+            return super().render_str(escaped(text), **options)
 
         def render(self, renderable: Any, options: ConsoleOptions | None = None) -> Iterable:
             for each in super().render(renderable, options):
@@ -66,7 +66,7 @@ def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:
 
 
 @contextmanager
-def charting(style: Mapping[Any, Any]) -> Iterator[None]:
+def figure_style(style: Mapping[Any, Any]) -> Iterator[None]:
     """While figures are made in a style of matplotlib: what names hold is no mathematics.
 
     Names may hold `$`, which matplotlib takes for mathematics. They may hold letters that its font
@@ -81,8 +81,8 @@ def charting(style: Mapping[Any, Any]) -> Iterator[None]:
 
 
 @contextmanager
-def painting(figure: Figure) -> Iterator[None]:
-    """While a figure is painted that was made under `charting`: ticks may be powers of ten."""
+def rendering(figure: Figure) -> Iterator[None]:
+    """While a figure is painted that was made under `figure_style`: ticks may be powers of ten."""
     from matplotlib import rc_context
     from matplotlib.text import Text
     from matplotlib.ticker import FixedFormatter, LogFormatterMathtext
@@ -106,7 +106,7 @@ def painting(figure: Figure) -> Iterator[None]:
         yield
 
 
-def pages(folder: Path, **options: Any) -> Environment:
+def template_environment(folder: Path, **options: Any) -> Environment:
     """Templates of a folder, as jinja has them: all that they are filled with is text to show."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
@@ -120,9 +120,9 @@ def pages(folder: Path, **options: Any) -> Environment:
     )
 
 
-def in_plotly(text: str) -> str:
+def plotly_text(text: str) -> str:
     """The same on one line; plotly takes text for HTML."""
-    return html.escape(shown(text), quote=False)
+    return html.escape(escaped(text), quote=False)
 
 
 class Tabular(ABC):
@@ -134,9 +134,9 @@ class Tabular(ABC):
 
     def _cells(self) -> tuple[str, list[list[str]]]:
         title, rows = self._table()
-        cells = [[shown(cell) for cell in row] for row in rows[: MOST_ROWS + 1]]
+        cells = [[escaped(cell) for cell in row] for row in rows[: MAX_ROWS + 1]]
         more = len(rows) - len(cells)
-        return shown(f"{title} ({more} more rows)" if more else title), cells
+        return escaped(f"{title} ({more} more rows)" if more else title), cells
 
     def __repr__(self) -> str:
         title, rows = self._cells()
@@ -156,4 +156,4 @@ def _html_row(tag: str, cells: Sequence[str]) -> str:
 
 
 def _lines(text: str) -> str:
-    return "\n".join(map(shown, text.split("\n")))
+    return "\n".join(map(escaped, text.split("\n")))

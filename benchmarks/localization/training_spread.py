@@ -26,7 +26,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.scene.randomisation import MOST_UNEVEN, Lognormal, Normal
+from rcskin.simulator.scene.randomisation import MAX_UNEVENNESS, Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate
@@ -50,8 +50,8 @@ def spread_by(scene: Scene, factor: float) -> Scene:
             "sheet_resistance": Lognormal(median=1.0, spread=factor * resistance.spread),
             "sheet_mismatch": Lognormal(median=1.0, spread=factor * SKINS.sheet_mismatch.spread),
             "capacitance": Normal(mean=1.0, deviation=factor * capacitance.deviation),
-            "unevenness": min(factor * SKINS.unevenness, MOST_UNEVEN),
-            "foam_spread": min(factor * SKINS.foam_spread, MOST_UNEVEN),
+            "unevenness": min(factor * SKINS.unevenness, MAX_UNEVENNESS),
+            "foam_spread": min(factor * SKINS.foam_spread, MAX_UNEVENNESS),
         }
     )
     drawn = scene.dataset.model_copy(update={"session": session})

@@ -23,7 +23,7 @@ from rcskin.benchmarks.scale.cluster_parts.hostile import Trouble, made
 from rcskin.benchmarks.scale.dataset import MEGABYTE, SCENE, digest
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
-from rcskin.simulator.dataset.workers import MOST_TOGETHER
+from rcskin.simulator.dataset.workers import MAX_TASK_BLOCKS
 from rcskin.simulator.scene.scene_files import load_scene
 from scipy.optimize import nnls
 
@@ -118,13 +118,13 @@ def scheduling(crowds: list[Crowd]) -> Scheduling:
 def needed(workers: int, one: Alone, scheduler: Scheduling) -> dict[str, str]:
     """A billion sweeps by so many workers: what each part has to do."""
     whole = workers / one.seconds
-    busy = {k: scheduler.busy(workers, whole / k) for k in (1, MOST_TOGETHER)}
-    blocks = whole / max(1.0, busy[MOST_TOGETHER])
+    busy = {k: scheduler.busy(workers, whole / k) for k in (1, MAX_TASK_BLOCKS)}
+    blocks = whole / max(1.0, busy[MAX_TASK_BLOCKS])
     return {
         "workers": f"{workers:,}",
         "hours": f"{BILLION / (blocks * one.sweeps) / 3600:.2g}",
         "scheduler busy, 1 block a task": f"{100 * busy[1]:,.0f} %",
-        f"{MOST_TOGETHER} blocks a task": f"{100 * busy[MOST_TOGETHER]:,.0f} %",
+        f"{MAX_TASK_BLOCKS} blocks a task": f"{100 * busy[MAX_TASK_BLOCKS]:,.0f} %",
         "MB a second": f"{blocks * one.bytes / MEGABYTE:,.0f}",
         "files a second": f"{blocks * one.files:,.0f}",
     }
@@ -165,7 +165,7 @@ def main(run: Run) -> None:
     found = [
         Crowd(blocks, busy(workers, blocks * one.seconds, run.sized(TASKS_EACH, FEW_TASKS)))
         for workers in run.sized(CROWDS, FEW_CROWDS)
-        for blocks in (1, MOST_TOGETHER)
+        for blocks in (1, MAX_TASK_BLOCKS)
     ]
     rows = pd.DataFrame([told_of_crowd(each, one) for each in found])
     publish(run.results, "cluster_crowd", "Workers that sleep as long as a block takes", rows)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.simulator.chart_style import AT_REST, COLOURS, chart, logarithmic_axis
+from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart, logarithmic_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +52,7 @@ def looks_of(others: list[str], ours: tuple[str, ...]) -> dict[str, dict]:
         for name, colour, marker in zip(others, colours, MARKERS, strict=False)
     }
     for name, style in zip(ours, ("-", ":", "--"), strict=False):
-        looks[name] = {"color": AT_REST, "marker": ".", "linestyle": style, "linewidth": 2}
+        looks[name] = {"color": UNPRESSED_COLOUR, "marker": ".", "linestyle": style, "linewidth": 2}
     return looks
 
 

@@ -115,7 +115,7 @@ def live(
         localizer,
         lambda: open_meter(resource, timeout, baud),
         read_table(accuracy or DERIVED),
-        Limits(drift=drift, two_poles=localizer.scene.two_poles),
+        Limits(drift=drift, two_terminal=localizer.scene.two_terminal),
         patience,
         asked_switch(switch, switch_with, settle, localizer.model.interfaces),
         journal=journal,
@@ -157,11 +157,11 @@ def _check_options(
 def _journal(log: Path) -> Journal:
     """Of a log that may be written. Raises InputError where something is there to be lost."""
     from ...simulator.sweeps import InputError, checked_output
-    from ...simulator.sweeps.writing import occasion
+    from ...simulator.sweeps.writing import write_context
     from ..record.recording_journal import Journal
 
     journal = Journal(checked_output(log))
-    if occasion().overwrite_measured or journal.header() is None:
+    if write_context().overwrite_measured or journal.header() is None:
         return journal
     raise InputError(
         f"{journal.folder}: holds a session that was cut off; `rcskin meter gather {log} -o "
@@ -180,7 +180,7 @@ def _run(session: Session, answers: int | None) -> None:
 @contextmanager
 def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
-    from ...simulator.scene.changed_readings import reading_at, through
+    from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
     from ..event_counter import counting
     from ..page.page_document import Document
     from ..page.page_thread import beside
@@ -189,7 +189,9 @@ def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
 
     model = localizer.model
     taken = taken_at(model.interfaces, model.frequencies, model.of_each)
-    scene = reading_at(through(localizer.scene, model.interfaces), model.frequencies, taken)
+    scene = with_frequencies(
+        restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
+    )
     document = Document.of(scene, "live")
     shown = counting(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, beside(document, port) as (address, post):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TextIO
 
-from ...simulator.safe_text import shown
+from ...simulator.safe_text import escaped
 from ..meter.meter_reading import Reading
 from .live_session import Moment
 
@@ -31,7 +31,7 @@ class Plain:
         probability = moment.answer.probability
         fields = (
             moment.at,
-            shown(moment.answer.label),
+            escaped(moment.answer.label),
             "" if probability is None else f"{probability:.4f}",
             f"{1e3 * moment.latency:.1f}",
         )
@@ -50,5 +50,5 @@ class Plain:
         """Tell it, once."""
         if text != self._told:
             self._told = text
-            self.notes.write(f"rcskin: {shown(text)}\n")
+            self.notes.write(f"rcskin: {escaped(text)}\n")
             self.notes.flush()

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import OPENING, UNPRESSED, InputError, counted, read_joined
+from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
-from ...simulator.sweeps.writing import Occasion, on_occasion
+from ...simulator.sweeps.writing import WriteContext, in_write_context
 from ..record.measured_sweep import Sweep, Trace, now
 from ..record.press_order import UNKNOWN
 from ..record.recording_dataset import dataset_of, taken_at
@@ -143,8 +143,8 @@ class Log:
         tell_if_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
         if not self._kept:  # what writing loads is then at hand when the session is told to end
-            again = Occasion(overwrite_measured=True, noted={self.journal.folder})
-            with on_occasion(again):
+            again = WriteContext(overwrite_measured=True, noted={self.journal.folder})
+            with in_write_context(again):
                 write_all(self.journal.folder / "first.nc", header, {0: self._latest})
         self._kept += 1
 
@@ -162,4 +162,4 @@ class Log:
         sweeps = finish(self.journal, header, self.journal.entries(header))
         output, presses = self.journal.output, sweeps["press"].values
         again = f"; --rest-file {output} begins with its rest" if UNPRESSED in presses else ""
-        self.told = f"{counted(sweeps.sizes)} -> {output}{again}"
+        self.told = f"{sizes_text(sweeps.sizes)} -> {output}{again}"

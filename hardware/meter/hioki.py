@@ -6,7 +6,7 @@ import logging
 from contextlib import suppress
 from typing import Any, ClassVar, Self
 
-from ...simulator.sweeps.meter_bands import REACH
+from ...simulator.sweeps.meter_bands import METER_BANDS
 from .accuracy_table import Conditions
 from .connection import Connection, connect
 from .conversation import Conversation
@@ -176,7 +176,7 @@ class IM3523(HiokiMeter):
     """40 Hz to 200 kHz; speed, averaging and delay are kept for each range and set alike."""
 
     model = "IM3523"
-    frequency = Setting(":FREQuency", Number("Hz", *REACH["IM3523"], 5), "Frequency")
+    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
     speed = Setting(":RANGe:SYNC:SPEEd", Choice(SPEEDS), "Speed", each_range=True)
     averaging = Setting(
         ":RANGe:SYNC:AVERaging", Whole(1, 256, "OFF"), "Readings averaged", each_range=True
@@ -201,14 +201,14 @@ class IM3533(_Sibling):
     """1 mHz to 200 kHz."""
 
     model = "IM3533"
-    frequency = Setting(":FREQuency", Number("Hz", *REACH["IM3533"], 5), "Frequency")
+    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3533"], 5), "Frequency")
 
 
 class IM3536(_Sibling):
     """4 Hz to 8 MHz, from 10 mV."""
 
     model = "IM3536"
-    frequency = Setting(":FREQuency", Number("Hz", *REACH["IM3536"], 5), "Frequency")
+    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3536"], 5), "Frequency")
     voltage = Setting(":LEVel:VOLTage", Number("V", 10e-3, 5, 4), "Open voltage, rms, level V")
     constant_voltage = Setting(
         ":LEVel:CVOLTage", Number("V", 10e-3, 5, 4), "Voltage on the skin, rms, level CV"
@@ -219,7 +219,7 @@ class IM3570(_Sibling):
     """4 Hz to 5 MHz."""
 
     model = "IM3570"
-    frequency = Setting(":FREQuency", Number("Hz", *REACH["IM3570"], 5), "Frequency")
+    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3570"], 5), "Frequency")
 
 
 Meter = IM3523 | IM3533 | IM3536 | IM3570

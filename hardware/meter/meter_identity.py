@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...simulator.sweeps.meter_bands import REACH
+from ...simulator.sweeps.meter_bands import METER_BANDS
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
-MODELS = tuple(REACH)
+MODELS = tuple(METER_BANDS)
 VIRTUAL_SERIAL = "000000000"
 """Serial number that the virtual meter answers with."""
 MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)

@@ -13,8 +13,8 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
-from ...simulator.safe_text import shown
-from ...simulator.sweeps.cleanup import waited_for
+from ...simulator.safe_text import escaped
+from ...simulator.sweeps.cleanup import cleanup_block
 from .windows_console import closing_console
 
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
@@ -108,13 +108,13 @@ def ending_in_order() -> Iterator[Callable[[str], None]]:
     def tell(text: str) -> None:
         told.append(text)
         with suppress(OSError, ValueError):  # the terminal may be closed
-            print(f"rcskin: {shown(text)}", file=sys.stderr, flush=True)
+            print(f"rcskin: {escaped(text)}", file=sys.stderr, flush=True)
 
     if threading.current_thread() is not threading.main_thread():
         yield tell
         return
     _ending = Ending()
-    with _listening(_ending), waited_for(), closing_console():
+    with _listening(_ending), cleanup_block(), closing_console():
         yield tell
     if told:
         sys.exit(NOT_AS_FOUND)

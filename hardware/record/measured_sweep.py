@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.meter_bands import beyond_reach
+from ...simulator.sweeps.meter_bands import outside_band
 from ..meter.hioki import Meter
 from ..meter.meter_reading import BY_CODE, Reading
 from ..switch.switch import Switch
@@ -164,7 +164,7 @@ def measure_readings(
 
 def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
     """Raises InputError where the meter's model does not reach one of the frequencies in Hz."""
-    beyond = beyond_reach(meter.model, frequencies)
+    beyond = outside_band(meter.model, frequencies)
     if beyond:
         raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
 

@@ -38,7 +38,7 @@ def gather_command(
 
     A recording can go on afterwards, towards another mounting's or its own end.
     """
-    from ...simulator.sweeps import InputError, checked_output, counted
+    from ...simulator.sweeps import InputError, checked_output, sizes_text
     from .recording_journal import Journal
 
     journal = Journal(recording)
@@ -49,7 +49,7 @@ def gather_command(
     path = checked_output(output or recording)
     sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
-    say(f"{len(entries)}{whole} sweeps: {counted(sweeps.sizes)} -> {path}")
+    say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
     _tell_if_changed(journal)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import parallel_capacitance
-from ...simulator.sweeps.laws.passivity import Bounds, broken_laws, listed
+from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
 from ..meter.accuracy_table import AccuracyTable, Conditions, Drive, full_scale
 from .measured_sweep import Sweep, Trace
 
@@ -25,14 +25,14 @@ class Limits:
     At 2 noise of the size of the bounds broke a law in 22 of 300 sweeps, at 3 in none.
 
     repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
-    from the first sweep at rest. Both are fractions. two_poles: whether all current that enters the
-    skin leaves it by the meter; else no law of passive skins binds what it reads.
+    from the first sweep at rest. Both are fractions. two_terminal: whether all current that enters
+    the skin leaves it by the meter; else no law of passive skins binds what it reads.
     """
 
     errors: float = 4.0
     repeatability: float = 0.05
     drift: float = 0.05
-    two_poles: bool = True
+    two_terminal: bool = True
 
 
 @dataclass(frozen=True)
@@ -75,13 +75,13 @@ class Judge:
             )
         return found
 
-    def bounds(self, Z: NDArray[np.complex128]) -> Bounds:
+    def bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
         """Of the meter's error, at each frequency by its own reading."""
         pairs = [
             self.table.bound(z, self._conditions(f, z))
             for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
         ]
-        return Bounds(*np.array(pairs).T)
+        return ErrorBounds(*np.array(pairs).T)
 
     def _conditions(self, frequency: float, Z: complex) -> Conditions:
         settings = self.settings
@@ -96,13 +96,13 @@ class Judge:
         )
 
     def _broken_laws(self, trace: Trace) -> list[str]:
-        if not self.limits.two_poles:
+        if not self.limits.two_terminal:
             return []
         bounds = self.bounds(trace.Z).times(self.limits.errors)
         broken = broken_laws(trace.Z, self.frequency, bounds)
         beyond = f"beyond the meter's error{self._guessed(trace.Z)}" if broken else ""
         return [
-            f"{law} is broken at {listed(self.frequency[where])}, {beyond}"
+            f"{law} is broken at {frequencies_text(self.frequency[where])}, {beyond}"
             for law, where in broken.items()
         ]
 
@@ -122,7 +122,7 @@ class Judge:
         wrong = np.abs(np.array(trace.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
         if not wrong.any():
             return []
-        return [f"Cp does not follow from Rs, X and f at {listed(self.frequency[wrong])}"]
+        return [f"Cp does not follow from Rs, X and f at {frequencies_text(self.frequency[wrong])}"]
 
     def _departs(
         self, trace: Trace, usual: NDArray[np.complex128], limit: float, what: str

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import UNPRESSED, InputError
-from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, beyond_reach
+from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
 from ..meter.accuracy_table import DERIVED, read_table
 from ..page.page_address import LOOPBACK
 from .control import Control
@@ -71,11 +71,11 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     Raises InputError at other interfaces, or where the virtual meter lacks a frequency of them.
     """
     from ...simulator.measure.specimen import SessionErrors, Specimen
-    from ...simulator.scene.changed_readings import checked_interfaces, through
+    from ...simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
 
     names = checked_interfaces(interfaces, scene)
-    read = through(scene, names)
-    beyond = beyond_reach(VIRTUAL_MODEL, read.sweep.frequencies)
+    read = restricted_to_interfaces(scene, names)
+    beyond = outside_band(VIRTUAL_MODEL, read.sweep.frequencies)
     if beyond:
         raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
     whole, errors = Specimen(scene, names[0]), SessionErrors(scene, seed)

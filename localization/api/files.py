@@ -36,10 +36,10 @@ def write(
     log. overwrite: replace also what was not made so. overwrite_measured: replace even measured
     sweeps. Raises InputError.
     """
-    from ...simulator.sweeps.writing import Occasion, on_occasion
+    from ...simulator.sweeps.writing import WriteContext, in_write_context
 
-    now = Occasion(overwrite=overwrite, overwrite_measured=overwrite_measured)
-    with on_occasion(now):
+    now = WriteContext(overwrite=overwrite, overwrite_measured=overwrite_measured)
+    with in_write_context(now):
         _written(given, path_of(path))
 
 

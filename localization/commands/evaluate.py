@@ -11,7 +11,7 @@ from ...simulator.safe_text import say
 from . import options
 
 if TYPE_CHECKING:
-    from ...simulator.progress import Progress
+    from ...simulator.progress import ProgressCallback
     from ..evaluation.result import Evaluation
     from ..inputs.samples import Samples
 
@@ -94,7 +94,7 @@ def _by_folds(
     certain: float | None,
     tune: bool,
     folds: int,
-    progress: Progress,
+    progress: ProgressCallback,
 ) -> Evaluation:
     from ..evaluation.evaluation import nested
     from ..evaluation.result import of_folds

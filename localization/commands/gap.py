@@ -71,7 +71,7 @@ def gap(
     """
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
-    from ...simulator.requests.requested_scene import asked_scene, warn_of_earth
+    from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
     from ..gap.comparison import prepared
@@ -97,7 +97,7 @@ def gap(
     target, estimator = target or "column", estimator or "ksvm-ovo"
     question = Question(target, estimator, seed, draws, calibration_touches)
     check_simulated(sides[0], simulated)
-    named = asked_scene(scene) if scene else None
+    named = requested_scene(scene) if scene else None
     if not anyway:
         check_other(
             sides[1],

@@ -44,14 +44,14 @@ def tell_age(model: Model, path: Path) -> None:
 
 
 def looked_at(problem: Problem, judged: str, sweeps: xr.Dataset) -> str:
-    """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_means`."""
-    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_means
+    """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_text`."""
+    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from ..inputs.features import AGAINST_REST
 
     used = ", ".join(problem.quantities)
     features = CHANGES if problem.quantities == AGAINST_REST else used
     noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
-    return accuracy_means(problem.target, features, judged, noisy=noisy)
+    return accuracy_text(problem.target, features, judged, noisy=noisy)
 
 
 def tell_features(asked: str | None, used: Sequence[str]) -> None:

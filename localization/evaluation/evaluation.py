@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn import config_context
 
-from ...simulator.progress import Progress, silent, tracked
+from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.scene.scene_files import carried_scene
 from ..inputs.features import Quantities, chosen_quantities, told_features
 from ..inputs.samples import Samples, samples_of
@@ -167,7 +167,7 @@ def nested(
     tune: bool = False,
     folds: int = 5,
     seed: int = 0,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Nested:
     """Train, tune and calibrate on all folds but one and score on that one, in turn.
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...simulator.measure.simulate import ReadingError
 from ...simulator.sweeps import impedance
 from ...simulator.sweeps.laws.noise import repeatability
-from ...simulator.sweeps.reading_subset import all_of
+from ...simulator.sweeps.reading_subset import read_mask
 from ..inputs.targets import labels
 from .pair import pixel_of
 
@@ -173,7 +173,7 @@ def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
     None where it is not known at all frequencies.
     """
     groups = list(zip(other["session"].values.tolist(), pixel_of(other).tolist(), strict=True))
-    Z, read = impedance(other), all_of(other)
+    Z, read = impedance(other), read_mask(other)
     square, count = np.zeros(Z.shape[2]), np.zeros(Z.shape[2])
     for interface, own in enumerate(read):
         if own.sum() < FEWEST_FREQUENCIES:

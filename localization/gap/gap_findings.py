@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.progress import Progress, tracked
+from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
 from .comparison import Trial
@@ -67,10 +67,10 @@ class Findings:
     model: ByModel | None = None
 
 
-def find(trial: Trial, progress: Progress) -> Findings:
+def find(trial: Trial, progress: ProgressCallback) -> Findings:
     """Ask everything of a trial; what cannot be asked is left out and told in the notes.
 
-    progress: as of `Progress`.
+    progress: as of `ProgressCallback`.
     """
     stages = {name: _stage(trial, name, progress) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
@@ -93,7 +93,7 @@ def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
     return ByModel(accuracies, judged(trial.asked, other.chosen(tested))), notes
 
 
-def _stage(trial: Trial, name: str, progress: Progress) -> Stage:
+def _stage(trial: Trial, name: str, progress: ProgressCallback) -> Stage:
     version, target = trial.versions[name], trial.question.target
     other = trial.pair.other.isel(sweep=trial.described)
     ours = {
@@ -116,7 +116,7 @@ def _common(trial: Trial, samples: Samples) -> Samples:
 
 
 def _transfer(
-    trial: Trial, ours: Samples, feature_set: str, stage: str, progress: Progress
+    trial: Trial, ours: Samples, feature_set: str, stage: str, progress: ProgressCallback
 ) -> dict[int, Accuracy]:
     other, estimator = trial.others[feature_set], trial.estimator
     told = f"{stage} calibration, {TOLD[feature_set]}"

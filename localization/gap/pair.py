@@ -12,7 +12,7 @@ from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.reading_subset import all_of, restricted
+from ...simulator.sweeps.reading_subset import read_mask, restricted
 from .side_label import Noun, noun_of
 from .subsampling import thinned
 
@@ -130,7 +130,7 @@ def _of_common_readings(
     simulated: xr.Dataset, other: xr.Dataset, notes: list[str]
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Both at those frequencies of each interface that both were read at."""
-    ours, theirs = all_of(simulated), all_of(other)
+    ours, theirs = read_mask(simulated), read_mask(other)
     if np.array_equal(ours, theirs):
         return simulated, other
     common = ours & theirs

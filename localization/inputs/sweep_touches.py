@@ -97,7 +97,7 @@ def _touches(text: str, scene: Scene | None) -> list[tuple[float, float, float]]
 
 
 def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> list[float]:
-    known = scene is not None and scene.press.plain
+    known = scene is not None and scene.press.by_factor
     said = (known if each.strength is None else not each.strength.unit for each in written)
     if scene is None or all(said):
         return [_factor(each, text, scene) for each in written]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.progress import Progress, silent
+from ...simulator.progress import ProgressCallback, silent
 from ..inputs.features import Quantities
 from ..inputs.fingerprints import marks_of
 from ..inputs.samples import Samples, samples_of
@@ -31,7 +31,7 @@ def train(
     rest: xr.Dataset | None = None,
     certain: float | None = None,
     tune: bool = False,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Model:
     """A model that tells of sweeps like these what `target` asks for.
 

@@ -32,7 +32,7 @@ def totals(scene: Scene) -> Totals:
     """Both sheets in series from the left edge to the right, and the whole capacitance at rest."""
     skin = scene.skin
     R = skin.both_sheets * skin.length / skin.width
-    return Totals(R, skin.foam.rest_capacitance_per_area * (skin.length * skin.width))
+    return Totals(R, skin.foam.unpressed_capacitance_per_area * (skin.length * skin.width))
 
 
 def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:

@@ -83,7 +83,7 @@ def _sheet_resistance(strip: Scene) -> Claim:
 
 
 def _capacitances(strip: Scene, sheet: Scene) -> Claim:
-    of_sheet = sheet.skin.foam.rest_capacitance_per_area * strip.skin.width * 1e12
+    of_sheet = sheet.skin.foam.unpressed_capacitance_per_area * strip.skin.width * 1e12
     of_strip = totals(strip).C / strip.skin.length * 1e12
     return Claim(
         topic="Capacitance of strip and sheet",

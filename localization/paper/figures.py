@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.chart_style import AT_REST, COLOURS, LINE_STYLES, chart, frequency_axis
+from ...simulator.chart_style import COLOURS, LINE_STYLES, UNPRESSED_COLOUR, chart, frequency_axis
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
 from ...simulator.models.solver import Solver
@@ -109,7 +109,7 @@ def contact_figure(path: Path, study: xr.DataArray) -> None:
                 label = f"{layout}, {multiple:g} of the noise"
                 axes.plot(n, accuracy, style, marker="o", color=colour, label=label)
         caps = [100 * crossed_cap(int(pixels)) for pixels in n]
-        axes.plot(n, caps, ":", color=AT_REST, label="(n + 1) / 2n")
+        axes.plot(n, caps, ":", color=UNPRESSED_COLOUR, label="(n + 1) / 2n")
         axes.set_xticks(n, [f"{pixels}x{pixels}" for pixels in n])
         axes.set_xlabel("Pixels")
         axes.set_ylabel("Columns right (%)")
@@ -127,7 +127,7 @@ def _draw_attenuation(axes: Axes, strip: Scene, frequency: NDArray[np.float64]) 
         axes.plot(frequency / 1e3, _decibel(infinite), color=colour, label=f"{1e3 * x:.0f} mm")
         axes.plot(frequency / 1e3, _decibel(finite), color=colour, linestyle="--")
         axes.plot(cutoff / 1e3, _decibel(HALF_POWER), "o", color=colour)
-    axes.axhline(float(_decibel(HALF_POWER)), color=AT_REST, linewidth=1)
+    axes.axhline(float(_decibel(HALF_POWER)), color=UNPRESSED_COLOUR, linewidth=1)
     axes.annotate("-3 dB", (frequency[-1] / 1e3, -3), ha="right", va="bottom", fontsize=8)
     axes.set_ylim(-24, 1)
     axes.set_title(f"1x{strip.pixels.columns}")
@@ -177,7 +177,7 @@ def _draw_readings(axes: Axes, measured: xr.Dataset, values: NDArray[np.float64]
 def _styles(sweeps: xr.Dataset) -> list[dict[str, Any]]:
     """A colour for each column, a line style for each row; black at rest."""
     return [
-        {"color": AT_REST, "linestyle": "-", "label": "nothing pressed"}
+        {"color": UNPRESSED_COLOUR, "linestyle": "-", "label": "nothing pressed"}
         if row == 0
         else {
             "color": COLOURS[column - 1],

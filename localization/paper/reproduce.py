@@ -12,7 +12,7 @@ from sklearn import config_context
 
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
-from ...simulator.progress import Progress, tracked
+from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.report.files import write_frame
 from ...simulator.report.page import Picture, Section
 from ...simulator.scene.scene_files import load_scene
@@ -45,7 +45,7 @@ BEYOND = 6
 
 
 @config_context(**UNCHECKED)
-def reproduce(folder: Path, progress: Progress, ending: str = ".png") -> list[Claim]:
+def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
     The folder is made where it does not exist. ending: of figures, besides .png. Tables are the
@@ -62,7 +62,7 @@ def reproduce(folder: Path, progress: Progress, ending: str = ".png") -> list[Cl
     return claims
 
 
-def _experiments(progress: Progress) -> Results:
+def _experiments(progress: ProgressCallback) -> Results:
     rehearsals = {name: rehearse(load_scene(name), progress) for name in EXPERIMENTS}
     confusions = {
         name: cross_validate(
@@ -83,7 +83,7 @@ def _experiments(progress: Progress) -> Results:
     )
 
 
-def _beyond(progress: Progress) -> Confusion:
+def _beyond(progress: ProgressCallback) -> Confusion:
     scene = with_pixels(load_scene("sheet-5x5"), BEYOND)
     measured = read_out(exact_sweeps(scene, progress), scene.readout, stream(scene, METER))
     return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
@@ -128,7 +128,7 @@ def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def draw(folder: Path, results: Results, progress: Progress, ending: str) -> list[Section]:
+def draw(folder: Path, results: Results, progress: ProgressCallback, ending: str) -> list[Section]:
     """Write all charts as .png, and with another ending too; return those of the report."""
 
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:

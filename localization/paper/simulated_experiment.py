@@ -10,7 +10,7 @@ from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
-from ...simulator.progress import Progress, tracked
+from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.scene import Pixels, Scene
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Rehearsal:
     at_rest: xr.Dataset
 
 
-def rehearse(scene: Scene, progress: Progress) -> Rehearsal:
+def rehearse(scene: Scene, progress: ProgressCallback) -> Rehearsal:
     """Press every pixel as often as the scene's experiment says and read the meter each time."""
     solver = Solver(scene)
     presses = planned_presses(scene, stream(scene, PRESSES))

@@ -13,7 +13,7 @@ from ...simulator.measure.experiment import METER, PRESSES, planned_presses, str
 from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
-from ...simulator.progress import Progress, tracked
+from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
@@ -34,7 +34,7 @@ LAYOUT_MULTIPLES = (0.1, 1.0)
 STUDY_RTOL = 1e-3
 
 
-def frequency_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.DataArray:
+def frequency_study(rehearsals: Sequence[Rehearsal], progress: ProgressCallback) -> xr.DataArray:
     """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
 
     Dimensions (scene, frequencies, quantities). Ten are the lowest of the twenty, in the band that
@@ -58,7 +58,7 @@ def frequency_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.D
     )
 
 
-def noise_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.DataArray:
+def noise_study(rehearsals: Sequence[Rehearsal], progress: ProgressCallback) -> xr.DataArray:
     """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
     cases = list(itertools.product(rehearsals, NOISE_MULTIPLES))
     accuracies = [
@@ -76,7 +76,7 @@ def noise_study(rehearsals: Sequence[Rehearsal], progress: Progress) -> xr.DataA
     )
 
 
-def contact_study(progress: Progress) -> xr.DataArray:
+def contact_study(progress: ProgressCallback) -> xr.DataArray:
     """Accuracy with both sheets fed at one edge, and with each fed at an edge of its own.
 
     Dimensions (layout, n, multiple), the last of the scene's noise.
@@ -136,7 +136,7 @@ def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataA
     )
 
 
-def exact_sweeps(scene: Scene, progress: Progress) -> xr.Dataset:
+def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
     """Every planned press of a scene, to a tolerance well below the meter's noise."""
     presses = planned_presses(scene, stream(scene, PRESSES))
     return simulate(Solver(scene, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))

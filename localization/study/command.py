@@ -77,11 +77,11 @@ def study(
     """
     from ...simulator.chart_style import checked_chart
     from ...simulator.progress import on_terminal
-    from ...simulator.requests.console import warn, written
-    from ...simulator.requests.requested_scene import asked_scene
-    from ...simulator.requests.time_estimates import tell_if_long
+    from ...simulator.requests.console import report_written, warn
+    from ...simulator.requests.requested_scene import requested_scene
+    from ...simulator.requests.time_estimates import note_if_long
     from ...simulator.sweeps import checked_output
-    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_means
+    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from .execution import warnings_of
     from .report import ENDINGS, screenful
     from .settings import checked_workers
@@ -90,7 +90,7 @@ def study(
     beside = checked_output(output, ENDINGS).with_suffix(".png")
     picture = checked_chart(chart or beside)
     workers = checked_workers(workers)
-    asked_scene(scene)
+    requested_scene(scene)
     plan = planned(
         scene,
         vary,
@@ -103,12 +103,12 @@ def study(
     for warning in warnings_of(plan.scenes):
         warn(f"{scene}: {warning}")
     points = f"{len(plan.scenes)} points"
-    tell_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
+    note_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
     with on_terminal() as progress:
         found = plan.carried_out(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)
-    meaning = accuracy_means(target, CHANGES, "on skins not trained on", scene)
+    meaning = accuracy_text(target, CHANGES, "on skins not trained on", scene)
     for line in (*screenful(found.best, output), meaning, found.spacing):
         say(line)
-    written(points, output, picture)
+    report_written(points, output, picture)

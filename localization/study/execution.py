@@ -14,8 +14,8 @@ import numpy as np
 from ...simulator.fem.factors import one_blas_thread
 from ...simulator.models.mechanics.in_depths import foldable
 from ...simulator.models.validity import warnings
-from ...simulator.processes import each_of, hired
-from ...simulator.progress import Progress, tracked
+from ...simulator.processes import map_in_order, worker_pool
+from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_text
 from .axis import Axis
@@ -73,7 +73,7 @@ def study(
     scenes: Sequence[Scene],
     axes: Sequence[Axis],
     trial: Trial,
-    progress: Progress,
+    progress: ProgressCallback,
     *,
     rtol: float | None = None,
     workers: int = 1,
@@ -85,7 +85,9 @@ def study(
     Raises ToleranceError where the tolerance is not reached.
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
-    with hired(workers, NEEDED, "too little memory may be the cause; fewer --workers") as pool:
+    with worker_pool(
+        workers, NEEDED, "too little memory may be the cause; fewer --workers"
+    ) as pool:
         jobs = [(scene, trial, rtol) for scene in scenes]
         findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
     attributes = {
@@ -108,11 +110,11 @@ def _spread(
     function: Callable[[Given], Made],
     given: Sequence[Given],
     description: str,
-    progress: Progress,
+    progress: ProgressCallback,
     pool: ProcessPoolExecutor | None,
 ) -> Iterator[Made]:
     """The function of each item, in order; on one thread, as results must not depend on `pool`."""
-    made = each_of(pool, partial(_on_one_thread, function), given)
+    made = map_in_order(pool, partial(_on_one_thread, function), given)
     for _, result in zip(tracked(given, description, progress), made, strict=True):
         yield result
 

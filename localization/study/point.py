@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.dataset.dataset_plan import Plan, check_cells
-from ...simulator.dataset.drawn_presses import FIRST_RESTS, pressed_pixels
+from ...simulator.dataset.drawn_presses import FIRST_BASELINES, pressed_pixels
 from ...simulator.dataset.drawn_session import audited
 from ...simulator.dataset.memory_dataset import in_memory
-from ...simulator.dataset.skin_model import Family, own_skin, reduced
+from ...simulator.dataset.skin_model import SkinFamily, nominal_skin, reduced
 from ...simulator.measure.experiment import own_presses
 from ...simulator.measure.simulate import check_fits
 from ...simulator.measure.streams import AUDIT, stream
@@ -85,7 +85,9 @@ class Trial:
             share = drawn.press.touches[1] if len(drawn.press.touches) > 1 else 0.0
             pressed = scene.experiment.repetitions * len(pixels_with_skin(scene))
             every = every or REST_EVERY
-            sweeps = math.ceil(pressed / max(share, 0.1) * (1 + 1 / every)) + SESSIONS * FIRST_RESTS
+            sweeps = (
+                math.ceil(pressed / max(share, 0.1) * (1 + 1 / every)) + SESSIONS * FIRST_BASELINES
+            )
         session = {
             "sweeps_per_session": min(drawn.session.sweeps_per_session, -(-sweeps // SESSIONS)),
             "rest_every": every,
@@ -145,7 +147,7 @@ def judge(
 def _unread(scene: Scene) -> Scene:
     """The scene without what its family of skins does not depend on."""
     pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
-    plain = {"press": pressing} if scene.press.plain else {}
+    plain = {"press": pressing} if scene.press.by_factor else {}
     kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}
     press = {"press": DrawnPress(place="pixel", **kept)}
     same = own.place == "pixel" and own.offset == 0
@@ -155,12 +157,12 @@ def _unread(scene: Scene) -> Scene:
 
 
 @lru_cache(maxsize=KEPT)
-def _family(scene: Scene, rtol: float) -> Family:
+def _family(scene: Scene, rtol: float) -> SkinFamily:
     return reduced(scene, rtol)
 
 
 def impedances(
-    scene: Scene, presses: Sequence[Press], family: Family, rtol: float
+    scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol: float
 ) -> NDArray[np.complex128]:
     """Z in ohm of presses of one pixel or none on the scene's own skin, as a data set has it, shape
     (press, interface, frequency); of pixels that mirror each other the same."""
@@ -170,7 +172,7 @@ def impedances(
     factor = np.array(list(strengths.values()))
     pressed = pressed_pixels(scene, pixels, factor, family.grid)
     random = stream(scene.experiment.seed, 0, AUDIT)
-    Z, _ = audited(own_skin(scene, family), pressed, random, 0, rtol)
+    Z, _ = audited(nominal_skin(scene, family), pressed, random, 0, rtol)
     number = {pixel: k for k, pixel in enumerate(strengths)}
     found = Z[[number[of(press.pixel)] for press in presses]]
-    return scene.leads.seen_through(found, scene.frequencies)
+    return scene.leads.at_meter(found, scene.frequencies)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...simulator.chart_style import checked_chart
-from ...simulator.progress import Progress, silent
+from ...simulator.progress import ProgressCallback, silent
 from ...simulator.safe_text import Tabular
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
@@ -74,7 +74,7 @@ class Planned:
 
     def carried_out(
         self,
-        progress: Progress = silent,
+        progress: ProgressCallback = silent,
         *,
         rtol: float | None = None,
         workers: int = 1,

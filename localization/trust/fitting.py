@@ -11,7 +11,7 @@ from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from ...simulator.progress import Progress, silent, tracked
+from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples, told_by_changes
 from ..learners.drift import drifting
@@ -40,7 +40,7 @@ def learn_classes(
     *,
     certain: float | None = None,
     tune: bool = False,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Classifier:
     """A classifier whose sharpness and threshold were found on sweeps held out.
 
@@ -69,7 +69,11 @@ def learn_classes(
 
 
 def learn_positions(
-    samples: Samples, estimator: Estimator, *, tune: bool = False, progress: Progress = silent
+    samples: Samples,
+    estimator: Estimator,
+    *,
+    tune: bool = False,
+    progress: ProgressCallback = silent,
 ) -> Regressor:
     """A regressor whose deviations were found on sweeps held out. Raises as `judging`.
 

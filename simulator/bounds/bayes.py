@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from ..chebyshev import barycentric, extrema, refined
 from ..measure.experiment import strengths
-from ..method_cache import remembered
+from ..method_cache import cached_method
 from ..press.batch import PressBatch
-from ..progress import Progress, silent, tracked
+from ..progress import ProgressCallback, silent, tracked
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -73,7 +73,7 @@ def bayes(
     presses: AnyDistribution,
     seed: int,
     draws: int,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Accuracy:
     """The accuracy. among: in order of their answers. Raises InputError for noise too small."""
     readings.train(progress)
@@ -168,7 +168,7 @@ class Draws:
             return np.ones((len(factors), 1))
         return barycentric(self._nodes, factors)
 
-    @remembered(KEPT)
+    @cached_method(KEPT)
     def _strengths(self, count: int) -> tuple[Array, Array]:
         """From readings at nodes of one touch to those at so many strengths, (strength, node), and
         the weight of each."""
@@ -195,7 +195,7 @@ class Draws:
         known = Templates(np.concatenate(readings), np.concatenate(chance), answers)
         return known, begun + np.concatenate(tiles)
 
-    @remembered(KEPT)
+    @cached_method(KEPT)
     def _tiled(self, counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """As `in_tiles`, and the weight of each strength in that order."""
         order, starts = in_tiles(counts)

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of, observed
-from ..method_cache import remembered
+from ..method_cache import cached_method
 from ..models.reduced.skin import ReducedSkin
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
-from ..scene.reading_setup import Reading
+from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Array, Draws, Judged
@@ -54,7 +54,7 @@ class CommonDraws:
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
 
     def judged(
-        self, skin: ReducedSkin, reading: Reading, told: NDArray[np.bool_] | None = None
+        self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_] | None = None
     ) -> Judged:
         """For one skin whose model is read in these ways.
 
@@ -66,18 +66,18 @@ class CommonDraws:
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1)
         return self._draws.judged(self._whitened(skin, reading, told), errors)
 
-    @remembered(KEPT)
+    @cached_method(KEPT)
     def _noise(self, interface: str, frequencies: int) -> Array:
         """Whitened errors of one interface, shape (draw, 2, frequency)."""
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._draws), 2, frequencies))
 
-    def _whitened(self, skin: ReducedSkin, reading: Reading, told: NDArray[np.bool_]) -> Array:
+    def _whitened(self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_]) -> Array:
         """Readings of every hypothesis in all ways, shape (hypothesis, way, number)."""
         frequency = reading.frequency
         batch = self._draws.batch(self._among, self._scene)
         Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
-        seen = observed(reading.leads.seen_through(Z, frequency))
+        seen = observed(reading.leads.at_meter(Z, frequency))
         numbers = np.moveaxis(seen.reshape(-1, 2, *reading.shape), 1, 2)
         whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(told)]
         flat = np.concatenate(whitened, axis=1)

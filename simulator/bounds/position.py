@@ -20,7 +20,7 @@ from ..models.parameters import session_spreads
 from ..models.response import Response
 from ..press.batch import PressBatch
 from ..press.finger import finger_over
-from ..progress import Progress, silent, tracked
+from ..progress import ProgressCallback, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fields import AnyFields, TouchSize
@@ -172,7 +172,7 @@ def position_slopes(
     *,
     against_rest: int = 0,
     unknown_skin: bool = False,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     laying: Cells | Deep | None = None,
     model: ErrorModel | None = None,
 ) -> Slopes:

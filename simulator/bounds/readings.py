@@ -22,7 +22,7 @@ from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
-from ..progress import Progress, silent, tracked
+from ..progress import ProgressCallback, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
@@ -199,9 +199,9 @@ class Readings:
             max(LARGEST_FACTOR, float(presses.high)),
         )
         if size is not None and felt_beside(scene):
-            self._factors = 1.0, max(min(LARGEST_FACTOR, scene.most_factor), float(presses.high))
+            self._factors = 1.0, max(min(LARGEST_FACTOR, scene.max_factor), float(presses.high))
 
-    def train(self, progress: Progress = silent) -> None:
+    def train(self, progress: ProgressCallback = silent) -> None:
         """Train the reduced model, if it is not yet, and show that this goes on."""
         for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
@@ -237,7 +237,7 @@ class Readings:
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Z = self._reduced.skin(None).sweeps(batch, s)
-        return self.scene.leads.seen_through(Z, frequency)
+        return self.scene.leads.at_meter(Z, frequency)
 
     def _laid(self, batch: PressBatch) -> PressBatch:
         """Touches about the middles of pixels as cells."""

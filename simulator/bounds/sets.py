@@ -31,7 +31,7 @@ def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
     fed = scene.contact(scene.interfaces[0].high[0]).edge
     length = skin.length if fed in ("left", "right") else skin.width
     ends = length * np.arange(n, 0, -1) / n
-    return rounded(interrogation_frequency(ends, sheets, skin.foam.rest_capacitance_per_area))
+    return rounded(interrogation_frequency(ends, sheets, skin.foam.unpressed_capacitance_per_area))
 
 
 def logarithmic(band: tuple[float, float], n: int) -> NDArray[np.float64]:

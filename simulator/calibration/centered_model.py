@@ -17,7 +17,7 @@ from ..models.parameters import FACTORS, own_values, scene_with
 from ..models.reduced.forward import REACH, Forward
 from ..models.response import Response
 from ..models.slow.waves import EVEN, Uneven
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -33,14 +33,14 @@ Model = Forward | LineModel
 
 
 def model_of(
-    scene: Scene, rtol: float, progress: Progress = silent, uneven: Uneven = EVEN
+    scene: Scene, rtol: float, progress: ProgressCallback = silent, uneven: Uneven = EVEN
 ) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
 
     uneven: what slow waves are to be among its parameters. Those of sheets take two fields.
     """
     try:
-        if scene.press.plain and uneven == EVEN:
+        if scene.press.by_factor and uneven == EVEN:
             return LineModel(scene)
     except InputError:
         pass
@@ -110,7 +110,7 @@ def around(
     scene: Scene,
     values: Mapping[str, float],
     rtol: float,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     uneven: Uneven = EVEN,
 ) -> Around:
     """The scene's model about values of its parameters. uneven: as of `model_of`."""

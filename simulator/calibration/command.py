@@ -93,7 +93,7 @@ def calibrate(
     from ..chart_style import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..requests.requested_scene import asked_scene, warn_of_earth
+    from ..requests.requested_scene import requested_scene, warn_of_earth
     from ..scene.frequency import parse_band
     from ..scene.scene_files import scene_text
     from ..sweeps import checked_folder, read_joined
@@ -115,7 +115,7 @@ def calibrate(
         uneven_sheets,
         tuple(also or ()),
     )
-    asked, sweeps = asked_scene(scene), read_joined(measured)
+    asked, sweeps = requested_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)
     if not anyway:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), names)

@@ -14,7 +14,7 @@ from .sheet_intervals import Product, sheets
 def products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
     """All of a scene. values: of all parameters."""
     yield from sheets(scene, values)
-    c, factor = scene.skin.foam.rest_capacitance_per_area, math.exp(values["capacitance"])
+    c, factor = scene.skin.foam.unpressed_capacitance_per_area, math.exp(values["capacitance"])
     yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
     film = math.exp(values["contact_resistance"])
     for contact in scene.contacts:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ..fem.factors import one_blas_thread
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .centered_model import Around, around, movable
@@ -99,7 +99,7 @@ def best_fit(
     spec: FitSpec,
     model: Around,
     begin: Mapping[str, float] | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Fit:
     """The best fit. ready: a model to begin with. begin: values to begin at, in place of several.
 
@@ -125,7 +125,9 @@ def best_fit(
 
 
 def best_of_starts(
-    problem: LeastSquaresProblem, begins: Sequence[Mapping[str, float]], progress: Progress = silent
+    problem: LeastSquaresProblem,
+    begins: Sequence[Mapping[str, float]],
+    progress: ProgressCallback = silent,
 ) -> Fit:
     """From several starts, as many as it takes to explain the readings."""
     fits: list[Fit] = []
@@ -137,7 +139,7 @@ def best_of_starts(
 
 
 def solve_from(
-    problem: LeastSquaresProblem, begin: Mapping[str, float], progress: Progress = silent
+    problem: LeastSquaresProblem, begin: Mapping[str, float], progress: ProgressCallback = silent
 ) -> Fit:
     """From one start, within the model's reach."""
     low, high = problem.bounds()
@@ -168,7 +170,7 @@ def solve_from(
     return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
 
 
-def _with_progress(residuals: Residuals, progress: Progress) -> Residuals:
+def _with_progress(residuals: Residuals, progress: ProgressCallback) -> Residuals:
     """The same, telling how much nearer the fit is to where its sum of squares stays as it is."""
     before, share = np.inf, 0.0
 

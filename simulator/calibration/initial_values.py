@@ -73,7 +73,7 @@ def capacitance_off(measured: Measurements) -> float:
 def total_capacitance(scene: Scene) -> float:
     """Of the skin at rest, F."""
     skin = scene.skin
-    return skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    return skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
 
 
 def _fitted_only(asked: FitSpec, values: Mapping[str, float]) -> dict[str, float]:

@@ -22,12 +22,12 @@ from ..press.press import (
     strength_of,
 )
 from ..press.touch import Touch, place_of
-from ..scene.changed_readings import reading_at
+from ..scene.changed_readings import with_frequencies
 from ..scene.meter import Readout
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
 from ..sweeps.inputs import objects
-from ..sweeps.reading_subset import all_of, restricted
+from ..sweeps.reading_subset import read_mask, restricted
 from ..sweeps.schema import taken_of
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def measurements_of(
         sweeps = _of_session(sweeps, session)
     if band is not None:
         sweeps = _within(sweeps, band)
-    sweeps = restricted(sweeps, all_of(sweeps))
+    sweeps = restricted(sweeps, read_mask(sweeps))
     bare = _as_measured(scene, sweeps)
     presses, left_out = _presses(bare, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]
@@ -161,7 +161,7 @@ def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
                 f"{scene.name} has {', '.join(interfaces)}"
             )
     chosen = scene.model_copy(update={"interfaces": tuple(interfaces[name] for name in asked)})
-    return reading_at(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
+    return with_frequencies(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
 
 
 def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:
@@ -193,8 +193,8 @@ def _whole_pixels(scene: Scene, press: Press) -> Press:
     press = settled(scene, press)
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
-    if bool(press.touches) and bool(press.indented) == scene.press.plain:
-        kind = "capacitance factors" if scene.press.plain else "depths"
+    if bool(press.touches) and bool(press.indented) == scene.press.by_factor:
+        kind = "capacitance factors" if scene.press.by_factor else "depths"
         raise InputError(f"press {press}: only {kind} can be fitted to {scene.name}")
     for touch in press.touches:
         pressed_factor(scene, touch)

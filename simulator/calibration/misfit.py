@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..fem.factors import one_blas_thread
 from ..models.effects import EFFECTS, effects_of
 from ..models.parameters import own_values
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .centered_model import Around, Model, checked_model, model_of
@@ -54,7 +54,7 @@ def gap_by_parameter(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> tuple[Explained, ...]:
     """Of every parameter of the scene, the one that removes most first.
 
@@ -79,7 +79,7 @@ def gap_by_parameter(
     return tuple(sorted(found, key=lambda each: each.after))
 
 
-def _tried(asked: FitSpec, before: float, progress: Progress) -> list[Explained]:
+def _tried(asked: FitSpec, before: float, progress: ProgressCallback) -> list[Explained]:
     """What each of EFFECTS alone does that the scene has not."""
     if not addable(asked.measurements.scene):
         return []
@@ -121,7 +121,7 @@ class Comparison:
     told: tuple[str, ...]
 
 
-def compared(fit: Fit, progress: Progress) -> Comparison:
+def compared(fit: Fit, progress: ProgressCallback) -> Comparison:
     """With the exponent held at 1 and without loss, all else fitted alike."""
     fixed = {**fit.spec.fixed, **IDEAL}
     others = {name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL}

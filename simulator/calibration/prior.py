@@ -20,7 +20,7 @@ from ..models.parameters import (
 )
 from ..models.slow.waves import EVEN, LARGEST_WAVE, Uneven
 from ..scene.meter import Readout
-from ..scene.ranges import MOST_INDUCTANCE
+from ..scene.ranges import MAX_INDUCTANCE
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .measurements import Measurements
@@ -107,7 +107,7 @@ def limits(name: str) -> tuple[float, float]:
         return -math.inf, math.inf
     if name in SLOW_WAVES:
         return -LARGEST_WAVE, LARGEST_WAVE
-    most = {"phase_exponent": 1.0, "lead_inductance": MOST_INDUCTANCE}
+    most = {"phase_exponent": 1.0, "lead_inductance": MAX_INDUCTANCE}
     return LEAST_EXPONENT if name == "phase_exponent" else 0.0, most.get(name, math.inf)
 
 

@@ -135,7 +135,7 @@ class LeastSquaresProblem:
             low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
         rises, spreads = self._all_rises()
         of_touches = slice(len(self.spec.fitted), len(self.spec.fitted) + len(rises))
-        least = MIN_RISE if self.spec.measurements.scene.press.plain else 0.0
+        least = MIN_RISE if self.spec.measurements.scene.press.by_factor else 0.0
         low[of_touches] = np.minimum((least - rises) / spreads, -1e-3)
         return low, high
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
 from ..report.terminal import table as in_columns
-from ..safe_text import shown
+from ..safe_text import escaped
 from ..scene.scene_files import scene_text
 from .estimates import HEADER
 from .residual_chart import draw_residuals
@@ -71,7 +71,7 @@ def calibrated_text(calibration: Calibration, source: str) -> str:
         *(f"  {_sentence(each)}" for each in calibration.quantities),
         *_not_told(calibration),
     ]
-    comment = "".join(f"# {shown(line)}\n" for line in lines)
+    comment = "".join(f"# {escaped(line)}\n" for line in lines)
     return f"{comment}\n{scene_text(scene.model_copy(update={'description': told}))}"
 
 

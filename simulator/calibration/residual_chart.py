@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chart_style import AT_REST, COLOURS, chart, frequency_axis
+from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
 from ..sweeps import parallel_capacitance
 from .fit import Fit
 from .measurements import MeasuredSweep
@@ -97,7 +97,7 @@ def _draw(
 def _told(reading: MeasuredSweep, few: bool) -> tuple[str, str]:
     """Name and colour of a reading, or of all that are drawn together."""
     if not reading.press.touches:
-        return "at rest", AT_REST
+        return "at rest", UNPRESSED_COLOUR
     row, column = reading.press.pixel
     colour = COLOURS[(max(column, 1) - 1) % len(COLOURS)]
     if few:

@@ -18,7 +18,7 @@ from ..models.plain import folded
 from ..models.slow.foam import check_even_foam, with_foam_waves
 from ..models.slow.sheets import check_even_sheets, with_sheet_waves
 from ..models.slow.waves import Uneven
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..safe_text import Tabular
 from ..scene.scene import Scene
 from .centered_model import Around, Model, around, checked_model, model_of
@@ -94,12 +94,12 @@ def calibrate(
     options: Options = Options(),  # noqa: B008
     *,
     model: Model | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Calibration:
     """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
     model: of the scene at the sweeps' interfaces and frequencies, where there is one at hand; its
-    training is the slow part. progress: as of `Progress`.
+    training is the slow part. progress: as of `ProgressCallback`.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
     scene = in_depths(scene)
@@ -156,7 +156,7 @@ class _Job:
         options: Options,
         effects: Sequence[str],
         model: Model | None,
-        progress: Progress,
+        progress: ProgressCallback,
     ) -> None:
         """effects: as of `priors`."""
         self.measured, self.options, self._progress = measured, options, progress

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..models.effects import EFFECTS, NEEDED, effects_of
 from ..models.parameters import scene_with
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body, Rim, Surroundings
@@ -59,7 +59,11 @@ def addable(scene: Scene) -> list[str]:
     """Those of EFFECTS that a scene has not and can have."""
     around = scene.surroundings
     solved = around is not None and around.solved
-    can = {"body": not solved, "rim": not solved, "finger": not (around and around.rods_alone)}
+    can = {
+        "body": not solved,
+        "rim": not solved,
+        "finger": not (around and around.no_finger_reason),
+    }
     return [name for name in EFFECTS if can[name] and name not in effects_of(scene)]
 
 
@@ -83,7 +87,7 @@ def _about(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def gains(fit: Fit, freedom: float, progress: Progress = silent) -> list[str]:
+def gains(fit: Fit, freedom: float, progress: ProgressCallback = silent) -> list[str]:
     """What each of EFFECTS that the scene has not would leave beside what was fitted, a line each.
 
     freedom: of the fit. Nothing where the fit explains the readings.
@@ -109,7 +113,9 @@ def gains(fit: Fit, freedom: float, progress: Progress = silent) -> list[str]:
 class Trials:
     """Each of EFFECTS that a scene has not, fitted beside what a problem has already."""
 
-    def __init__(self, asked: FitSpec, at: dict[str, float], progress: Progress = silent) -> None:
+    def __init__(
+        self, asked: FitSpec, at: dict[str, float], progress: ProgressCallback = silent
+    ) -> None:
         """asked: of the scene without them. at: values of its parameters that a fit begins at."""
         self.names = addable(asked.measurements.scene)
         scene = surrounded(asked.measurements.scene, self.names)

@@ -71,8 +71,8 @@ def import_sweeps(
     column, repetition, interface or session label the lines; without them a
     sweep begins where the frequencies start over.
     """
-    from ..requests.console import warn, written
-    from ..sweeps import checked_output, counted, write
+    from ..requests.console import report_written, warn
+    from ..sweeps import checked_output, sizes_text, write
     from ..sweeps.importing.branch import checked_branch
     from ..sweeps.imports import import_files
 
@@ -84,7 +84,7 @@ def import_sweeps(
         say(f"{output}: {sweeps.attrs['branch_rule']}")
     if "branch_doubt" in sweeps.attrs:
         warn(f"{output}: {sweeps.attrs['branch_doubt']}; --branch chooses one")
-    written(counted(sweeps.sizes), output)
+    report_written(sizes_text(sweeps.sizes), output)
 
 
 def _defaults(
@@ -141,7 +141,7 @@ def check(
     from ..requests.console import note, warn
     from ..scene.scene_files import scene_of_sweeps
     from ..sweeps import InputError
-    from ..sweeps.clock import set_back
+    from ..sweeps.clock import backward_times
     from ..sweeps.joining import join
     from ..sweeps.laws.examination import examine
     from .report import checked_report, explanations, verdict_table, write_report
@@ -150,13 +150,13 @@ def check(
     sweeps = join([_read(file) for file in files], files)
     try:
         scene = scene_of_sweeps(sweeps)
-        two_poles = scene is None or scene.two_poles or not _beside_the_meter(scene, sweeps)
-        judgements = examine(sweeps, noise, tolerance, two_poles=two_poles)
+        two_terminal = scene is None or scene.two_terminal or not _beside_the_meter(scene, sweeps)
+        judgements = examine(sweeps, noise, tolerance, two_terminal=two_terminal)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
-    for each in set_back(sweeps):
+    for each in backward_times(sweeps):
         warn(each)
-    if not two_poles:
+    if not two_terminal:
         note(TRANSFER)
     terminal().print(verdict_table(judgements))
     if told := explanations(judgements):
@@ -165,7 +165,7 @@ def check(
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
     say(f"{flagged} of {len(judgements)} spectra break a law")
-    if flagged and two_poles:
+    if flagged and two_terminal:
         say(PERHAPS_EARTH)
     if flagged:
         raise typer.Exit(FLAGGED)
@@ -205,10 +205,10 @@ def plot(
     ] = None,
 ) -> None:
     """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
-    from ..requests.console import note, written
-    from ..sweeps import counted
+    from ..requests.console import note, report_written
+    from ..sweeps import sizes_text
     from .curve_page import checked_drawing, draw
-    from .sweep_curves import MOST_DRAWN, checked_quantities
+    from .sweep_curves import MAX_DRAWN, checked_quantities
 
     checked_quantities(what or ())
     checked_drawing(output)
@@ -216,10 +216,10 @@ def plot(
     names = _names(files, recordings) if len(files) > 1 else []
     draw(recordings, output, what or (), names)
     for file, sweeps in zip(files, recordings, strict=True):
-        if sweeps.sizes["sweep"] > MOST_DRAWN:
-            note(f"{file}: {MOST_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread")
-    drawn = [counted(each.sizes) for each in recordings]
-    written(drawn[0] if len(drawn) == 1 else f"{len(drawn)} recordings", output)
+        if sweeps.sizes["sweep"] > MAX_DRAWN:
+            note(f"{file}: {MAX_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread")
+    drawn = [sizes_text(each.sizes) for each in recordings]
+    report_written(drawn[0] if len(drawn) == 1 else f"{len(drawn)} recordings", output)
 
 
 def _names(files: Sequence[Path], recordings: Sequence[xr.Dataset]) -> list[str]:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..chart_style import checked_chart
-from ..safe_text import in_plotly
-from ..sweeps import check_needs, checked_output, whole_file
+from ..safe_text import plotly_text
+from ..sweeps import checked_output, require_packages, whole_file
 from .sweep_curves import (
     QUANTITIES,
-    Shown,
+    CurveQuantity,
     colours_of,
-    courses,
+    curves_of,
     draw_curves,
     labels_of,
     panels_of,
@@ -32,7 +32,7 @@ PANEL_HEIGHT = 380
 
 def checked_page(path: Path) -> Path:
     """The same path, if a page can be written there; raises InputError where plotly is missing."""
-    check_needs(path, "view", "plotly")
+    require_packages(path, "view", "plotly")
     return checked_output(path, (ENDING,))
 
 
@@ -73,7 +73,7 @@ def write_page(
 
     panels, across = panels_of(recordings, what)
     down = -(-len(panels) // across)
-    titles = [in_plotly(f"{shown.name}, {interface}") for shown, interface in panels]
+    titles = [plotly_text(f"{shown.name}, {interface}") for shown, interface in panels]
     figure = make_subplots(rows=down, cols=across, subplot_titles=titles)
     for number, (shown, interface) in enumerate(panels):
         row, column = number // across + 1, number % across + 1
@@ -86,7 +86,7 @@ def write_page(
 
 
 def _traces(
-    recordings: Sequence[xr.Dataset], interface: str, shown: Shown, names: Sequence[str]
+    recordings: Sequence[xr.Dataset], interface: str, shown: CurveQuantity, names: Sequence[str]
 ) -> list[go.Scatter]:
     """A trace for each label of each recording: its curves, parted by gaps."""
     import plotly.graph_objects as go
@@ -96,17 +96,17 @@ def _traces(
     colours = colours_of(labels.values())
     traces = []
     for number, sweeps in enumerate(recordings):
-        drawn = list(courses(sweeps, interface, shown))
+        drawn = list(curves_of(sweeps, interface, shown))
         kinds = [(labels[press], rows.get(press, 0)) for press, _, _ in drawn]
         for label, line in dict.fromkeys(kinds):
             own = [each for each, kind in zip(drawn, kinds, strict=True) if kind == (label, line)]
             told = f"{label}, row {line}" if line else label
-            name = in_plotly(f"{told}, {names[number]}" if names else told)
+            name = plotly_text(f"{told}, {names[number]}" if names else told)
             traces.append(
                 go.Scatter(
                     x=[each for _, x, _ in own for each in (*x.tolist(), None)],
                     y=[each for _, _, y in own for each in (*y.tolist(), None)],
-                    text=[in_plotly(press) for press, x, _ in own for _ in range(len(x) + 1)],
+                    text=[plotly_text(press) for press, x, _ in own for _ in range(len(x) + 1)],
                     name=name,
                     legendgroup=name,
                     mode="lines+markers",
@@ -121,7 +121,7 @@ def _traces(
     return traces
 
 
-def _dress(figure: go.Figure, shown: Shown, row: int, column: int) -> None:
+def _dress(figure: go.Figure, shown: CurveQuantity, row: int, column: int) -> None:
     x = {"type": "log", "title": "Frequency (kHz)"}
     y = {"title": f"{shown.name} ({shown.unit})"}
     if shown.unit in ("ohm", "F"):

@@ -20,8 +20,8 @@ def join(
     Sessions of one name (`record --session NAME`) are one session. Wherever
     sweeps are asked for, several files may stand, too.
     """
-    from ..requests.console import written
-    from ..sweeps import checked_output, counted, write
+    from ..requests.console import report_written
+    from ..sweeps import checked_output, sizes_text, write
     from ..sweeps.joining import one_session, read_joined
 
     checked_output(output)
@@ -31,4 +31,4 @@ def join(
     write(sweeps, output)
     sessions = len(set(sweeps["session"].values.tolist()))
     told = f"{sessions} session{'' if sessions == 1 else 's'}"
-    written(f"{counted(sweeps.sizes)}, {told}", output)
+    report_written(f"{sizes_text(sweeps.sizes)}, {told}", output)

@@ -12,7 +12,7 @@ from ..chart_style import ENDINGS
 from ..report.files import filled_at_once, write_rows
 from ..report.terminal import table
 from ..sweeps import InputError, checked_folder, checked_output
-from ..sweeps.laws.examination import Judgement
+from ..sweeps.laws.examination import Verdict
 from .residuals import draw_residuals
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def checked_report(path: Path) -> Path:
     return checked_output(path, ENDINGS)
 
 
-def write_report(judgements: Sequence[Judgement], path: Path) -> None:
+def write_report(judgements: Sequence[Verdict], path: Path) -> None:
     """The residual chart as `path`; in a folder, tables of all verdicts and residuals beside it."""
     if path.suffix in ENDINGS and not path.is_dir():
         draw_residuals(judgements, path)
@@ -51,7 +51,7 @@ def write_report(judgements: Sequence[Judgement], path: Path) -> None:
         write_rows(folder / "residuals.csv", RESIDUALS, rows)
 
 
-def verdict_table(judgements: Sequence[Judgement]) -> Table:
+def verdict_table(judgements: Sequence[Verdict]) -> Table:
     """One line for every sweep at every interface."""
     heads = ["sweep", "press", "interface", "phase (deg)", "noise", "misfit", "verdict"]
     rows = (
@@ -73,12 +73,12 @@ def _verdict(broken: int) -> str:
     return f"{broken} law{'s' if broken > 1 else ''} broken" if broken else "pass"
 
 
-def explanations(judgements: Iterable[Judgement]) -> list[str]:
+def explanations(judgements: Iterable[Verdict]) -> list[str]:
     """One line for every broken law, and for every inductance that was set aside."""
     return [line for each in judgements for line in [*map(str, each.broken), *_set_aside(each)]]
 
 
-def _set_aside(judgement: Judgement) -> list[str]:
+def _set_aside(judgement: Verdict) -> list[str]:
     spectrum = judgement.spectrum
     if not spectrum.inductive.any():
         return []
@@ -90,7 +90,7 @@ def _set_aside(judgement: Judgement) -> list[str]:
     ]
 
 
-def _summary(judgement: Judgement) -> list[object]:
+def _summary(judgement: Verdict) -> list[object]:
     spectrum = judgement.spectrum
     return [
         judgement.sweep,
@@ -105,7 +105,7 @@ def _summary(judgement: Judgement) -> list[object]:
     ]
 
 
-def _readings(judgement: Judgement) -> Iterable[list[object]]:
+def _readings(judgement: Verdict) -> Iterable[list[object]]:
     spectrum = judgement.spectrum
     columns = (
         spectrum.frequency,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..chart_style import COLOURS, chart, frequency_axis
-from ..sweeps.laws.examination import Judgement
+from ..sweeps.laws.examination import Verdict
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -21,14 +21,14 @@ BANDS = {"allowed": "0.93", "allowed where the misfit is too large": "0.8"}
 PARTS = {"real": "Real part", "imag": "Imaginary part"}
 
 
-class Drawn(NamedTuple):
+class ColouredVerdict(NamedTuple):
     """A judgement and the colour it is drawn in."""
 
-    judgement: Judgement
+    judgement: Verdict
     colour: str
 
 
-def draw_residuals(judgements: Sequence[Judgement], path: Path) -> None:
+def draw_residuals(judgements: Sequence[Verdict], path: Path) -> None:
     """Residual of the nearest passive network against frequency, and where laws are broken.
 
     A row for each interface: real and imaginary part. Grey: sweeps that pass. Coloured: sweeps that
@@ -50,13 +50,18 @@ def draw_residuals(judgements: Sequence[Judgement], path: Path) -> None:
         figure.suptitle(f"{flagged} of {len(judgements)} spectra break a law")
 
 
-def _coloured(judgements: Sequence[Judgement]) -> list[Drawn]:
+def _coloured(judgements: Sequence[Verdict]) -> list[ColouredVerdict]:
     """Those that break a law in colours of their own, as far as there are such."""
     shades = iter(COLOURS)
-    return [Drawn(each, next(shades, UNNAMED) if each.broken else PASSING) for each in judgements]
+    return [
+        ColouredVerdict(each, next(shades, UNNAMED) if each.broken else PASSING)
+        for each in judgements
+    ]
 
 
-def _draw_rows(figure: SubFigure, interfaces: Sequence[str], drawn: Sequence[Drawn]) -> None:
+def _draw_rows(
+    figure: SubFigure, interfaces: Sequence[str], drawn: Sequence[ColouredVerdict]
+) -> None:
     rows = figure.subplots(len(interfaces), 2, squeeze=False, sharex=True, sharey="row")
     for row, interface in zip(rows, interfaces, strict=True):
         own = [each for each in drawn if each.judgement.interface == interface]
@@ -70,7 +75,7 @@ def _draw_rows(figure: SubFigure, interfaces: Sequence[str], drawn: Sequence[Dra
         frequency_axis(axes)
 
 
-def _draw_bands(axes: Axes, own: Sequence[Drawn]) -> None:
+def _draw_bands(axes: Axes, own: Sequence[ColouredVerdict]) -> None:
     """What is allowed: alike for a whole interface, but less where the misfit is too large."""
     kHz = own[0].judgement.spectrum.frequency / 1e3
     bands = {each.judgement.allowed.tobytes(): 100 * each.judgement.allowed for each in own}
@@ -79,7 +84,7 @@ def _draw_bands(axes: Axes, own: Sequence[Drawn]) -> None:
         axes.fill_between(kHz, -band, band, color=shade, zorder=0, label=name)
 
 
-def _draw_residual(axes: Axes, part: str, drawn: Drawn) -> None:
+def _draw_residual(axes: Axes, part: str, drawn: ColouredVerdict) -> None:
     judgement, colour = drawn
     kept, kHz = ~judgement.spectrum.inductive, judgement.spectrum.frequency / 1e3
     residual = 100 * getattr(judgement.spectrum.residual, part)
@@ -88,7 +93,7 @@ def _draw_residual(axes: Axes, part: str, drawn: Drawn) -> None:
     axes.plot(kHz[beyond], residual[beyond], "x", color=colour, markersize=8)
 
 
-def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[Drawn]) -> None:
+def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[ColouredVerdict]) -> None:
     """A line for each law; sweeps that break it stand a little above each other."""
     broken = [each for each in drawn if each.judgement.broken]
     axes = figure.subplots()
@@ -105,7 +110,7 @@ def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[Drawn]) -
     axes.set_title("Broken laws: a cross at each frequency")
 
 
-def _legend(axes: Axes, drawn: Sequence[Drawn]) -> tuple[list[Artist], list[str]]:
+def _legend(axes: Axes, drawn: Sequence[ColouredVerdict]) -> tuple[list[Artist], list[str]]:
     """The bands, sweeps that pass, those that break a law by name, and how many have no colour."""
     from matplotlib.lines import Line2D
 

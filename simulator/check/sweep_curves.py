@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from ..chart_style import (
-    AT_REST,
     COLOURS,
     LINE_STYLES,
+    UNPRESSED_COLOUR,
     chart,
     checked_chart,
     frequency_axis,
@@ -30,13 +30,13 @@ WIDTH = 1.4
 """Of lines of the first rows, points."""
 FEW = 40
 """Sweeps whose curves are drawn opaque."""
-MOST_DRAWN = 400
+MAX_DRAWN = 400
 """Sweeps of a recording that are drawn; of more, so many evenly spread."""
-MOST_NAMED = len(COLOURS)
+MAX_NAMED = len(COLOURS)
 """Presses with a colour and a name of their own; more are coloured by their column."""
 
 
-class Shown(NamedTuple):
+class CurveQuantity(NamedTuple):
     """A quantity of a sweep: its name, its unit, and how it follows from Z and the frequency."""
 
     name: str
@@ -50,12 +50,12 @@ def _capacitance(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> N
 
 
 QUANTITIES = {
-    "Rs": Shown("Rs", "ohm", lambda Z, f: Z.real),
-    "Cp": Shown("Cp", "F", _capacitance),
-    "change-Rs": Shown("change of Rs", "%", lambda Z, f: Z.real, change=True),
-    "change-Cp": Shown("change of Cp", "%", _capacitance, change=True),
-    "phase": Shown("phase", "°", lambda Z, f: np.degrees(np.angle(Z))),
-    "nyquist": Shown("-X", "ohm", lambda Z, f: -Z.imag),
+    "Rs": CurveQuantity("Rs", "ohm", lambda Z, f: Z.real),
+    "Cp": CurveQuantity("Cp", "F", _capacitance),
+    "change-Rs": CurveQuantity("change of Rs", "%", lambda Z, f: Z.real, change=True),
+    "change-Cp": CurveQuantity("change of Cp", "%", _capacitance, change=True),
+    "phase": CurveQuantity("phase", "°", lambda Z, f: np.degrees(np.angle(Z))),
+    "nyquist": CurveQuantity("-X", "ohm", lambda Z, f: -Z.imag),
 }
 Quantity = Literal["Rs", "Cp", "change-Rs", "change-Cp", "phase", "nyquist"]
 """Of QUANTITIES."""
@@ -96,7 +96,7 @@ def draw_curves(
         for axes, (shown, interface) in zip(each, panels, strict=False):
             for number, sweeps in enumerate(recordings):
                 alpha = 1.0 if sweeps.sizes["sweep"] <= FEW else 0.5
-                for press, x, y in courses(sweeps, interface, shown):
+                for press, x, y in curves_of(sweeps, interface, shown):
                     look = _look(rows.get(press, number + 1))
                     axes.plot(x, y, color=of_press[press], alpha=alpha, **look)
             _dress(axes, shown, interface if several else "")
@@ -109,7 +109,7 @@ def draw_curves(
 
 def panels_of(
     recordings: Sequence[xr.Dataset], what: Sequence[str]
-) -> tuple[list[tuple[Shown, str]], int]:
+) -> tuple[list[tuple[CurveQuantity, str]], int]:
     """Quantity and interface of each panel, and how many stand side by side."""
     chosen = checked_quantities(what)
     if not what and not all(_has_rest(each) for each in recordings):
@@ -119,8 +119,8 @@ def panels_of(
     return panels, min(len(chosen), 2) if len(interfaces) == 1 else len(chosen)
 
 
-def courses(
-    sweeps: xr.Dataset, interface: str, shown: Shown
+def curves_of(
+    sweeps: xr.Dataset, interface: str, shown: CurveQuantity
 ) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64]]]:
     """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
     if interface not in sweeps["interface"].values:
@@ -133,7 +133,7 @@ def courses(
         values = 100 * (values / _at_rest(values, own) - 1)
     x = Z.real if shown is QUANTITIES["nyquist"] else np.broadcast_to(f / 1e3, Z.shape)
     presses = own["press"].values.astype(str)
-    drawn = min(len(Z), MOST_DRAWN)
+    drawn = min(len(Z), MAX_DRAWN)
     for k in np.linspace(0, len(Z) - 1, drawn).round().astype(int):
         yield str(presses[k]), x[k], values[k]
 
@@ -175,7 +175,7 @@ def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
         else press
         for press in columns
     }
-    if len(set(names.values())) <= MOST_NAMED:
+    if len(set(names.values())) <= MAX_NAMED:
         return resting | names
     ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))
     return resting | {
@@ -207,10 +207,10 @@ def colours_of(labels: Iterable[str]) -> dict[str, str]:
         shades = list(COLOURS[: len(told)])
     else:
         shades = [to_hex(each) for each in colormaps["viridis"](np.linspace(0, 0.95, len(told)))]
-    return {"at rest": AT_REST} | dict(zip(told, shades, strict=True))
+    return {"at rest": UNPRESSED_COLOUR} | dict(zip(told, shades, strict=True))
 
 
-def _dress(axes: Axes, shown: Shown, title: str) -> None:
+def _dress(axes: Axes, shown: CurveQuantity, title: str) -> None:
     from matplotlib.ticker import MaxNLocator, NullFormatter
 
     axes.set_title(title)

@@ -41,22 +41,22 @@ def dataset(
     """
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..requests.console import written
-    from ..requests.requested_scene import asked_scene, tell_if_noise_free
-    from ..requests.time_estimates import tell_if_long
-    from ..sweeps import counted
+    from ..requests.console import report_written
+    from ..requests.requested_scene import note_if_noise_free, requested_scene
+    from ..requests.time_estimates import note_if_long
+    from ..sweeps import sizes_text
     from ..sweeps.errors import InterruptedWorkError
     from .dataset_plan import Plan, readings
     from .generation import generate
     from .layout import readings_along
-    from .store import told as told_of
+    from .store import finished_attributes as told_of
 
-    loaded = asked_scene(scene)
+    loaded = requested_scene(scene)
     plan = Plan(foldable(loaded, "a data set", creeps=True), sweeps, seed, rtol)
-    tell_if_noise_free(scene, loaded)
+    note_if_noise_free(scene, loaded)
     processes = workers or _cores()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
-    tell_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
+    note_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
     try:
         with on_terminal("sweeps") as progress:
             generate(plan, output, processes=processes, scheduler=scheduler, progress=progress)
@@ -83,7 +83,7 @@ def dataset(
             f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "
             f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
         )
-    written(counted(readings_along(plan)), output)
+    report_written(sizes_text(readings_along(plan)), output)
 
 
 def _cores() -> int:
@@ -103,8 +103,8 @@ def export(
     frequency. Parquet has one row a sweep: labels, touches, and columns
     Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
     """
-    from ..requests.console import written
-    from ..sweeps import counted
+    from ..requests.console import report_written
+    from ..sweeps import sizes_text
     from .export import export as write_as
 
-    written(counted(write_as(data, output)), output)
+    report_written(sizes_text(write_as(data, output)), output)

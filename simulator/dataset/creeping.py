@@ -18,7 +18,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 
-def in_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> PressBatch:
+def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> PressBatch:
     """Presses of a session, one after the other, in several states of the foam each.
 
     decays: of each state since the press, as of `Creep.decay`. Press k in state n is number
@@ -40,11 +40,11 @@ def in_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> Press
     return pressed.and_(_repeated(batch.where(~on_foam), len(decays)))
 
 
-def at_the_end(scene: Scene, batch: PressBatch) -> PressBatch:
+def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
     """Each press alone, on foam that was at rest, as it is when its sweep ends."""
     _, whole = reading_moments(scene)
     decays = [Creep.of(scene.skin.foam).decay(whole)]
-    each = (in_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
+    each = (in_foam_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
     return PressBatch.of(each)
 
 
@@ -83,7 +83,7 @@ def check_creep(scene: Scene) -> None:
     foam, drawn = scene.skin.foam, scene.dataset.press
     if not foam.in_time:
         return
-    over_each_other = 2 if drawn.laid and drawn.most_touches > 1 else 1
+    over_each_other = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
     x = foam.strain_at(np.array(drawn.factor.high**over_each_other))
     creep = Creep.of(foam)
     strain = float(creep.greatest(creep.nothing(), x))

@@ -24,10 +24,10 @@ from .drawn_fingers import check_surroundings
 
 LAYOUT = 6
 """To be raised whenever the same plan would give other bytes."""
-MOST_VALUES = 2**22
+MAX_VALUES = 2**22
 """Readings of one quantity in a session."""
-MOST_CELLS = 100
-MOST_SEED = 2**63 - 1
+MAX_CELLS = 100
+MAX_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Plan:
         """Raises InputError where a number is out of range or a press does not fit the scene."""
         if self.sweeps < 1:
             raise InputError(f"`sweeps` must be >= 1, got {self.sweeps}")
-        if not 0 <= self.seed <= MOST_SEED:
-            raise InputError(f"`seed` must be in 0..{MOST_SEED}, got {self.seed}")
+        if not 0 <= self.seed <= MAX_SEED:
+            raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {self.seed}")
         if not 0 < self.rtol < 1:
             raise InputError(f"`rtol` must be between 0 and 1, got {self.rtol}")
         _check_size(self.scene)
@@ -139,9 +139,9 @@ def first_difference(asked: Mapping[str, object], there: Mapping[str, object]) -
 
 def _check_size(scene: Scene) -> None:
     size = scene.dataset.session.sweeps_per_session * readings(scene)
-    if size > MOST_VALUES:
+    if size > MAX_VALUES:
         raise InputError(
-            f"`dataset.session.sweeps_per_session` must be <= {MOST_VALUES // readings(scene)} on "
+            f"`dataset.session.sweeps_per_session` must be <= {MAX_VALUES // readings(scene)} on "
             f"{scene.name}, for a session to fit in memory, got {size // readings(scene)}"
         )
 
@@ -149,14 +149,14 @@ def _check_size(scene: Scene) -> None:
 def _check_depths(scene: Scene) -> None:
     """Raises InputError where presses by depth are drawn that the foam does not take."""
     drawn = scene.dataset.press
-    if scene.press.plain:
+    if scene.press.by_factor:
         if drawn.depth is not None:
             raise InputError(
                 f"{scene.name}: `dataset.press.depth` needs `press.depth` in place of "
                 "`press.capacitance_factor`, and foam with mechanics"
             )
         return
-    if drawn.laid and spreading(scene):
+    if drawn.rasterized and spreading(scene):
         check_plane(scene.skin)
     most = deepest(scene)
     if drawn.depth is not None:
@@ -180,9 +180,9 @@ def _check_presses(scene: Scene) -> None:
             "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, "
             f"got {press.offset:g}"
         )
-    if press.place == "pixel" and press.most_touches > pixels:
+    if press.place == "pixel" and press.max_touches > pixels:
         raise InputError(
-            f"`dataset.press.touches` allows {press.most_touches} touches at once, "
+            f"`dataset.press.touches` allows {press.max_touches} touches at once, "
             f"but {scene.name} has {pixels} pixel"
         )
     check_cells(scene)
@@ -197,8 +197,8 @@ def _check_presses(scene: Scene) -> None:
 def check_cells(scene: Scene) -> None:
     """Raises InputError where presses would be laid on more cells than a model is trained for."""
     cells, most = scene.dataset.press.cells, max(scene.pixels.shape)
-    if cells * most > MOST_CELLS:
+    if cells * most > MAX_CELLS:
         raise InputError(
             f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
-            f"{MOST_CELLS} cells along each side in data sets, got {most} x {cells}"
+            f"{MAX_CELLS} cells along each side in data sets, got {most} x {cells}"
         )

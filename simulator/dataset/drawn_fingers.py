@@ -16,7 +16,7 @@ from ..sweeps import InputError
 from .strengths import FINGER_DECIMALS
 
 
-class Fingers(NamedTuple):
+class DrawnFingers(NamedTuple):
     """What is drawn of the touches of many presses, shape (press, touch).
 
     drawn: capacitance to earth, F; None where fingers are as the scene's `press` has them. alone:
@@ -58,16 +58,18 @@ def _on_pixels(scene: Scene) -> NDArray[np.float64]:
     return found
 
 
-def drawn_fingers(scene: Scene, random: np.random.Generator, shape: tuple[int, ...]) -> Fingers:
+def drawn_fingers(
+    scene: Scene, random: np.random.Generator, shape: tuple[int, ...]
+) -> DrawnFingers:
     """Of touches of a shape (press, touch); what is not drawn takes no random number."""
     drawn = scene.dataset.press
     finger = None if drawn.finger is None else drawn.finger.at(random.random(shape))
     share = drawn.without_press
     alone = random.random(shape) < share if share else np.zeros(shape, dtype=bool)
-    return Fingers(finger, alone)
+    return DrawnFingers(finger, alone)
 
 
-OWN_FINGERS = Fingers(None, np.zeros((1, 1), dtype=bool))
+OWN_FINGERS = DrawnFingers(None, np.zeros((1, 1), dtype=bool))
 """As the scene's `press` has them, and every touch presses."""
 
 
@@ -86,8 +88,8 @@ def check_surroundings(scene: Scene) -> None:
     if around is None:
         fingers = press.finger is not None or press.without_press is not None
         raise InputError(f"{named[0]} {NO_EARTH if fingers else 'needs the table [surroundings]'}")
-    if press.finger is not None and around.rods_alone:
-        raise InputError(f"{named[0]}: {around.rods_alone}")
+    if press.finger is not None and around.no_finger_reason:
+        raise InputError(f"{named[0]}: {around.no_finger_reason}")
     if session.body is not None and (around.solved or not around.body):
         raise InputError(
             f"{scene.name}: `dataset.session.body` needs a `surroundings.body`, not solved"
@@ -106,7 +108,7 @@ def _check_touching(scene: Scene) -> None:
             f"{scene.name}: `dataset.press.without_press` needs fingers, without which such a "
             "touch changes nothing: give `dataset.press.finger`"
         )
-    if not scene.press.plain:
+    if not scene.press.by_factor:
         raise InputError(
             f"{scene.name}: `dataset.press.without_press` needs `press.capacitance_factor` in "
             "place of `press.depth` or `press.force`"

@@ -14,14 +14,14 @@ from ..press.press import rod_text
 from ..press.rasterized import Footprints
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from ..scene.scene import Scene
-from .anywhere.deflections import raised_on_cells, strengths_anywhere
+from .anywhere.deflections import cell_presses, written_strengths
 from .anywhere.touch_places import drawn_places
-from .anywhere.touch_places import texts as texts_anywhere
-from .drawn_fingers import OWN_FINGERS, Fingers, drawn_fingers
-from .strengths import drawn_strengths, texts, told
+from .anywhere.touch_places import place_texts as texts_anywhere
+from .drawn_fingers import OWN_FINGERS, DrawnFingers, drawn_fingers
+from .strengths import drawn_strengths, pixel_texts, written_strength
 
-MOST_TOUCHES = 2
-FIRST_RESTS = 3
+MAX_TOUCHES = 2
+FIRST_BASELINES = 3
 """Sweeps at rest that a session begins with where it promises any."""
 TRIES = 64
 """Places that are drawn for a touch until its middle is on the skin."""
@@ -73,10 +73,10 @@ def _drawn(
     """A press for each sweep, none for those at rest."""
     drawn, count = scene.dataset.press, len(at_rest)
     touches = np.where(at_rest, 0, _counts(drawn, random.random(count)))
-    chances = random.random((4, count, MOST_TOUCHES))
-    factor = drawn_strengths(scene, random.random((count, MOST_TOUCHES)))
+    chances = random.random((4, count, MAX_TOUCHES))
+    factor = drawn_strengths(scene, random.random((count, MAX_TOUCHES)))
     if drawn.place == "anywhere" and not scene.skin.rectangular:
-        again = random.random((2 * TRIES, count, MOST_TOUCHES))
+        again = random.random((2 * TRIES, count, MAX_TOUCHES))
         chances = np.concatenate([chances, again])
     fingers = drawn_fingers(scene, random, factor.shape)
     factor = np.where(fingers.alone, 1.0, factor)
@@ -89,13 +89,13 @@ def _at_rest(every: int, count: int) -> NDArray[np.bool_]:
     """Sweeps that are promised to be at rest, shape (sweep,)."""
     if not every:
         return np.zeros(count, dtype=bool)
-    since = np.arange(count) - FIRST_RESTS
+    since = np.arange(count) - FIRST_BASELINES
     return (since < 0) | (since % (every + 1) == every)
 
 
 def _counts(drawn: DrawnPress, chance: NDArray[np.float64]) -> NDArray[np.int64]:
     below = np.cumsum(drawn.touches)
-    return np.minimum(np.searchsorted(below, chance, side="right"), drawn.most_touches)
+    return np.minimum(np.searchsorted(below, chance, side="right"), drawn.max_touches)
 
 
 def _on_pixels(
@@ -104,7 +104,7 @@ def _on_pixels(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
-    fingers: Fingers,
+    fingers: DrawnFingers,
 ) -> Presses:
     """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
     pixels = held(scene).numbers
@@ -124,8 +124,8 @@ def pressed_pixels(
     row, column = pixels.T
     touches = (row >= 0).astype(np.int64)
     number = np.maximum(row * scene.pixels.columns + column, 0)
-    pixel = np.repeat(number[:, None], MOST_TOUCHES, axis=1)
-    factor = np.repeat(factor[:, None], MOST_TOUCHES, axis=1)
+    pixel = np.repeat(number[:, None], MAX_TOUCHES, axis=1)
+    factor = np.repeat(factor[:, None], MAX_TOUCHES, axis=1)
     return _on(scene, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid, OWN_FINGERS)
 
 
@@ -136,14 +136,14 @@ def _on(
     factor: NDArray[np.float64],
     aside: NDArray[np.float64],
     grid: tuple[int, int],
-    fingers: Fingers,
+    fingers: DrawnFingers,
 ) -> Presses:
-    """Touches of pixels by number, shape (press, MOST_TOUCHES). aside: as of `pressed_beside`."""
+    """Touches of pixels by number, shape (press, MOST_TOUCHES). aside: as of `with_offset`."""
     columns = scene.pixels.columns
-    there = np.arange(MOST_TOUCHES) < touches[:, None]
+    there = np.arange(MAX_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
-    whole = scene.skin.rectangular or scene.dataset.press.laid
+    whole = scene.skin.rectangular or scene.dataset.press.rasterized
     middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
     x, y = np.where(there, middle, 0.0)
     finger = fingers.of_pixels(scene, pixel, there)
@@ -153,7 +153,9 @@ def _on(
     batch = PressBatch(inside[pixel[there]].ravel(), rises, starts)
     presses = Presses(
         batch=with_fingers_on(scene, batch, finger, inside[pixel], grid),
-        text=texts(touches, row + 1, column + 1, *told(scene, factor), finger, rod_text(scene)),
+        text=pixel_texts(
+            touches, row + 1, column + 1, *written_strength(scene, factor), finger, rod_text(scene)
+        ),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
         touches=touches,
@@ -162,7 +164,7 @@ def _on(
         factor=factor,
         finger=finger,
     )
-    return pressed_beside(scene, presses, aside, grid) if scene.dataset.press.laid else presses
+    return with_offset(scene, presses, aside, grid) if scene.dataset.press.rasterized else presses
 
 
 def _centres(
@@ -181,7 +183,7 @@ def _distinct_pixels(
     first = np.floor(chances[:, 0] * count).astype(np.int64)
     second = np.floor(chances[:, 1] * (count - 1)).astype(np.int64)
     second += second >= first
-    both = touches == MOST_TOUCHES
+    both = touches == MAX_TOUCHES
     swapped = both & (second < first)
     return np.stack([np.where(swapped, second, first), np.where(swapped, first, second)], axis=1)
 
@@ -205,19 +207,19 @@ def presses_anywhere(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
-    fingers: Fingers,
+    fingers: DrawnFingers,
 ) -> Presses:
     """Presses of so many touches; factors multiply where two of them overlap, and fingers add.
 
     chances, factor: as of `drawn_places`.
     """
     placed = drawn_places(scene, touches, chances, factor, grid, fingers)
-    there = np.arange(MOST_TOUCHES) < touches[:, None]
+    there = np.arange(MAX_TOUCHES) < touches[:, None]
     return Presses(
         batch=with_fingers_at(
-            scene, raised_on_cells(scene, touches, placed, grid), touches, placed, grid
+            scene, cell_presses(scene, touches, placed, grid), touches, placed, grid
         ),
-        text=texts_anywhere(touches, placed, *strengths_anywhere(scene, placed), rod_text(scene)),
+        text=texts_anywhere(touches, placed, *written_strengths(scene, placed), rod_text(scene)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,
@@ -229,7 +231,7 @@ def presses_anywhere(
     )
 
 
-def pressed_beside(
+def with_offset(
     scene: Scene, meant: Presses, aside: NDArray[np.float64], grid: tuple[int, int]
 ) -> Presses:
     """The presses, told as they were meant, with their touches where they came to lie.
@@ -249,6 +251,6 @@ def pressed_beside(
     width, height = high - low
     left = width * height / np.prod(sides)
     placed = Footprints.rectangles(x, y, width, height, meant.factor, meant.finger * left)
-    batch = raised_on_cells(scene, meant.touches, placed, grid)
+    batch = cell_presses(scene, meant.touches, placed, grid)
     batch = with_fingers_at(scene, batch, meant.touches, placed, grid)
     return replace(meant, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

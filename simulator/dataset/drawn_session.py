@@ -15,10 +15,10 @@ from ..measure.skins import DrawnSkin, drawn_skin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError, parallel_capacitance
-from .creeping import in_states
+from .creeping import in_foam_states
 from .dataset_plan import Plan
 from .drawn_presses import Presses, session_presses
-from .skin_model import Family, SkinModel
+from .skin_model import SkinFamily, SkinModel
 
 ONE_IN = 1000
 
@@ -41,7 +41,7 @@ Audited = Callable[
 ]
 
 
-def together(audits: Iterable[Audit]) -> Audit:
+def combined_audit(audits: Iterable[Audit]) -> Audit:
     """The audit of several parts."""
     parts = list(audits)
     return Audit(
@@ -71,7 +71,7 @@ def audited(
     return Z, Audit(len(bounds), len(failed), kept)
 
 
-def in_time(scene: Scene) -> Audited:
+def audited_in_time(scene: Scene) -> Audited:
     """As `audited`, of foam that creeps while each sweep is read, and from one to the next."""
 
     def read(
@@ -82,7 +82,7 @@ def in_time(scene: Scene) -> Audited:
             each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
             states = replace(
                 presses,
-                batch=in_states(scene, presses.batch, between.nodes),
+                batch=in_foam_states(scene, presses.batch, between.nodes),
                 text=[presses.text[press] for press in each],
             )
             Z, audit = audited(model, states, random, session, OF_NODES * rtol)
@@ -133,7 +133,7 @@ def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64
 
 
 @dataclass(frozen=True)
-class Drawn:
+class DrawnSession:
     """A session: its number, skin, meter and presses, what is shown of them, and the audit.
 
     shown: Rs [ohm], X [ohm], Cp [F], each of shape (press, interface, frequency).
@@ -147,7 +147,7 @@ class Drawn:
     audit: Audit
 
 
-def drawn_sessions(plan: Plan, family: Family, numbers: Sequence[int]) -> list[Drawn]:
+def drawn_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -> list[DrawnSession]:
     """Whole sessions, also where the data set ends within the last.
 
     Step by step for all of them, so that the processor's caches keep what a step needs.
@@ -156,7 +156,7 @@ def drawn_sessions(plan: Plan, family: Family, numbers: Sequence[int]) -> list[D
     randoms = [stream(seed, number, PRESSES) for number in numbers]
     presses = [session_presses(scene, random, size, family.grid) for random in randoms]
     skins = [drawn_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
-    answer = in_time(scene) if scene.skin.foam.in_time else audited
+    answer = audited_in_time(scene) if scene.skin.foam.in_time else audited
     answers = [
         answer(family.skin(skin.variation), own, stream(seed, number, AUDIT), number, plan.rtol)
         for number, skin, own in zip(numbers, skins, presses, strict=True)
@@ -171,12 +171,12 @@ def _measured(
     skin: DrawnSkin,
     presses: Presses,
     answer: tuple[NDArray[np.complex128], Audit],
-) -> Drawn:
+) -> DrawnSession:
     """A session as its meter shows it. answer: Z in ohm at the skin, and its audit."""
     scene, (Z, audit) = plan.scene, answer
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
-    measured = meter.measure(skin.leads.seen_through(Z, scene.frequencies))
-    return Drawn(number, skin, meter, presses, _shown(scene, measured), audit)
+    measured = meter.measure(skin.leads.at_meter(Z, scene.frequencies))
+    return DrawnSession(number, skin, meter, presses, _shown(scene, measured), audit)
 
 
 def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:

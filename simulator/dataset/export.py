@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..sweeps import InputError, check_needs, checked_output, open_zarr, read, whole_file
+from ..sweeps import InputError, checked_output, open_zarr, read, require_packages, whole_file
 from ..sweeps.digests import seal_binary, seal_text
 from ..sweeps.formats import netcdf
 from ..sweeps.formats.csv import append_csv
@@ -34,7 +34,7 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
     if not data.exists():
         raise InputError(f"{data}: no such file")
     if output.suffix == ".parquet":
-        check_needs(output, "scale", "pyarrow")
+        require_packages(output, "scale", "pyarrow")
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps, whole_file(output) as unfinished:
         writers[output.suffix](sweeps, unfinished, data)

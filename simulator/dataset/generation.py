@@ -11,17 +11,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ..models.reduced.indented.draws import spreading
-from ..processes import hired
-from ..progress import Progress, silent
+from ..processes import worker_pool
+from ..progress import ProgressCallback, silent
 from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.free_space import check_disk
 from ..sweeps.output_files import checked_place, locked
-from ..sweeps.writing import check_free, named_failures, note_made, occasion, put, sync
+from ..sweeps.writing import check_replaceable, named_failures, note_made, put, sync, write_context
 from . import store, workers
 from .dataset_plan import Plan, first_difference, readings
-from .layout import least_size
-from .skin_model import REDUCED, Family, Training
-from .work_block import PLAN_FILE, Workshop, audit_of
+from .layout import min_size
+from .skin_model import REDUCED, SkinFamily, Training
+from .work_block import PLAN_FILE, WorkFolder, audit_of
 
 ENDING = ".zarr"
 
@@ -32,7 +32,7 @@ def generate(
     *,
     processes: int = 1,
     scheduler: str | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     training: Training = REDUCED,
 ) -> None:
     """Make the data set, or go on where an earlier run of the same plan ended.
@@ -45,16 +45,16 @@ def generate(
     with named_failures(output), _locked(output) as folder:
         if _complete(plan, output):
             return progress(plan.scene.name, plan.sweeps, plan.sweeps)
-        workshop = Workshop(folder, plan.digest, training.load)
+        workshop = WorkFolder(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.noted(plan))
         check_disk(
-            missing / plan.blocks * least_size(plan),
+            missing / plan.blocks * min_size(plan),
             output,
             f"{plan.sweeps} sweeps of {readings(plan.scene)} readings",
             "give fewer --sweeps, or another disk",
         )
         hands = min(processes, missing) if scheduler is None else 0
-        with hired(hands, workers.NEEDED, workers.GOES_ON) as pool:
+        with worker_pool(hands, workers.NEEDED, workers.RESUME_ADVICE) as pool:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
             done = sum(_size(plan, block) for block in finished)
@@ -69,14 +69,16 @@ def generate(
 
 
 def _at_work(
-    workshop: Workshop,
+    workshop: WorkFolder,
     blocks: Sequence[int],
     hands: workers.Processes | None,
     scheduler: str | None,
 ) -> Iterator[int]:
     if scheduler is not None:
         return workers.cluster(workshop, blocks, scheduler)
-    return workers.here(workshop, blocks) if hands is None else hands.make(workshop, blocks)
+    return (
+        workers.in_this_process(workshop, blocks) if hands is None else hands.make(workshop, blocks)
+    )
 
 
 def _size(plan: Plan, block: int) -> int:
@@ -96,19 +98,19 @@ def _complete(plan: Plan, output: Path) -> bool:
     """
     if not output.exists():
         return False
-    told = store.told(output)
+    told = store.finished_attributes(output)
     different = "no data set" if told is None else first_difference(plan.told, told)
     if different is None:
         return True
-    check_free(output)
-    if not (occasion().overwrite or occasion().overwrite_measured):
+    check_replaceable(output)
+    if not (write_context().overwrite or write_context().overwrite_measured):
         raise InputError(
             f"{output}: exists with {different}; --overwrite replaces it, or write elsewhere"
         )
     return False
 
 
-def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
+def _prepared(plan: Plan, workshop: WorkFolder, training: Training) -> SkinFamily:
     """Begin the folder of work, or take up what an earlier run left of it; the model."""
     if workshop.plan_file.exists():
         _take_up(workshop, plan)
@@ -122,18 +124,18 @@ def _prepared(plan: Plan, workshop: Workshop, training: Training) -> Family:
     return family
 
 
-def _loaded(workshop: Workshop) -> Family:
+def _loaded(workshop: WorkFolder) -> SkinFamily:
     try:
         return workshop.load(workshop.model_file)
     except InputError as error:
         raise InputError(f"{error}; {_anew(workshop)}") from error
 
 
-def _anew(workshop: Workshop) -> str:
+def _anew(workshop: WorkFolder) -> str:
     return f"remove the folder {workshop.folder} to begin the data set anew"
 
 
-def _take_up(workshop: Workshop, plan: Plan) -> None:
+def _take_up(workshop: WorkFolder, plan: Plan) -> None:
     try:
         told = inputs.objects(inputs.text(workshop.plan_file, inputs.JOURNAL))
         different = first_difference(plan.told, dict(told))
@@ -150,7 +152,7 @@ def _take_up(workshop: Workshop, plan: Plan) -> None:
     store.clear_metadata(workshop.data)
 
 
-def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
+def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
     audit = audit_of(workshop, plan)
     store.clear_left_overs(workshop.data)
     store.finish(
@@ -167,20 +169,20 @@ def _finish(workshop: Workshop, plan: Plan, output: Path) -> None:
     )
     sync(workshop.data)
     put(workshop.data, output)
-    note_made(output, occasion().command)
+    note_made(output, write_context().command)
     workshop.plan_file.unlink()
 
 
-def _of_cells(workshop: Workshop, plan: Plan) -> dict[str, float]:
+def _of_cells(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
     """What is told of a data set whose touches are laid on cells."""
     scene, told = plan.scene, dict[str, float]()
-    if not scene.dataset.press.laid:
+    if not scene.dataset.press.rasterized:
         return told
-    from .cell_errors import error_of_cells, error_of_deflections
+    from .cell_errors import lattice_error, rasterization_error
 
     family = workshop.load(workshop.model_file)
     if scene.dataset.press.place == "anywhere":
-        told["cells_error"] = error_of_cells(scene, family, plan.seed, plan.rtol)
+        told["cells_error"] = rasterization_error(scene, family, plan.seed, plan.rtol)
     if spreading(scene):
-        told["deflection_error"] = error_of_deflections(scene, family, plan.seed)
+        told["deflection_error"] = lattice_error(scene, family, plan.seed)
     return told

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
 from .dataset_plan import Plan, readings
-from .drawn_presses import MOST_TOUCHES
-from .drawn_session import Drawn
+from .drawn_presses import MAX_TOUCHES
+from .drawn_session import DrawnSession
 
 SINGLE_DIGITS = 6
 """Decimal digits that float32 keeps."""
@@ -20,7 +20,7 @@ SWEEP, SESSION = "sweep", "drawn_session"
 
 
 @dataclass(frozen=True)
-class Variable:
+class ArraySpec:
     """An array of the data set. The first dimension is that of sweeps or sessions, or it is whole.
 
     dtype: as numpy names it, or `str`.
@@ -40,17 +40,17 @@ class Variable:
         return {name: text for name, text in told.items() if text}
 
 
-def variables(plan: Plan) -> list[Variable]:
+def variables(plan: Plan) -> list[ArraySpec]:
     """Every array that grows with the data set."""
     quantity = "float32" if plan.scene.readout.display_digits <= SINGLE_DIGITS else "float64"
     labels = " ".join(LABELS)
     return [
         *(
-            Variable(name, DIMENSIONS, quantity, meaning, units, labels)
+            ArraySpec(name, DIMENSIONS, quantity, meaning, units, labels)
             for name, (meaning, units) in QUANTITIES.items()
         ),
         *(
-            Variable(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
+            ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
             for name, meaning in LABELS.items()
         ),
         *touch_variables(plan.scene),
@@ -59,14 +59,14 @@ def variables(plan: Plan) -> list[Variable]:
 
 
 TOUCHES = [
-    Variable("touches", (SWEEP,), "int64", "number of touches"),
-    Variable("touch_x", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
-    Variable("touch_y", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
-    Variable("touch_factor", (SWEEP, "touch"), "float32", "capacitance over that at rest", "1"),
+    ArraySpec("touches", (SWEEP,), "int64", "number of touches"),
+    ArraySpec("touch_x", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
+    ArraySpec("touch_y", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
+    ArraySpec("touch_factor", (SWEEP, "touch"), "float32", "capacitance over that at rest", "1"),
 ]
-FINGER = Variable("touch_finger", (SWEEP, "touch"), "float32", "capacitance to earth", "F")
+FINGER = ArraySpec("touch_finger", (SWEEP, "touch"), "float32", "capacitance to earth", "F")
 DRAWN = [
-    Variable(
+    ArraySpec(
         f"drawn_{name}",
         (SESSION, *dimensions),
         "float64",
@@ -89,12 +89,12 @@ DRAWN = [
 ]
 
 
-def touch_variables(scene: Scene) -> list[Variable]:
+def touch_variables(scene: Scene) -> list[ArraySpec]:
     """Of touches, with their fingers where a scene has earth."""
     return TOUCHES if scene.surroundings is None else [*TOUCHES, FINGER]
 
 
-def drawn_variables(scene: Scene) -> list[Variable]:
+def drawn_variables(scene: Scene) -> list[ArraySpec]:
     """What is drawn for each session, of the surroundings where a scene has them."""
     if scene.surroundings is not None:
         return DRAWN
@@ -110,7 +110,7 @@ def readings_along(plan: Plan) -> dict[str, int]:
     }
 
 
-def least_size(plan: Plan) -> float:
+def min_size(plan: Plan) -> float:
     """Bytes that the readings of a data set take at least: noise leaves half after compression."""
     of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in QUANTITIES]
     return 0.5 * sum(of_each) * plan.sweeps * readings(plan.scene)
@@ -120,7 +120,7 @@ def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
     """The size of every dimension."""
     return {
         **readings_along(plan),
-        "touch": MOST_TOUCHES,
+        "touch": MAX_TOUCHES,
         SESSION: plan.sessions,
         "wave": waves,
         "contact": len(plan.scene.contacts),
@@ -129,7 +129,7 @@ def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
     }
 
 
-def values(session: Drawn) -> dict[str, NDArray]:
+def values(session: DrawnSession) -> dict[str, NDArray]:
     """Every array of one whole session, by the name of its variable."""
     presses, skin = session.presses, session.skin
     drawn = {
@@ -160,7 +160,7 @@ def values(session: Drawn) -> dict[str, NDArray]:
     }
 
 
-def joined(sessions: Sequence[dict[str, NDArray]], sweeps: int) -> dict[str, NDArray]:
+def joined_sessions(sessions: Sequence[dict[str, NDArray]], sweeps: int) -> dict[str, NDArray]:
     """Several sessions one after the other, cut to so many sweeps."""
     whole = {name: np.concatenate([part[name] for part in sessions]) for name in sessions[0]}
     return {name: a if name.startswith("drawn_") else a[:sweeps] for name, a in whole.items()}

@@ -9,14 +9,14 @@ from ..scene.scene_files import scene_text
 from ..sweeps import build
 from .dataset_plan import Plan
 from .drawn_session import drawn_sessions
-from .layout import joined, touch_variables, values
-from .skin_model import Family, reduced
+from .layout import joined_sessions, touch_variables, values
+from .skin_model import SkinFamily, reduced
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def in_memory(plan: Plan, family: Family | None = None) -> xr.Dataset:
+def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
     """The sweeps that `rcskin dataset` writes by this plan, with the numbers of their touches.
 
     family: the skins that the plan draws from, trained here where it is absent. Raises
@@ -25,7 +25,7 @@ def in_memory(plan: Plan, family: Family | None = None) -> xr.Dataset:
     family = reduced(plan.scene, plan.rtol) if family is None else family
     with one_blas_thread():
         drawn = drawn_sessions(plan, family, range(plan.sessions))
-    arrays = joined([values(session) for session in drawn], plan.sweeps)
+    arrays = joined_sessions([values(session) for session in drawn], plan.sweeps)
     sweeps = build(
         arrays["Rs"] + 1j * arrays["X"],
         plan.scene.frequencies,

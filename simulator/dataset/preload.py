@@ -16,7 +16,7 @@ READY = make_block
 """What workers are then asked for."""
 
 
-def warm() -> None:
+def preload_kernels() -> None:
     """Load what the first block would load."""
     skin = reduce(load_scene(SCENE), RTOL).skin(None)
     cell, rise = np.zeros(1, dtype=np.int64), np.ones(1)
@@ -24,4 +24,4 @@ def warm() -> None:
     skin.certificate(cell, rise)
 
 
-warm()
+preload_kernels()

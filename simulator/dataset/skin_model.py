@@ -21,13 +21,13 @@ from ..models.reduced.model import Reduced
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.randomisation import Session
 from ..scene.scene import Scene
-from .creeping import in_states
+from .creeping import in_foam_states
 from .drawn_presses import drawn_presses
 
-TRAINED_TO = 0.5
+TRAINING_SHARE = 0.5
 """Of the tolerance: a press that training has not met is then still within it."""
 
-BEFORE = 3
+EARLIER_PRESSES = 3
 """Presses of foam that creeps whose traces training meets beside the one that is read."""
 
 
@@ -55,7 +55,7 @@ class SkinModel(Protocol):
         ...
 
 
-class Family(Protocol):
+class SkinFamily(Protocol):
     """All skins that a scene's data set may draw."""
 
     @property
@@ -80,9 +80,9 @@ class Training:
     train: from a scene and the tolerance of Rs and Cp.
     """
 
-    train: Callable[[Scene, float], Family]
+    train: Callable[[Scene, float], SkinFamily]
     save: Callable[[Any, Path], None]
-    load: Callable[[Path], Family]
+    load: Callable[[Path], SkinFamily]
 
 
 def reduced(scene: Scene, rtol: float) -> Reduced:
@@ -99,7 +99,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
         return Case(skin.variation, *_press(scene, random, grid))
 
     alike, creeps = _alike(scene.dataset.session), scene.skin.foam.in_time
-    trained_to = TRAINED_TO * (OF_NODES if creeps else 1.0) * rtol
+    trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
     return reduced_for(divided, trained_to, draw, modes=modes, alike=alike)
 
 
@@ -107,12 +107,15 @@ def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> 
     """A press of a data set, of foam that creeps with what those before have left."""
     if not scene.skin.foam.in_time:
         return drawn_presses(scene, random, 1, grid).batch.one(0)
-    nodes, presses = interpolation(scene).nodes, drawn_presses(scene, random, BEFORE + 1, grid)
-    pressed = in_states(scene, presses.batch, nodes)
-    return pressed.one(BEFORE * len(nodes) + int(random.integers(len(nodes))))
+    nodes, presses = (
+        interpolation(scene).nodes,
+        drawn_presses(scene, random, EARLIER_PRESSES + 1, grid),
+    )
+    pressed = in_foam_states(scene, presses.batch, nodes)
+    return pressed.one(EARLIER_PRESSES * len(nodes) + int(random.integers(len(nodes))))
 
 
-def own_skin(scene: Scene, family: Family) -> SkinModel:
+def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
     """The scene's own skin."""
     return family.skin(replace(nominal(scene, family.modes), capacitance=np.ones(family.grid)))
 
@@ -120,11 +123,13 @@ def own_skin(scene: Scene, family: Family) -> SkinModel:
 def _divided(scene: Scene) -> Scene:
     """The scene with cells for pixels; where touches are laid on them they rise evenly."""
     pixels, cells = scene.pixels, scene.dataset.press.cells
-    if cells == 1 and pixels.groups is not None and not scene.dataset.press.laid:
+    if cells == 1 and pixels.groups is not None and not scene.dataset.press.rasterized:
         return scene
     divided = scene.on_grid(cells * pixels.rows, cells * pixels.columns)
     return (
-        evenly_pressed(divided, "a data set", creeps=True) if scene.dataset.press.laid else divided
+        evenly_pressed(divided, "a data set", creeps=True)
+        if scene.dataset.press.rasterized
+        else divided
     )
 
 

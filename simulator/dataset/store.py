@@ -18,7 +18,7 @@ from ..sweeps.digests import OF_STORE, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
 from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
 from .dataset_plan import Plan
-from .layout import SESSION, SWEEP, Variable, sizes, variables
+from .layout import SESSION, SWEEP, ArraySpec, sizes, variables
 
 if TYPE_CHECKING:
     import zarr
@@ -74,7 +74,7 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
     seal_store(folder)
 
 
-def told(folder: Path) -> dict[str, Any] | None:
+def finished_attributes(folder: Path) -> dict[str, Any] | None:
     """Attributes of a finished data set, and how many `sweeps` it has; None where it is none.
 
     Raises InputError where its metadata are spoilt.
@@ -114,22 +114,22 @@ def array(group: zarr.Group, name: str) -> Any:
     return group[name]
 
 
-def _axes(plan: Plan) -> list[tuple[Variable, NDArray]]:
+def _axes(plan: Plan) -> list[tuple[ArraySpec, NDArray]]:
     scene = plan.scene
     interfaces = np.array([interface.name for interface in scene.interfaces], dtype=object)
     contacts = np.array([contact.name for contact in scene.contacts], dtype=object)
     taken = scene.taken
-    told = Variable(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
+    finished_attributes = ArraySpec(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
     return [
-        (Variable("interface", ("interface",), "str", "how the meter is connected"), interfaces),
-        (Variable("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
-        (Variable("contact", ("contact",), "str", "foil on a sheet"), contacts),
-        *([] if taken is None else [(told, taken)]),
+        (ArraySpec("interface", ("interface",), "str", "how the meter is connected"), interfaces),
+        (ArraySpec("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
+        (ArraySpec("contact", ("contact",), "str", "foil on a sheet"), contacts),
+        *([] if taken is None else [(finished_attributes, taken)]),
     ]
 
 
 def _create(
-    group: zarr.Group, variable: Variable, extent: dict[str, int], chunks: dict[str, int]
+    group: zarr.Group, variable: ArraySpec, extent: dict[str, int], chunks: dict[str, int]
 ) -> None:
     from zarr.codecs import BloscCodec, Crc32cCodec
 
@@ -149,5 +149,5 @@ def _create(
     )
 
 
-def _converted(values: NDArray, variable: Variable) -> NDArray:
+def _converted(values: NDArray, variable: ArraySpec) -> NDArray:
     return values if variable.dtype == "str" else values.astype(variable.dtype)

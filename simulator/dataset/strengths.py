@@ -23,7 +23,7 @@ FINGER_DECIMALS = 16
 def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
     """Factors of c under touches, as they are told in decimals of factors or depths."""
     drawn = scene.dataset.press
-    if scene.press.plain:
+    if scene.press.by_factor:
         return np.round(drawn.factor.at(chances), FACTOR_DECIMALS)
     if drawn.depth is not None:
         depth = drawn.depth.at(chances)
@@ -32,7 +32,7 @@ def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.fl
     return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
 
 
-def texts(
+def pixel_texts(
     touches: NDArray[np.int64],
     row: NDArray[np.int64],
     column: NDArray[np.int64],
@@ -47,7 +47,7 @@ def texts(
     rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
     numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
     parts = map(_place, rows, columns), numbers, repeat(unit), finger_texts(finger[there], rod)
-    return joined(touches, map("".join, zip(*parts, strict=False)))
+    return joined_texts(touches, map("".join, zip(*parts, strict=False)))
 
 
 def finger_texts(finger: NDArray[np.float64], rod: str) -> Iterable[str]:
@@ -57,9 +57,9 @@ def finger_texts(finger: NDArray[np.float64], rod: str) -> Iterable[str]:
     return [f":{each!r}F" if each else rod for each in finger.tolist()]
 
 
-def joined(touches: NDArray[np.int64], told: Iterable[str]) -> list[str]:
+def joined_texts(touches: NDArray[np.int64], parts: Iterable[str]) -> list[str]:
     """Texts of presses of so many touches, each of which is told in turn."""
-    each, first = np.array([*told], dtype=object), np.cumsum(touches) - touches
+    each, first = np.array([*parts], dtype=object), np.cumsum(touches) - touches
     text = np.where(touches > 0, "", UNPRESSED).astype(object)
     for number in range(touches.max(initial=0)):
         here = touches > number
@@ -72,8 +72,8 @@ def _place(row: int, column: int) -> str:
     return f"{row},{column}:"
 
 
-def told(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
+def written_strength(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
     """How strongly touches press, as their texts say it, and the unit of that."""
-    if scene.press.plain:
+    if scene.press.by_factor:
         return factor, ""
     return np.round(scene.pressed_depths(factor), DEPTH_DECIMALS), "m"

@@ -13,15 +13,15 @@ from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
 from .dataset_plan import Plan, parse_plan
-from .drawn_session import Audit, drawn_sessions, together
-from .layout import joined, values
-from .skin_model import Family
+from .drawn_session import Audit, combined_audit, drawn_sessions
+from .layout import joined_sessions, values
+from .skin_model import SkinFamily
 
 PLAN_FILE = "plan.json"
 
 
 @dataclass(frozen=True)
-class Workshop:
+class WorkFolder:
     """The folder in which a data set is made, on a disk that every worker sees.
 
     digest: of the plan, so that a worker never mistakes another plan at the same place for it.
@@ -30,7 +30,7 @@ class Workshop:
 
     folder: Path
     digest: str
-    load: Callable[[Path], Family]
+    load: Callable[[Path], SkinFamily]
 
     @property
     def data(self) -> Path:
@@ -68,7 +68,7 @@ class Workshop:
         return {number for number in numbers if number < plan.blocks}
 
 
-def make_block(workshop: Workshop, block: int) -> int:
+def make_block(workshop: WorkFolder, block: int) -> int:
     """Compute a block, write it, note it as finished; returns its number. Runs in any process.
 
     On one thread: several would round differently, and other blocks have the other cores.
@@ -77,23 +77,23 @@ def make_block(workshop: Workshop, block: int) -> int:
     with one_blas_thread():
         drawn = drawn_sessions(plan, family, plan.sessions_of(block))
     here = plan.sweeps_of(block)
-    arrays = joined([values(session) for session in drawn], here.stop - here.start)
+    arrays = joined_sessions([values(session) for session in drawn], here.stop - here.start)
     parts = store.write(workshop.data, plan, block, arrays)
     with kept_file(workshop.note(block)) as unfinished:
-        audit = together(session.audit for session in drawn)
+        audit = combined_audit(session.audit for session in drawn)
         unfinished.write_text(sealed_json({**asdict(audit), "parts": parts}), encoding="utf-8")
     return block
 
 
-def audit_of(workshop: Workshop, plan: Plan) -> Audit:
+def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
     """The audit of the whole data set, once all its blocks are finished."""
     notes = (workshop.note(block).read_text(encoding="utf-8") for block in range(plan.blocks))
     names = [each.name for each in fields(Audit)]
     told = ({name: json.loads(note)[name] for name in names} for note in notes)
-    return together(Audit(**each) for each in told)
+    return combined_audit(Audit(**each) for each in told)
 
 
 @lru_cache(maxsize=1)
-def _loaded(workshop: Workshop) -> tuple[Plan, Family]:
+def _loaded(workshop: WorkFolder) -> tuple[Plan, SkinFamily]:
     plan = parse_plan(workshop.plan_file.read_text(encoding="utf-8"))
     return plan, workshop.load(workshop.model_file)

@@ -10,8 +10,8 @@ from itertools import islice
 from typing import Any
 
 from ..processes import WorkerError, uninterrupted
-from ..sweeps import InputError, check_needs
-from .work_block import Workshop, make_block
+from ..sweeps import InputError, require_packages
+from .work_block import WorkFolder, make_block
 
 NEEDED = (
     "numcodecs.blosc",
@@ -22,17 +22,17 @@ NEEDED = (
 )
 """What every block needs, and what starts the command: imported once, by the process that all
 workers are copies of."""
-GOES_ON = "the same command goes on from here"
+RESUME_ADVICE = "the same command goes on from here"
 AHEAD = 4
 """Blocks handed out beforehand, for each worker."""
 RETRIES = 10
-MOST_TOGETHER, TASKS_EACH = 16, 20
+MAX_TASK_BLOCKS, TASKS_EACH = 16, 20
 """Blocks in one task of a cluster at most; tasks for each of its workers at least, where blocks
 suffice: a scheduler takes as long for a small task as for a large one."""
 SECONDS_TO_CONNECT = 10
 
 
-def here(workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
+def in_this_process(workshop: WorkFolder, blocks: Sequence[int]) -> Iterator[int]:
     """Make the blocks one after the other in this process; yields each when it is finished."""
     return map(partial(make_block, workshop), blocks)
 
@@ -44,7 +44,7 @@ class Processes:
     pool: ProcessPoolExecutor
     workers: int
 
-    def make(self, workshop: Workshop, blocks: Sequence[int]) -> Iterator[int]:
+    def make(self, workshop: WorkFolder, blocks: Sequence[int]) -> Iterator[int]:
         """Make the blocks, of which the first are begun now; yields each when it is finished."""
         waiting = iter(blocks)
 
@@ -68,17 +68,17 @@ def _finished(running: set[Future[int]], begin: Begin, waiting: Iterator[int]) -
 
 
 def cluster(
-    workshop: Workshop,
+    workshop: WorkFolder,
     blocks: Sequence[int],
     address: str,
-    make: Callable[[Workshop, int], int] = make_block,
+    make: Callable[[WorkFolder, int], int] = make_block,
 ) -> Iterator[int]:
     """Make the blocks on a Dask cluster whose workers see the same disk; yields each when finished.
 
     Blocks of workers that die are made again by others. make: makes one of them. Raises InputError
     where the scheduler cannot be reached, WorkerError where blocks are lost again and again.
     """
-    check_needs(f"--scheduler {address}", "scale", "distributed")
+    require_packages(f"--scheduler {address}", "scale", "distributed")
     from distributed import Client, KilledWorker, as_completed
 
     try:
@@ -95,16 +95,16 @@ def cluster(
                 yield from future.result()
                 running.update([submit(task) for task in islice(waiting, 1)])
         except KilledWorker as error:
-            raise WorkerError(f"{error}; {GOES_ON}") from None
+            raise WorkerError(f"{error}; {RESUME_ADVICE}") from None
 
 
 def tasks_of(blocks: Sequence[int], workers: int) -> list[Sequence[int]]:
     """The blocks in tasks of equally many, fewer where workers would have too few tasks."""
-    together = min(MOST_TOGETHER, max(1, len(blocks) // (TASKS_EACH * workers)))
+    together = min(MAX_TASK_BLOCKS, max(1, len(blocks) // (TASKS_EACH * workers)))
     return [blocks[first : first + together] for first in range(0, len(blocks), together)]
 
 
 def _make_all(
-    make: Callable[[Workshop, int], int], workshop: Workshop, blocks: Sequence[int]
+    make: Callable[[WorkFolder, int], int], workshop: WorkFolder, blocks: Sequence[int]
 ) -> list[int]:
     return [make(workshop, block) for block in blocks]

@@ -24,15 +24,15 @@ def describe(
     meter; the meter's noise; and what the file does not say and is assumed.
     """
     from ..press.pixels import pixels_with_skin
-    from ..requests.console import written
-    from ..requests.requested_scene import asked_scene, warn_of_model
+    from ..requests.console import report_written
+    from ..requests.requested_scene import requested_scene, warn_of_model
     from ..sweeps import checked_output
     from .facts import facts
     from .scene_drawing import ENDINGS, draw_scene
 
     if output is not None:
         checked_output(output, ENDINGS)
-    loaded = asked_scene(scene)
+    loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
     told = facts(loaded)
     room = max(len(each.about) for each in told) + 2
@@ -41,4 +41,4 @@ def describe(
     for each in told:
         say(f"  {each.about:{room}}{each.told}")
     if output is not None:
-        written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))
+        report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))

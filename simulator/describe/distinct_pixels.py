@@ -18,11 +18,11 @@ NAME_SHAPE = 1.8
 """Of a name of a pixel: its width over its height."""
 
 
-def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
+def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
     """In words, what even a meter without noise cannot tell; pixels: those that can be pressed."""
     if scene.skin.mesh is not None:
         return "not looked into on a mesh"
-    groups = alike(scene, pixels)
+    groups = equal_sweep_groups(scene, pixels)
     if len(groups) == len(pixels):
         return "every pixel shows sweeps of its own"
     told = [
@@ -35,7 +35,7 @@ def told_apart(scene: Scene, pixels: Sequence[Pixel]) -> str:
     return f"{', '.join(told)}: {len(groups)} of {len(pixels)} pixels (not, say, {example})"
 
 
-def middle(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
+def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
     """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide it may be, m.
 
     In the middle of the largest ellipse of a name's shape in the pixel's part of the skin.
@@ -63,7 +63,7 @@ def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np
     return found, np.ones(found.shape[1], bool) if meshed else on_skin(scene.skin, found)
 
 
-def alike(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
+def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
     """Groups of pixels that show the same sweeps, whatever the meter."""
     of, groups = representative(scene), defaultdict(list)
     for pixel in pixels:

@@ -20,10 +20,10 @@ from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps.errors import InputError
-from ..sweeps.meter_bands import REACH, VIRTUAL_MODEL, beyond_reach
+from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
-from .distinct_pixels import told_apart
-from .secondary_effects import beyond
+from .distinct_pixels import indistinguishable_pixels
+from .secondary_effects import secondary_effects
 
 LINES = 64
 """Along each side of the skin, at which maps are averaged."""
@@ -64,8 +64,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "frequencies", _frequencies(scene)
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
-    yield from beyond(scene)
-    yield "told apart", told_apart(scene, pixels_with_skin(scene))
+    yield from secondary_effects(scene)
+    yield "told apart", indistinguishable_pixels(scene, pixels_with_skin(scene))
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
 
@@ -128,7 +128,7 @@ def _varying(of_place: AnyMap) -> str:
 
 def _foam(skin: Skin) -> str:
     foam = skin.foam
-    told = prefixed(foam.rest_capacitance_per_area, "F/m²")
+    told = prefixed(foam.unpressed_capacitance_per_area, "F/m²")
     if foam.thickness is not None:
         told += f", {1e3 * foam.thickness:.4g} mm thick"
     told += f", tan d {foam.loss_tangent:g}" if foam.loss_tangent else ", without loss"
@@ -143,7 +143,7 @@ def _foam(skin: Skin) -> str:
 
 def _capacitance(scene: Scene) -> str:
     skin, pixels = scene.skin, scene.pixels
-    c = skin.foam.rest_capacitance_per_area
+    c = skin.foam.unpressed_capacitance_per_area
     pixel = c * skin.length * skin.width / (pixels.rows * pixels.columns)
     whole = f"{prefixed(pixel, 'F')} for each whole pixel at rest"
     if skin.mesh is not None:
@@ -197,11 +197,11 @@ def _frequencies(scene: Scene) -> str:
     f = scene.frequencies
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
     told = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
-    beyond = beyond_reach(VIRTUAL_MODEL, f)
-    if not beyond:
+    outside = outside_band(VIRTUAL_MODEL, f)
+    if not outside:
         return told
-    others = [model for model in REACH if not beyond_reach(model, f)]
-    return f"{told}; {beyond}" + (f" (all are read by {' and '.join(others)})" if others else "")
+    others = [model for model in METER_BANDS if not outside_band(model, f)]
+    return f"{told}; {outside}" + (f" (all are read by {' and '.join(others)})" if others else "")
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
@@ -233,7 +233,7 @@ def _noise(scene: Scene) -> str:
 
 def assumed(scene: Scene) -> list[str]:
     """The keys that the file does not set, with their defaults; tables that it lacks by name."""
-    unused = () if scene.press.plain else ("press.capacitance_factor", "press.factor_spread")
+    unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
     return [told for told in _unset(scene, "") if not told.startswith(unused)]
 
 

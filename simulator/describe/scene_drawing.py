@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..chart_style import FOIL, chart, foil_offset
+from ..chart_style import FOIL_COLOURS, chart, foil_offset
 from ..measure.symmetry import Pixel
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
@@ -27,7 +27,7 @@ from ..report.from_above import (
 from ..scene.contacts import Contact
 from ..scene.scene import Scene
 from ..sweeps import checked_output
-from .distinct_pixels import middle
+from .distinct_pixels import label_position
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,7 +122,7 @@ def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], far: tuple[float, flo
     draw_pixels(axes, scene, color="0.6", linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
     if max(rows, columns) <= MOST_NAMED:
         for row, column in pixels:
-            (x, y), size = middle((row, column), scene)
+            (x, y), size = label_position((row, column), scene)
             points = float(np.clip(size / max(length, width) * LETTERS, 3, 9))
             centred = {"ha": "center", "va": "center", "color": "0.25", "zorder": 3.5}
             axes.text(MM * x, MM * y, f"{row},{column}", size=points, **centred)
@@ -164,7 +164,7 @@ def _foils(axes: Axes, scene: Scene, ribbons: Sequence[Ribbon]) -> None:
         if line.closed:
             x, y = MM * at
             ends = [y, MM * np.nanmin(line.beside(foil_offset(foil.electrode, longest))[1])]
-            axes.plot([x, x], ends, color=FOIL[foil.electrode], linewidth=0.8, zorder=3.4)
+            axes.plot([x, x], ends, color=FOIL_COLOURS[foil.electrode], linewidth=0.8, zorder=3.4)
         _name(axes, foil, scene, MM * at, out, stacked[place])
         stacked[place] += 1
 
@@ -181,7 +181,7 @@ def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, befo
         rotation=90 if upright else 0,
         ha="center" if upright else BESIDE[right],
         va="center" if upright else ABOVE[up],
-        color=FOIL[foil.electrode],
+        color=FOIL_COLOURS[foil.electrode],
         size=8,
         annotation_clip=False,
         zorder=5,

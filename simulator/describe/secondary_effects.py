@@ -36,7 +36,7 @@ USUAL = Relaxation(share=0.1, time_constant=1.0)
 """What an open foam may do, for the size of what is left out."""
 
 
-def beyond(scene: Scene) -> Iterator[tuple[str, str]]:
+def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
     """Each effect: what it is called, and its size with whether the scene has it.
 
     Sizes are those of `models.stray`.
@@ -116,15 +116,15 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
 def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str]]:
     """Of presses that have walls: by a factor that compresses the foam."""
     factor = scene.press.capacitance_factor
-    if scene.press.plain and factor > 1:
+    if scene.press.by_factor and factor > 1:
         share = _percent(wall_share(scene, factor))
         there = "in the scene" if around and around.edges else LEFT_OUT
         yield "walls", f"those around a pressed pixel add {share} to its rise; {there}"
 
 
 def _finger(scene: Scene, around: Surroundings | None) -> str:
-    if around and around.rods_alone:
-        return "none can touch: " + around.rods_alone
+    if around and around.no_finger_reason:
+        return "none can touch: " + around.no_finger_reason
     how = scene.press.finger
     if around is None or (how is None and around.finger_per_area is None):
         size = _percent(finger_share(electrical(scene)))

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 
 from ..bounds.sets import candidates_in, own_band
-from ..progress import Progress
+from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
@@ -32,7 +32,7 @@ class Asking:
     seed: int
     draws: int
     journal: Journal
-    progress: Progress
+    progress: ProgressCallback
 
 
 class Bench:

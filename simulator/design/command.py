@@ -91,16 +91,16 @@ def design(
     from ..bounds.sets import own_band
     from ..models.plain import folded
     from ..progress import on_terminal
-    from ..requests.requested_scene import asked_scene
+    from ..requests.requested_scene import requested_scene
     from ..scene.frequency import parse_band
     from ..scene.scene_files import scene_text
-    from ..sweeps.accuracy_text import bound_means
+    from ..sweeps.accuracy_text import bound_text
     from .bench import Asking
     from .journal import Journal
     from .report.folder import answer, write_folder
     from .search import search
 
-    loaded = folded(asked_scene(scene), "a design")
+    loaded = folded(requested_scene(scene), "a design")
     given = {
         "target": target,
         "want": want,
@@ -132,7 +132,7 @@ def design(
     say(answer(found, asking))
     if asked.target != "position":
         skins = f"each of {asked.casts} known casts" if asked.casts else "a known skin"
-        say(bound_means(asked.against_rest, skins))
+        say(bound_text(asked.against_rest, skins))
     say(f"design, wiring and report in {output}")
 
 

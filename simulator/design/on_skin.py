@@ -16,7 +16,7 @@ from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
-from ..scene.reading_setup import Reading
+from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 
 
@@ -45,9 +45,9 @@ class OnSkin:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
-    def reading(self, frequency: NDArray[np.float64]) -> Reading:
+    def reading(self, frequency: NDArray[np.float64]) -> ReadingSetup:
         """What is read of it at these frequencies in Hz, behind its own leads."""
-        return Reading(self._readings, frequency, self._leads)
+        return ReadingSetup(self._readings, frequency, self._leads)
 
     def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
@@ -55,4 +55,4 @@ class OnSkin:
         network = NetworkSkin(self.skin, s)
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
-        return observed(self._leads.seen_through(Z, frequency))
+        return observed(self._leads.at_meter(Z, frequency))

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from ..scene.contacts import Interface
 from ..scene.scene import Scene
-from ..scene.wiring_checks import joined
+from ..scene.wiring_checks import conductor_groups
 
 ALL_SETS = 5
 """Wires up to which sets of any size are read; of more, sets of two at most."""
@@ -17,7 +17,7 @@ Sets = tuple[frozenset[str], frozenset[str]]
 
 def terminals(scene: Scene) -> list[str]:
     """The first foil of each terminal: foils that touch are one, and take one wire."""
-    first = joined(scene.contacts, scene.skin)
+    first = conductor_groups(scene.contacts, scene.skin)
     return [scene.contacts[k].name for k in sorted(set(first))]
 
 
@@ -57,7 +57,7 @@ def _disjoint(wired: Sequence[str]) -> Iterator[tuple[tuple[str, ...], tuple[str
 
 def _sets(scene: Scene, reading: Interface) -> Sets:
     """Both sides by the first foil of each terminal."""
-    first = joined(scene.contacts, scene.skin)
+    first = conductor_groups(scene.contacts, scene.skin)
     leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
     high, low = (frozenset(leader[name] for name in side) for side in (reading.high, reading.low))
     return high, low

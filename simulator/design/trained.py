@@ -14,7 +14,7 @@ from ..models.network.terminals import read, require_no_spread, trained
 from ..models.parameters import WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.model import Reduced
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.scene import Scene
@@ -40,10 +40,10 @@ class Trained:
         asked: Design,
         band: tuple[float, float],
         seed: int,
-        progress: Progress = silent,
+        progress: ProgressCallback = silent,
         touches: Touches | None = None,
     ) -> None:
-        """band: of all frequencies that are asked for, Hz. progress: as of `Progress`.
+        """band: of all frequencies that are asked for, Hz. progress: as of `ProgressCallback`.
         touches: anywhere, in place of pixels pressed whole.
 
         Raises InputError where a tension spreads presses."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..scene.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
-from ..scene.wiring_checks import joined
+from ..scene.wiring_checks import conductor_groups
 from .excitation import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12
@@ -96,7 +96,7 @@ class Circuit:
 
 def two_fields(scene: Scene) -> Circuit:
     """The circuit of both sheets' potentials, and of the conductors beside them: always right."""
-    first = joined(scene.contacts, scene.skin)
+    first = conductor_groups(scene.contacts, scene.skin)
     leaders = sorted(set(first))
     terminal_of = {
         contact.name: leaders.index(leader)

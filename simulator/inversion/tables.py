@@ -119,7 +119,7 @@ def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]
     drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
     if presses == "press":
         return covered(own_presses(scene).at, STRENGTHS)
-    if scene.press.plain or deep is None:
+    if scene.press.by_factor or deep is None:
         return covered(drawn.at, STRENGTHS)
     return covered(lambda chance: scene.pressed_factors(deep.at(chance)), STRENGTHS)
 

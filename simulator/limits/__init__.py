@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
     from .hand import Between
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 
 
 def bayes_accuracy(
@@ -20,7 +20,7 @@ def bayes_accuracy(
     seed: int = 1,
     draws: int = 2000,
     against_rest: int = 0,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> tuple[float, float]:
     """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
 
@@ -51,7 +51,7 @@ def hand_accuracy(
     draws: int = 1000,
     samples: int = 4000,
     against_rest: int = 0,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Between:
     """As `bayes_accuracy`, for a hand that presses beside the pixels that it means.
 
@@ -113,7 +113,7 @@ def position_bound(
     against_rest: int = 0,
     unknown_skin: bool = False,
     most: int | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Bounds:
     """Least standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
 

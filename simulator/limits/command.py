@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..requests.options import (
-    RESTS,
+    BASELINE_SWEEPS,
     AgainstRest,
     Charts,
     Interfaces,
@@ -19,7 +19,7 @@ from ..requests.options import (
 from ..safe_text import say
 
 if TYPE_CHECKING:
-    from ..progress import Progress
+    from ..progress import ProgressCallback
     from ..scene.scene import Scene
     from .identity import Sampling
 
@@ -46,7 +46,7 @@ def limits(
         str | None,
         typer.Option(help="What touches: finger (earthed), floating, rod, or 5.3pF."),
     ] = None,
-    against_rest: AgainstRest = RESTS,
+    against_rest: AgainstRest = BASELINE_SWEEPS,
     unknown_skin: Annotated[
         bool,
         typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),
@@ -80,7 +80,7 @@ def limits(
     from ..chart_style import checked_ending
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..requests.requested_scene import asked_scene
+    from ..requests.requested_scene import requested_scene
     from ..sweeps import checked_folder, made_folder
     from .findings import WRITTEN, Findings
     from .identity import Sampling, identity
@@ -94,11 +94,11 @@ def limits(
         with_sheets,
     )
 
-    plain = foldable(with_finger(asked_scene(scene), finger), "a limit")
+    plain = foldable(with_finger(requested_scene(scene), finger), "a limit")
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
-    question = Question(touch, against_rest, unknown_skin, not loaded.press.plain)
+    question = Question(touch, against_rest, unknown_skin, not loaded.press.by_factor)
     sampling = Sampling(seed, draws, against_rest, side)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
@@ -126,7 +126,9 @@ def _listed(text: str | None) -> list[float]:
         raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
 
 
-def _print_counts(scene: Scene, accuracy: float, sampling: Sampling, progress: Progress) -> None:
+def _print_counts(
+    scene: Scene, accuracy: float, sampling: Sampling, progress: ProgressCallback
+) -> None:
     from .identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):

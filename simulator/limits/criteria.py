@@ -32,7 +32,7 @@ from ..bounds.touches.deep import touches_on
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indented.draws import felt_beside
 from ..models.response import Response
-from ..progress import Progress, silent, tracked
+from ..progress import ProgressCallback, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -96,7 +96,7 @@ def identity_criterion(
     target: str,
     frequency: NDArray[np.float64],
     against_rest: int = 0,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     touch: TouchSize | None = None,
 ) -> Criterion:
     """Of the nearest two pixels whose columns, or which themselves, are to be told apart.

@@ -12,7 +12,7 @@ from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import Slopes, TouchSize, places_on, position_slopes
 from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, too_near
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .criteria import Criterion, identity_criterion, position_criterion
@@ -85,7 +85,7 @@ def design(
     against_rest: int = 0,
     repeats: bool = False,
     among: NDArray[np.float64] | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Design:
     """The best n of `candidates_of` a scene over a band in Hz, by a criterion of `criteria`.
 
@@ -154,7 +154,7 @@ def _criterion(
     candidates: NDArray[np.float64],
     touch: TouchSize,
     against_rest: int,
-    progress: Progress,
+    progress: ProgressCallback,
 ) -> tuple[Criterion, Slopes | None]:
     """The criterion and, for position, the slopes at all places that `limits` looks at."""
     of_groups = name != "position" and scene.pixels.groups is not None

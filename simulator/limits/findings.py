@@ -12,7 +12,7 @@ from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
 from ..safe_text import say, terminal
 from ..scene.scene import Scene
-from ..sweeps.accuracy_text import bound_means
+from ..sweeps.accuracy_text import bound_text
 from .figure import draw_distances, draw_maps
 from .identity import Identity
 from .report import summary, write_distances, write_places
@@ -78,7 +78,7 @@ class Findings(NamedTuple):
         left = len(self.variants) - MOST_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
         repeated = [f"  {line}" for line in repeated_told(self.scene)]
-        meaning = f"  {bound_means(self.question.against_rest, 'a known skin')}"
+        meaning = f"  {bound_text(self.question.against_rest, 'a known skin')}"
         say(*more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning)
         say(f"maps and tables in {folder}")
 

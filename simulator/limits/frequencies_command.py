@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..requests.options import RESTS, AgainstRest, Interfaces, SceneName, TouchFactor, TouchSide
+from ..requests.options import (
+    BASELINE_SWEEPS,
+    AgainstRest,
+    Interfaces,
+    SceneName,
+    TouchFactor,
+    TouchSide,
+)
 from ..safe_text import say, terminal
 
 if TYPE_CHECKING:
@@ -40,7 +47,7 @@ def frequencies(
     interface: Interfaces = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
-    against_rest: AgainstRest = RESTS,
+    against_rest: AgainstRest = BASELINE_SWEEPS,
     repeats: Annotated[
         bool, typer.Option("--repeats", help="A frequency may be read more than once.")
     ] = False,
@@ -57,12 +64,12 @@ def frequencies(
     from ..bounds.sets import chosen_band, frequencies_among
     from ..models.mechanics.in_depths import foldable
     from ..progress import on_terminal
-    from ..requests.requested_scene import asked_scene
+    from ..requests.requested_scene import requested_scene
     from .criteria import checked_criterion
     from .design import check_design, design
     from .survey import with_interfaces
 
-    plain = foldable(asked_scene(scene), "a limit")
+    plain = foldable(requested_scene(scene), "a limit")
     loaded = with_interfaces(plain, interface or [])
     chosen_from = frequencies_among(among, loaded)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)

@@ -20,7 +20,7 @@ from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
-from ..progress import Progress, silent, tracked
+from ..progress import ProgressCallback, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..scene.scene import Scene
@@ -104,7 +104,7 @@ class Hand:
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Z = self._skin.sweeps(self._rasterized(middles, factors), s)
-        return self._model.whitened(observed(self.scene.leads.seen_through(Z, frequency)))
+        return self._model.whitened(observed(self.scene.leads.at_meter(Z, frequency)))
 
     def _rasterized(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
         """Touches on cells. sides: m, of each if not all alike."""
@@ -164,7 +164,7 @@ def accuracy_of_hand(
     seed: int = 1,
     draws: int = 1000,
     samples: int = 4000,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Between:
     """Share of sweeps that the best classifier tells right. among: in order of their answers.
     samples: presses of each hypothesis."""

@@ -18,7 +18,7 @@ from ..bounds.bayes import Accuracy, bayes
 from ..bounds.readings import Hypothesis, Readings, hypotheses
 from ..bounds.touches.errors import LaidErrors
 from ..measure.experiment import own_presses, quantiles, together
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -100,7 +100,7 @@ class Sampling:
         readings: Readings,
         among: Sequence[Hypothesis],
         presses: AnyDistribution,
-        progress: Progress,
+        progress: ProgressCallback,
     ) -> Accuracy:
         """Bayes' accuracy of hypotheses under such presses."""
         return bayes(readings, among, presses, self.seed, self.draws, progress)
@@ -147,7 +147,7 @@ class Identity:
         return [f"of a press: {self.asked}", *laid, *own, *ways]
 
 
-def identity(scene: Scene, sampling: Sampling, progress: Progress = silent) -> Identity:
+def identity(scene: Scene, sampling: Sampling, progress: ProgressCallback = silent) -> Identity:
     """Of a known skin, pressed as the scene's experiment does."""
     presses = own_presses(scene)
     readings, size = sampling.readings(scene, presses), sampling.size
@@ -204,7 +204,7 @@ def counts(
     target: str,
     asked: float,
     sampling: Sampling,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Iterator[Count]:
     """From FEWEST pixels on, up to the first number that does not reach what is asked.
 
@@ -224,7 +224,7 @@ def counted(
     target: str,
     n: int,
     sampling: Sampling,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Count:
     """The best accuracy with n pixels along the side with more of them."""
     divided = with_pixels(scene, n)

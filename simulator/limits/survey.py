@@ -19,8 +19,8 @@ from ..bounds.position import (
 )
 from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.touches.errors import LaidErrors
-from ..progress import Progress, silent
-from ..scene.changed_readings import through
+from ..progress import ProgressCallback, silent
+from ..scene.changed_readings import restricted_to_interfaces
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
@@ -77,7 +77,7 @@ def survey(
     question: Question,
     sheet_resistances: Sequence[float] = (),
     n: int | None = None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> list[Variant]:
     """The scene's frequencies beside n by Eq. 6, evenly spaced and optimal ones; every interface
     alone; every sheet resistance in ohm/sq. n: by default as many as pixels from the fed edge on.
@@ -128,7 +128,7 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
 
 def with_factor(scene: Scene, factor: float) -> Scene:
     """The same scene pressed so many times the capacitance at rest."""
-    by = {"capacitance_factor": factor} if scene.press.plain else {}
+    by = {"capacitance_factor": factor} if scene.press.by_factor else {}
     by = by or {"depth": scene.pressed_depth(factor)}
     pressing = scene.press.model_copy(update=by)
     return scene.model_copy(update={"press": pressing})
@@ -151,11 +151,15 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
     for name in names:
         if name not in known:
             raise InputError(f"--interface must be one of {', '.join(known)}, got {name!r}")
-    return through(scene, [name for name in known if name in names]) if names else scene
+    return (
+        restricted_to_interfaces(scene, [name for name in known if name in names])
+        if names
+        else scene
+    )
 
 
 def _slopes(
-    scene: Scene, question: Question, frequency: NDArray[np.float64], progress: Progress
+    scene: Scene, question: Question, frequency: NDArray[np.float64], progress: ProgressCallback
 ) -> Slopes:
     fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(

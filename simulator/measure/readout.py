@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.meter import Readout
-from ..scene.reading_setup import Reading
+from ..scene.reading_setup import ReadingSetup
 from ..sweeps import InputError, build, impedance, parallel_capacitance
 from ..sweeps.schema import taken_of
 
@@ -152,7 +152,7 @@ class ErrorModel:
 
 
 def errors_of(
-    scene: Scene, against_rest: int = 0, averaged: int = 1, reading: Reading | None = None
+    scene: Scene, against_rest: int = 0, averaged: int = 1, reading: ReadingSetup | None = None
 ) -> ErrorModel:
     """Of what a scene's meter reads, all that the scene has for None. Raises InputError without
     noise."""

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ..models.answer import Answer
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
-from ..scene.changed_readings import reading_at
+from ..scene.changed_readings import with_frequencies
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from ..sweeps import InputError, Table, concatenate, tabled
+from ..sweeps import InputError, SweepTable, concatenate, tabled
 from ..sweeps.free_space import check_memory
-from ..sweeps.reading_subset import all_of, restricted
+from ..sweeps.reading_subset import read_mask, restricted
 from .in_time import answered_in_time
 from .readout import read_out
 
@@ -65,7 +65,7 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
         yield press, known[press]
 
 
-def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> Table:
+def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> SweepTable:
     """Sweeps from presses that were answered already. Raises InputError where there is none."""
     found = list(pairs)
     if not found:
@@ -100,12 +100,12 @@ def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]
     they are those of the sweeps, the same readings are taken as of these, else all.
     Raises as `press_on` and `Solver.solve`.
     """
-    scene = reading_at(scene, frequency.tolist())
+    scene = with_frequencies(scene, frequency.tolist())
     found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
     again = found.sel(interface=sweeps["interface"].values)
     again = again.assign_coords(session=("sweep", sweeps["session"].values))
     alike = np.array_equal(frequency, sweeps["frequency"].values)
-    return restricted(again, all_of(sweeps)) if alike else again
+    return restricted(again, read_mask(sweeps)) if alike else again
 
 
 def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:

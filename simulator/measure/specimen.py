@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..method_cache import remembered
+from ..method_cache import cached_method
 from ..models.mechanics.in_depths import depths_in_words
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
@@ -30,7 +30,7 @@ class Solved:
     def __init__(self, scene: Scene) -> None:
         self._frequencies, self._solver = scene.frequencies, Solver(scene)
 
-    @remembered(READINGS_KEPT)
+    @cached_method(READINGS_KEPT)
     def impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface,), at a frequency in Hz. Raises as `Solver.solve`."""
         own = np.flatnonzero(self._frequencies == frequency)
@@ -38,7 +38,7 @@ class Solved:
             return self._sweeps(press)[:, own[0]]
         return self._solver.solve(press, frequency).Z[:, 0]
 
-    @remembered(SWEEPS_KEPT)
+    @cached_method(SWEEPS_KEPT)
     def _sweeps(self, press: Press) -> NDArray[np.complex128]:
         """At all frequencies of the scene: mechanics is solved once for them."""
         return self._solver.solve(press).Z

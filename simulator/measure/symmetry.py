@@ -20,7 +20,7 @@ from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin, curves
-from ..scene.wiring_checks import joined
+from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the skin at rest."""
@@ -115,7 +115,7 @@ def _kept(scene: Scene, mapping: Mapping) -> bool:
 def _alike_around(scene: Scene) -> bool:
     """Whether both sheets see the same around them, and no finger touches one of them."""
     return scene.press.finger is None and (
-        scene.surroundings is None or scene.surroundings.even_handed
+        scene.surroundings is None or scene.surroundings.symmetric_sides
     )
 
 
@@ -233,7 +233,7 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
     The same two sides, either way round, or by the exchange of sheets that are alike, at no other
     frequencies: then a further one only averages the meter's errors.
     """
-    group = joined(scene.contacts, scene.skin)
+    group = conductor_groups(scene.contacts, scene.skin)
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
     images = _exchanged(scene)
     kind = tuple if _guarded(scene) else frozenset

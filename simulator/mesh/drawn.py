@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.contacts import Contact, section
+from ..scene.contacts import Contact, curve_section
 from ..scene.form.outline import Curve
 from ..scene.planar import Circle
 from ..scene.skin import curves
@@ -37,7 +37,7 @@ def drawn(drawing: Drawing, size: float) -> Domain:
     mesh = meshed(pieces.points, pieces.pieces, bends, curve, size)
 
     def under(foil: Contact) -> Numbers:
-        along = section(foil, skin)
+        along = curve_section(foil, skin)
         there = (curve == along.curve) & (along.start < middle) & (middle < along.stop)
         return mesh.lines[:, there[mesh.piece]]
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.form.mesh_file import Surface, foil_lines
+from ..scene.form.mesh_file import MeshSurface, foil_lines
 from ..scene.planar import Circle, distance, nearest
 from ..scene.skin import Skin
 from ..sweeps import InputError, ToleranceError
@@ -196,7 +196,7 @@ def _at(p: Points, places: Points, same: float) -> Numbers:
 
 
 @functools.lru_cache(maxsize=4)
-def _check(path: str, surface: Surface) -> None:
+def _check(path: str, surface: MeshSurface) -> None:
     check(path, surface.p, surface.t)
 
 
@@ -207,7 +207,7 @@ def _grid(drawing: Drawing) -> Points:
     return np.array([*across, *(np.array([(x[0], line), (x[-1], line)]) for line in y)])
 
 
-def _grouped(path: str, surface: Surface, groups: Sequence[Sequence[str]]) -> Numbers:
+def _grouped(path: str, surface: MeshSurface, groups: Sequence[Sequence[str]]) -> Numbers:
     """The pixel of each triangle by the groups of the mesh, -1 for those in none."""
     pixel = np.full(surface.t.shape[1], -1, dtype=np.int64)
     names = [name for row in groups for name in row]

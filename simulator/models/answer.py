@@ -55,7 +55,7 @@ class Answer:
         Cp = told_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
-    def seen_through(self, leads: Leads) -> Answer:
+    def at_meter(self, leads: Leads) -> Answer:
         """The same at the meter's end of the leads.
 
         The error of Z is taken to be UNIFORM times as large as that of Rs or of Cp tells: near a
@@ -63,7 +63,7 @@ class Answer:
         """
         if leads.ideal:
             return self
-        Z, omega = leads.seen_through(self.Z, self.frequency), 2 * np.pi * self.frequency
+        Z, omega = leads.at_meter(self.Z, self.frequency), 2 * np.pi * self.frequency
         off = UNIFORM * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
         off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
         return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))

@@ -35,7 +35,7 @@ def effects_of(scene: Scene) -> tuple[str, ...]:
     there = {
         "body": bool(around.body) and not around.solved,
         "rim": around.rim is not False,
-        "finger": around.rods_alone is None,
+        "finger": around.no_finger_reason is None,
     }
     return tuple(name for name in EFFECTS if there[name])
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..press.press import Press, check_fingers
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
 from .heterogeneous.coefficients import ELECTRODES
@@ -58,12 +58,12 @@ def fields(
     frequencies: Sequence[float],
     interface: str,
     rtol: float = 1e-3,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
 ) -> Fields:
     """Those of a press at frequencies in Hz.
 
     Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
-    power are those per length and area of the flat skin. progress: as of `Progress`. Raises
+    power are those per length and area of the flat skin. progress: as of `ProgressCallback`. Raises
     InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
     reached.
     """
@@ -86,7 +86,7 @@ def fields(
         position=_flat(sampler.position),
         cells=sampler.parts,
         frequency=frequency,
-        Z=scene.leads.seen_through(Z[excitation], frequency),
+        Z=scene.leads.at_meter(Z[excitation], frequency),
         potential=_flat(np.stack(potential, axis=1)),
         current=_flat(np.stack(current, axis=1)),
         power=_flat(np.stack(power)),
@@ -99,7 +99,7 @@ def fields(
 
 
 def _resolved(
-    scene: Scene, press: Press, frequency: Real, rtol: float, progress: Progress
+    scene: Scene, press: Press, frequency: Real, rtol: float, progress: ProgressCallback
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
     touched = indented(scene, press, rtol, progress)
@@ -143,7 +143,7 @@ def _at(
 def _relative(scene: Scene, by_rise: Complex, Z: Complex, frequency: Real) -> tuple[Real, Real]:
     """Changes of ln Rs and ln Cp at the meter's end from those of Y at the skin."""
     along = np.s_[:, None, None]
-    seen = scene.leads.seen_through(Z, frequency)
+    seen = scene.leads.at_meter(Z, frequency)
     through = (1 + 2j * np.pi * frequency * scene.leads.unguarded * Z) ** -2
     change = (-(Z**2) * through)[along] * by_rise
     of_Y = -change / (seen**2)[along]

@@ -75,7 +75,7 @@ class Line:
             along, c = y, c.T
         if not (c == c[:1]).all():
             raise InputError(f"press {press} varies across {self.scene.name}: it is no line")
-        c = c[0] * self.scene.skin.foam.rest_capacitance_per_area
+        c = c[0] * self.scene.skin.foam.unpressed_capacitance_per_area
         from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
         return c[from_feed], np.diff(along)[from_feed]
 
@@ -134,7 +134,7 @@ def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
     is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
     """
     even = electrical(scene)
-    c = even.skin.foam.rest_capacitance_per_area
+    c = even.skin.foam.unpressed_capacitance_per_area
     return float(interrogation_frequency(even.reach(*interfaces), even.skin.both_sheets, c))
 
 

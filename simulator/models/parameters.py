@@ -223,9 +223,9 @@ def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
     capacitance than vacuum of its thickness is thicker.
     """
     foam, press, skin = scene.skin.foam, scene.press, scene.skin
-    c = foam.rest_capacitance_per_area * factor
+    c = foam.unpressed_capacitance_per_area * factor
     sheets = skin.top.piezoresistance or skin.bottom.piezoresistance
-    mechanics = None if press.plain and not sheets and not foam.in_time else foam.mechanics
+    mechanics = None if press.by_factor and not sheets and not foam.in_time else foam.mechanics
     if foam.thickness is None or not (mechanics or scene.surroundings):
         return {"capacitance_per_area": c}
     thickness = max(foam.thickness, VACUUM_PERMITTIVITY / c)

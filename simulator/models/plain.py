@@ -40,7 +40,7 @@ def form(skin: Skin) -> Skin:
     stretch where nothing else is left that is not plain.
     """
     even = _evened(skin)
-    return _stretched(even) if even.beyond_plain == ["skin.stretch"] else even
+    return _stretched(even) if even.beyond_uniform == ["skin.stretch"] else even
 
 
 def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
@@ -48,7 +48,7 @@ def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> P
 
     even: `electrical(scene)`, where it is known.
     """
-    if not (press.plain and (even or electrical(scene)).plain):
+    if not (press.plain and (even or electrical(scene)).uniform):
         return None
     ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):
@@ -65,15 +65,15 @@ def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
     takes factors of foam that creeps.
     """
     mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what, creeps)
-    spread = not scene.press.plain and mechanics is not None and mechanics.tension
+    spread = not scene.press.by_factor and mechanics is not None and mechanics.tension
     return scene if spread else evenly
 
 
 def evenly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
-    if not (creeps and scene.press.plain):
+    if not (creeps and scene.press.by_factor):
         require_static(scene, f"{what} by `press.depth`" if creeps else what)
-    if scene.press.plain:
+    if scene.press.by_factor:
         return electrical(scene)
     if scene.press.force is not None:
         return _by_depth_alone(scene, what)
@@ -101,7 +101,7 @@ def require_plain(scene: Scene, what: str) -> Scene:
     Raises InputError naming the key by which the scene is another one.
     """
     scene.require_sheets_alone(what)
-    for key in scene.skin.beyond_plain:
+    for key in scene.skin.beyond_uniform:
         raise InputError(
             f"{scene.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
             "rectangle"
@@ -149,7 +149,7 @@ def _times(part: Part, factor: float) -> Part:
     if part.capacitance_per_area is None and part.mechanics is None:
         assert part.thickness is not None
         return part.model_copy(update={"thickness": part.thickness / factor})
-    c = part.rest_capacitance_per_area * factor
+    c = part.unpressed_capacitance_per_area * factor
     return part.model_copy(update={"capacitance_per_area": c, "relative_permittivity": None})
 
 

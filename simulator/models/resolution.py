@@ -124,7 +124,7 @@ def depth_of(scene: Scene, frequency: float) -> float:
     if around is None or not around.body:
         return skin.depth(frequency)
     R = {"top": skin.top.sheet_resistance, "bottom": skin.bottom.sheet_resistance}
-    c = skin.foam.rest_capacitance_per_area
+    c = skin.foam.unpressed_capacitance_per_area
     charged = sum(R[body.side] * body.per_area for body in around.body)
     return skin.depth(frequency, 1 + charged / (skin.both_sheets * c))
 

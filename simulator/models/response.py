@@ -46,7 +46,7 @@ def at_meter(
     by_skin, by_leads = leads.slopes(Z, frequency)
     seen = (-(Z**2) * by_skin).astype(np.complex128)
     return Response(
-        leads.seen_through(Z, frequency).astype(np.complex128),
+        leads.at_meter(Z, frequency).astype(np.complex128),
         {name: seen * slope for name, slope in by_parameter.items()} | by_leads,
         *(seen[..., None] * each for each in (by_cell, by_term, by_gauge)),
     )

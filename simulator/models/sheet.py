@@ -94,7 +94,9 @@ class Sheet:
             if not set(of_touches) <= set(own):
                 raise InputError(f"press {press} has edges that the mesh does not conform to")
         x, y = (tile_lines(self.scene, axis, self.resolution) for axis in (0, 1))
-        return self.scene.skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, x, y)
+        return self.scene.skin.foam.unpressed_capacitance_per_area * tile_map(
+            self.scene, press, x, y
+        )
 
     def moments(self, press: Press, count: int) -> NDArray[np.float64]:
         """Taylor coefficients of the network's Y(s), shape (count + 1, N, N)."""

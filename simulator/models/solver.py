@@ -21,7 +21,7 @@ from ..fem.error_estimate import ROUNDING, relative_difference
 from ..fem.excitation import impedance_with_error
 from ..fem.safety_factors import UNIFORM
 from ..mesh.quadrilaterals import Resolution
-from ..method_cache import remembered
+from ..method_cache import cached_method
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
 from ..scene.scene import Scene
@@ -86,7 +86,7 @@ class Solver:
     def _without_earth(self) -> Solver | None:
         """Of presses by rods, where earth makes no difference to them; None where it does."""
         around = self.scene.surroundings
-        if around is None or not around.idle:
+        if around is None or not around.without_effect:
             return None
         alone = self.scene.model_copy(update={"surroundings": None})
         return Solver(alone, self.rtol, self.model, self.frequency)
@@ -107,7 +107,7 @@ class Solver:
         self._check_depth(press, float(asked[-1]))
         solver = self
         while True:
-            answer = solver._of_skin(press, asked).seen_through(self.scene.leads)
+            answer = solver._of_skin(press, asked).at_meter(self.scene.leads)
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._closer
@@ -254,7 +254,7 @@ class Solver:
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
         return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
 
-    @remembered(GRIDS_KEPT)
+    @cached_method(GRIDS_KEPT)
     def _left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
         """Relative error of Rs and Cp by one R and one C, at the worst of the frequencies.
 

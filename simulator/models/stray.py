@@ -42,7 +42,7 @@ def rim_share(scene: Scene) -> float:
     """
     skin = scene.skin
     gamma = rim_per_length(*skin.stretched_sides, skin.foam.thickness_or_assumed)
-    return gamma * perimeter(skin) / (skin.foam.rest_capacitance_per_area * surface(skin))
+    return gamma * perimeter(skin) / (skin.foam.unpressed_capacitance_per_area * surface(skin))
 
 
 def straight_share(thickness: float, depth: float) -> float:
@@ -106,7 +106,7 @@ def body_share(scene: Scene, body: Body = NEARBY) -> float:
     Against a three-dimensional solve, 5 mm behind the paper's sheet and strip: 22 % for 22.8 %, and
     26 % for 31 %; the field around the body's side of the rim is left out.
     """
-    near = body.per_area / scene.skin.foam.rest_capacitance_per_area
+    near = body.per_area / scene.skin.foam.unpressed_capacitance_per_area
     return sheet_part(scene, body.side) * near + open_share(scene)
 
 
@@ -143,4 +143,4 @@ def capacitance(scene: Scene) -> float:
     """Of the whole skin at rest, as it is stretched, F; maps are left out."""
     skin = scene.skin
     stretched = math.prod(skin.stretch.ratios) if skin.stretch else 1.0
-    return skin.foam.rest_capacitance_per_area * surface(skin) * stretched
+    return skin.foam.unpressed_capacitance_per_area * surface(skin) * stretched

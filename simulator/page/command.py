@@ -31,16 +31,16 @@ def page(
     from ..models.plain import evenly_pressed
     from ..models.reduced.indented.draws import felt_beside
     from ..progress import on_terminal
-    from ..requests.console import note, written
-    from ..requests.requested_scene import asked_scene, tell_if_noise_free
+    from ..requests.console import note, report_written
+    from ..requests.requested_scene import note_if_noise_free, requested_scene
     from ..sweeps import checked_output, whole_file
     from .document import document
     from .packed import packed, reduced_for_page
 
     checked_output(output, (".html",))
-    asked = asked_scene(scene)
+    asked = requested_scene(scene)
     skin = evenly_pressed(asked, "a page")
-    tell_if_noise_free(scene, skin)
+    note_if_noise_free(scene, skin)
     if felt_beside(asked):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         beside = "what the foam's tension spreads beside them is left out"
@@ -50,4 +50,4 @@ def page(
     text = document(packed(skin, reduced))
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")
-    written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)
+    report_written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..safe_text import pages
+from ..safe_text import template_environment
 
 SITE = Path(__file__).parent / "site"
 
@@ -32,7 +32,7 @@ def document(data: Mapping[str, Any], link: Link | None = None) -> str:
     modules = {f"rcskin/{path.stem}": _module(path) for path in paths}
     styles = [SITE / "style.css", *([SITE / "link" / "link.css"] if link else [])]
     return (
-        pages(Path(__file__).parent)
+        template_environment(Path(__file__).parent)
         .get_template("page.jinja")
         .render(
             name=data["name"],

@@ -21,7 +21,7 @@ from ..models.reduced.model import Reduced
 from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
-from ..progress import Progress, silent
+from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import InputError
@@ -94,7 +94,9 @@ def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation
     )
 
 
-def reduced_for_page(scene: Scene, rtol: float, cells: int, progress: Progress = silent) -> Reduced:
+def reduced_for_page(
+    scene: Scene, rtol: float, cells: int, progress: ProgressCallback = silent
+) -> Reduced:
     """The model of a scene with each pixel cut into cells x cells, for all that a page may change.
 
     Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
@@ -135,7 +137,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "press": {"low": presses.low, "high": presses.high}
         | scene.press.model_dump(include={"capacitance_factor", "factor_spread"}),
         "foam": {
-            "capacitance_per_area": scene.skin.foam.rest_capacitance_per_area,
+            "capacitance_per_area": scene.skin.foam.unpressed_capacitance_per_area,
             "loss_tangent": scene.skin.foam.loss_tangent,
             "phase_exponent": scene.skin.foam.phase_exponent,
         },
@@ -170,7 +172,7 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
     """
     around, how = scene.surroundings, scene.press.finger or "earthed"
     assert around is not None
-    if around.rods_alone or (isinstance(how, str) and around.finger_per_area is None):
+    if around.no_finger_reason or (isinstance(how, str) and around.finger_per_area is None):
         return None
     places = np.unravel_index(held(scene).numbers, scene.pixels.shape)
     pixels = (Touch(int(i) + 1, int(j) + 1, 1.0) for i, j in zip(*places, strict=True))
@@ -186,7 +188,7 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
 def _tables(scene: Scene) -> dict[str, Any]:
     """The scene's own tables, its foam by its capacitance per area."""
     foam = scene.skin.foam
-    by_area = {"capacitance_per_area": foam.rest_capacitance_per_area}
+    by_area = {"capacitance_per_area": foam.unpressed_capacitance_per_area}
     if foam.mechanics is None:
         by_area |= {"thickness": None}
     plain = foam.model_copy(update={**by_area, "relative_permittivity": None})

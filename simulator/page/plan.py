@@ -11,7 +11,7 @@ from ..mesh.domain import Domain
 from ..mesh.held import held
 from ..mesh.triangles import edges_of
 from ..models.reduced.families.family import Family, Triangulation
-from ..scene.contacts import Contact, path, section
+from ..scene.contacts import Contact, curve_section, path
 from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import Skin, curves
@@ -94,7 +94,7 @@ def _outline(skin: Skin) -> list[Points]:
 
 def _along_edge(contact: Contact, skin: Skin) -> Points:
     """Pieces of a foil on a skin without mesh."""
-    along = section(contact, skin)
+    along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     if isinstance(curve.shape, Circle):
         x = path(contact, skin, ROUND)

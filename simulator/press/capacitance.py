@@ -51,7 +51,7 @@ def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
     """
     require_plain(press)
     c = np.full(
-        (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.rest_capacitance_per_area
+        (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.unpressed_capacitance_per_area
     )
     for touch in press.touches:
         if isinstance(touch, Touch):
@@ -131,7 +131,7 @@ def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
     mechanics = scene.skin.foam.mechanics
     spreads = mechanics is not None and bool(mechanics.tension)
     places = [each.place for each in press.indented if isinstance(each.place, Touch)]
-    if len(places) < len(press.touches) or (spreads and scene.press.plain):
+    if len(places) < len(press.touches) or (spreads and scene.press.by_factor):
         raise InputError(
             f"press {press}: needs a capacitance factor here; depths of whole pixels alone serve "
             "where `press.depth` of the scene says so"

@@ -146,7 +146,7 @@ def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
     rows, columns = grid or scene.pixels.shape
     return Parts(
         foam,
-        fingers=0 if around.rods_alone else rows * columns,
+        fingers=0 if around.no_finger_reason else rows * columns,
         thickness=foam if around.thickness or around.solved else 0,
         mechanics=scene.skin.foam.mechanics,
         fixed=_fixed(around),

@@ -161,7 +161,7 @@ def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouc
     Raises InputError where the foam cannot be pressed so far.
     """
     pixel = Touch(row, column, 1.0)
-    strength = factor if scene.press.plain else Depth(scene.pressed_depth(factor))
+    strength = factor if scene.press.by_factor else Depth(scene.pressed_depth(factor))
     return touch_at(pixel, strength, finger_of(pixel, None, scene))
 
 
@@ -225,7 +225,7 @@ def check_press(press: Press, scene: Scene) -> Press:
 def check_fingers(press: Press, scene: Scene) -> None:
     """Raises InputError for fingers where the scene has no earth, or something is before them."""
     around = scene.surroundings
-    told = NO_EARTH if around is None else around.rods_alone
+    told = NO_EARTH if around is None else around.no_finger_reason
     if press.fingers and told is not None:
         raise InputError(f"press {press} on {scene.name}: a finger {told}")
 

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..sweeps import made_folder, whole_file
-from ..sweeps.csv_cells import Writer
-from ..sweeps.writing.replacing import UNFINISHED, on_occasion
+from ..sweeps.csv_cells import CsvWriter
+from ..sweeps.writing.replacing import UNFINISHED, in_write_context
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,7 +32,7 @@ def write_json(path: Path, content: Any, indent: int = 2) -> None:
 def write_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     """Write a header and rows as CSV; no text in it is a formula to a spreadsheet."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = Writer(file)
+        writer = CsvWriter(file)
         writer.writerow(header)
         writer.writerows(rows)
 
@@ -51,7 +51,7 @@ def filled_at_once(folder: Path) -> Iterator[Path]:
     `whole_file`.
     """
     with TemporaryDirectory() as unfinished:
-        with on_occasion(UNFINISHED):
+        with in_write_context(UNFINISHED):
             yield Path(unfinished)
         made_folder(folder)
         for name in files_in(unfinished):

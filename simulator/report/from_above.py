@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chart_style import FOIL, foil_offset
+from ..chart_style import FOIL_COLOURS, foil_offset
 from ..mesh.skin_mesh import domain
 from ..mesh.triangles import edges_of
 from ..press.press import Press
@@ -88,7 +88,9 @@ def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -
         sheet, gap = foil.electrode, foil_offset(foil.electrode, max(scene.skin.sides))
         wide = linewidth * (2 if meshed and sheet == "top" else 1)
         label = "_" if sheet in named else f"foil on the {sheet} sheet"
-        (line,) = axes.plot(*(MM * ribbon(foil, scene).beside(gap)), color=FOIL[sheet], label=label)
+        (line,) = axes.plot(
+            *(MM * ribbon(foil, scene).beside(gap)), color=FOIL_COLOURS[sheet], label=label
+        )
         below = 0.1 if sheet == "top" else 0.0
         zorder = looks.get("zorder", 4) - below
         line.set(**{"solid_capstyle": "butt", **looks, "linewidth": wide, "zorder": zorder})

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..safe_text import pages
+from ..safe_text import template_environment
 from .files import write_text
 
 
@@ -74,7 +74,7 @@ class Section:
 
 def write_page(path: Path, title: str, sections: Sequence[Section], answer: str = "") -> None:
     """Write a page, whole or not at all. answer: what stands first, in bold."""
-    environment = pages(Path(__file__).parent, trim_blocks=True, lstrip_blocks=True)
+    environment = template_environment(Path(__file__).parent, trim_blocks=True, lstrip_blocks=True)
     environment.tests |= {
         kind.__name__.lower(): lambda part, kind=kind: isinstance(part, kind)
         for kind in (Items, Grid, Picture, Cell)

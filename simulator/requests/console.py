@@ -18,7 +18,7 @@ def note(text: str) -> None:
     say(f"rcskin: note: {text}", err=True)
 
 
-def tell_what_is_logged(library: str) -> None:
+def show_log_as_notes(library: str) -> None:
     """From now on each line that a library logs for its users is a note."""
     handler, logger = logging.Handler(logging.INFO), logging.getLogger(library)
     handler.emit = lambda record: note(record.getMessage())
@@ -26,6 +26,6 @@ def tell_what_is_logged(library: str) -> None:
     logger.setLevel(logging.INFO)
 
 
-def written(what: str, *paths: Path) -> None:
+def report_written(what: str, *paths: Path) -> None:
     """One line on standard output: what was written where."""
     say(f"{what} -> {', '.join(map(str, paths))}")

@@ -10,10 +10,10 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 import typer
 
-MOST_SEED = 2**32 - 1
+MAX_SEED = 2**32 - 1
 
 
-class Range(NamedTuple):
+class AllowedRange(NamedTuple):
     """From where to where numbers are accepted, both ends with them, and why."""
 
     low: float
@@ -21,27 +21,27 @@ class Range(NamedTuple):
     why: str
 
 
-RTOL = Range(1e-8, 1e-2, "what double precision and a meter leave of use")
-DRAWS = Range(2, 10**6, "two have a spread; a million tell an accuracy to 0.05 %")
-SECONDS = Range(1e-3, 1e6, "from a fast reading to days")
-PORT = Range(0, 65535, "what TCP has")
-SHARE = Range(0.0, 1.0, "a share")
-ERROR = Range(1e-9, 1.0, "a share of |Z|: from rounding to all of it")
-MILLIMETRES = Range(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
-FACTOR = Range(1e-6, 1e6, "foam cannot be pressed or lifted further")
-SWEEPS = Range(1, 10**12, "a million meters would take a year")
+RTOL = AllowedRange(1e-8, 1e-2, "what double precision and a meter leave of use")
+DRAWS = AllowedRange(2, 10**6, "two have a spread; a million tell an accuracy to 0.05 %")
+SECONDS = AllowedRange(1e-3, 1e6, "from a fast reading to days")
+PORT = AllowedRange(0, 65535, "what TCP has")
+SHARE = AllowedRange(0.0, 1.0, "a share")
+ERROR = AllowedRange(1e-9, 1.0, "a share of |Z|: from rounding to all of it")
+MILLIMETRES = AllowedRange(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
+FACTOR = AllowedRange(1e-6, 1e6, "foam cannot be pressed or lifted further")
+SWEEPS = AllowedRange(1, 10**12, "a million meters would take a year")
 
-RANGES: dict[str, Range] = {
+RANGES: dict[str, AllowedRange] = {
     "rtol": RTOL,
-    "seed": Range(0, MOST_SEED, "seeds of scikit-learn end there"),
-    "session": Range(0, 2**31 - 1, "sessions are counted"),
+    "seed": AllowedRange(0, MAX_SEED, "seeds of scikit-learn end there"),
+    "session": AllowedRange(0, 2**31 - 1, "sessions are counted"),
     "sweeps": SWEEPS,
-    "workers": Range(1, 256, "each is a process with its own copy of the skin"),
+    "workers": AllowedRange(1, 256, "each is a process with its own copy of the skin"),
     "draws": DRAWS,
-    "repetitions": Range(1, 10**6, "a press a second for eleven days"),
-    "against_rest": Range(0, 10**6, "sweeps of days"),
-    "n": Range(1, 100, "more frequencies tell nothing new"),
-    "accuracy": Range(0.01, 0.999999, "a share of sweeps that is neither none nor all"),
+    "repetitions": AllowedRange(1, 10**6, "a press a second for eleven days"),
+    "against_rest": AllowedRange(0, 10**6, "sweeps of days"),
+    "n": AllowedRange(1, 100, "more frequencies tell nothing new"),
+    "accuracy": AllowedRange(0.01, 0.999999, "a share of sweeps that is neither none nor all"),
     "size": MILLIMETRES,
     "within": MILLIMETRES,
     "factor": FACTOR,
@@ -50,34 +50,34 @@ RANGES: dict[str, Range] = {
     "certain": SHARE,
     "drift": SHARE,
     "repeatability": SHARE,
-    "folds": Range(2, 1000, "each is a training"),
-    "most": Range(1, 10**6, "kernels grow with the square of the sweeps"),
+    "folds": AllowedRange(2, 1000, "each is a training"),
+    "most": AllowedRange(1, 10**6, "kernels grow with the square of the sweeps"),
     "touch_lasts": SECONDS,
     "touch_every": SECONDS,
-    "touch_speed": Range(0.0, 1e6, "mm/s"),
-    "settle": Range(0.0, 3600.0, "s: an hour at most"),
-    "retries": Range(0, 1000, "then the meter is to be looked at"),
-    "calibration_touches": Range(0, 10**6, "pressed sweeps"),
+    "touch_speed": AllowedRange(0.0, 1e6, "mm/s"),
+    "settle": AllowedRange(0.0, 3600.0, "s: an hour at most"),
+    "retries": AllowedRange(0, 1000, "then the meter is to be looked at"),
+    "calibration_touches": AllowedRange(0, 10**6, "pressed sweeps"),
     "port": PORT,
     "control_port": PORT,
     "page_port": PORT,
-    "exaggerate": Range(0.0, 1e9, "times: a nanometre becomes a metre"),
-    "frequency": Range(1e-6, 1e12, "Hz: as in a scene"),
-    "max_frequency": Range(1e-6, 1e12, "Hz: as in a scene"),
-    "cells": Range(1, 6, "the page grows with their square"),
+    "exaggerate": AllowedRange(0.0, 1e9, "times: a nanometre becomes a metre"),
+    "frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
+    "max_frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
+    "cells": AllowedRange(1, 6, "the page grows with their square"),
 }
 """By the names of parameters; numbers of others are bounded by the scene's keys or where used."""
-OWN: dict[tuple[str, str], Range] = {
-    ("study", "draws"): Range(1, 1000, "each is a training"),
-    ("gap", "draws"): Range(1, 1000, "each is a training"),
+OWN: dict[tuple[str, str], AllowedRange] = {
+    ("study", "draws"): AllowedRange(1, 1000, "each is a training"),
+    ("gap", "draws"): AllowedRange(1, 1000, "each is a training"),
     ("localize", "pace"): SECONDS,
 }
 """Where a command means something else by the same name."""
 
 
-def range_of(command: str, name: str) -> Range:
+def range_of(command: str, name: str) -> AllowedRange:
     """The range of a command's parameter; any finite number where none is known."""
-    any_finite = Range(-float("inf"), float("inf"), "")
+    any_finite = AllowedRange(-float("inf"), float("inf"), "")
     return OWN.get((command, name), RANGES.get(name, any_finite))
 
 
@@ -113,7 +113,7 @@ def check_numbers(
                 _check(range_of(command, name), each, lambda name=name: written(name))
 
 
-def _check(allowed: Range, value: float, name: Callable[[], str]) -> None:
+def _check(allowed: AllowedRange, value: float, name: Callable[[], str]) -> None:
     from ..sweeps import InputError
 
     finite = isinstance(value, int) or math.isfinite(value)

@@ -25,7 +25,7 @@ TouchSide = Annotated[
 TouchFactor = Annotated[
     float | None, typer.Option(help="Capacitance under the touch over that at rest.")
 ]
-RESTS = 3
+BASELINE_SWEEPS = 3
 """Sweeps of the unpressed skin whose mean localizers compare a sweep with."""
 AgainstRest = Annotated[
     int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")

@@ -18,7 +18,7 @@ OPTIONS = {
 }
 
 
-def with_replacing(commands: typer.Typer, above: str = "") -> None:
+def with_overwrite_options(commands: typer.Typer, above: str = "") -> None:
     """Give every command that writes the options of what it may replace.
 
     above: the command that these are under, such as `meter`.
@@ -33,10 +33,10 @@ def with_replacing(commands: typer.Typer, above: str = "") -> None:
 def _on_occasion(command: Callable[..., Any], name: str) -> Callable[..., Any]:
     @wraps(command)
     def run(*, overwrite: bool, overwrite_measured: bool, **given: Any) -> Any:
-        from ..sweeps.writing import Occasion, on_occasion
+        from ..sweeps.writing import WriteContext, in_write_context
 
         others = (value for key, value in given.items() if key not in OUTPUTS)
-        with on_occasion(Occasion(name, _paths(others), overwrite, overwrite_measured)):
+        with in_write_context(WriteContext(name, _paths(others), overwrite, overwrite_measured)):
             return command(**given)
 
     signature = inspect.signature(command, eval_str=True)

@@ -18,7 +18,7 @@ APART = 10.0
 """Times that the cut-off then lies above the sweep."""
 
 
-def slips(scene: Scene) -> list[str]:
+def suspicious_values(scene: Scene) -> list[str]:
     """One line for each number far outside what skins have, with what was likely meant."""
     skin, frequencies = scene.skin, scene.sweep.frequencies
     of_all = (1 / (skin.length * skin.width), *PER_AREA.factors)

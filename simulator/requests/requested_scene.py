@@ -7,13 +7,13 @@ from ..models.validity import earth_left_out, warnings
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
 from .console import note, warn
-from .plausibility import slips
+from .plausibility import suspicious_values
 
 
-def asked_scene(name: str) -> Scene:
+def requested_scene(name: str) -> Scene:
     """The scene of that name or path; tells of slips. Raises InputError as `load_scene`."""
     scene = load_scene(name)
-    for slip in slips(scene):
+    for slip in suspicious_values(scene):
         warn(f"{name}: {slip}")
     return scene
 
@@ -32,7 +32,7 @@ def warn_of_earth(name: str, scene: Scene) -> None:
         warn(f"{name}: {told}")
 
 
-def tell_if_noise_free(name: str, scene: Scene) -> None:
+def note_if_noise_free(name: str, scene: Scene) -> None:
     """A note where the meter of a scene reads without error."""
     if scene.readout.exact:
         note(

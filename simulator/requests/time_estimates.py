@@ -11,17 +11,17 @@ from .console import note
 
 Item = TypeVar("Item")
 
-WORTH_A_WORD = 60.0
+MIN_NOTED_SECONDS = 60.0
 """s."""
 
 
-def tell_if_long(name: str, seconds: float, work: str) -> None:
+def note_if_long(name: str, seconds: float, work: str) -> None:
     """A note that tells about how long `work` takes, where that is a minute or more."""
-    if seconds >= WORTH_A_WORD:
+    if seconds >= MIN_NOTED_SECONDS:
         note(f"{name}: {work} will take about {duration(seconds)}")
 
 
-def foretold(
+def with_time_estimate(
     name: str, presses: Iterable[Item], count: int, clock: Callable[[], float] = perf_counter
 ) -> Iterator[Item]:
     """So many presses; tells once how long those to come take, by how long the latest took.
@@ -32,9 +32,9 @@ def foretold(
     started, told = clock(), False
     for done, press in enumerate(presses):
         left, latest = count - done, clock() - started
-        known = done >= 2 or (done == 1 and latest >= WORTH_A_WORD)
-        if known and not told and latest * left >= WORTH_A_WORD:
+        known = done >= 2 or (done == 1 and latest >= MIN_NOTED_SECONDS)
+        if known and not told and latest * left >= MIN_NOTED_SECONDS:
             told = True
-            tell_if_long(name, latest * left, f"the other {left} of {count} presses")
+            note_if_long(name, latest * left, f"the other {left} of {count} presses")
         started = clock()
         yield press

@@ -18,7 +18,7 @@ def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, 
     return tuple(checked_interface(each, scene) for each in asked)
 
 
-def reading_at(
+def with_frequencies(
     scene: Scene, frequency: Sequence[float], taken: NDArray[np.bool_] | None = None
 ) -> Scene:
     """The same scene read at these frequencies in Hz, ascending, and at no others.
@@ -35,7 +35,7 @@ def reading_at(
     return scene.model_copy(update={"sweep": sweep, "interfaces": tuple(interfaces)})
 
 
-def through(scene: Scene, names: Sequence[str]) -> Scene:
+def restricted_to_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
     """The scene through these of its interfaces, in this order, at what they are read at."""
     by_name = {each.name: number for number, each in enumerate(scene.interfaces)}
     numbers = [by_name[name] for name in names]
@@ -44,7 +44,7 @@ def through(scene: Scene, names: Sequence[str]) -> Scene:
         return some
     taken = scene.taken[numbers]
     read = taken.any(axis=0)
-    return reading_at(some, scene.frequencies[read].tolist(), taken[:, read])
+    return with_frequencies(some, scene.frequencies[read].tolist(), taken[:, read])
 
 
 def _reading(interface: Interface, frequency: NDArray[np.float64] | None) -> Interface:

@@ -24,9 +24,9 @@ from .ranges import FilmResistance, Frequency, Overlap
 from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, whole_within_rounding
 
-MOST_CONTACTS = 200
+MAX_CONTACTS = 200
 """Every two are compared, and a mesh has rings around the ends of each."""
-MOST_INTERFACES = 1000
+MAX_INTERFACES = 1000
 """Each is read at every frequency, and a scanner has tens of channels."""
 EDGES = ("left", "right", "bottom", "top")
 LINES = 33
@@ -34,7 +34,7 @@ LINES = 33
 EDGE = re.compile(r"(?P<curve>outline|hole(?P<hole>[1-9]\d*))(?:\.(?P<side>[1-9]\d*))?")
 
 
-class Section(NamedTuple):
+class CurveSection(NamedTuple):
     """A part of a closed curve: the curve's number, and from where to where along it, m."""
 
     curve: int
@@ -42,7 +42,7 @@ class Section(NamedTuple):
     stop: float
 
 
-def section(contact: Contact, skin: Skin) -> Section:
+def curve_section(contact: Contact, skin: Skin) -> CurveSection:
     """The part of the curves of a skin without mesh that a foil lies along."""
     low, high = contact.span
     if skin.outline is None:
@@ -50,12 +50,12 @@ def section(contact: Contact, skin: Skin) -> Section:
     curve, side = _parsed(contact.edge)
     marks = curves(skin)[curve].marks
     start, stop = (marks[0], marks[-1]) if side is None else (marks[side - 1], marks[side])
-    return Section(curve, start + low * (stop - start), start + high * (stop - start))
+    return CurveSection(curve, start + low * (stop - start), start + high * (stop - start))
 
 
 def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
     """A foil's line along a skin without mesh, cut into so many pieces: m, shape (2, point)."""
-    along = section(contact, skin)
+    along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
@@ -69,7 +69,9 @@ def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
     return -across if on_skin(skin, (path + step * across)[middle]) else across
 
 
-def farthest(skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]) -> float:
+def max_foil_distance(
+    skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]
+) -> float:
     """The largest distance of a place of the skin from all driven foils, m.
 
     Of a mesh that a file brings, the longer side of its grid of pixels.
@@ -94,7 +96,7 @@ def _places(skin: Skin) -> NDArray[np.float64]:
     return np.hstack([everywhere[:, on_skin(skin, everywhere)], around])
 
 
-def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:
+def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> CurveSection:
     """Anticlockwise from the corner (0, 0); spans run from an edge's low-coordinate end."""
     x, y = skin.length, skin.width
     start, run = {
@@ -104,7 +106,7 @@ def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> Section:
         "left": (2 * (x + y), -y),
     }[edge]
     first, last = sorted((start + low * run, start + high * run))
-    return Section(0, first, last)
+    return CurveSection(0, first, last)
 
 
 def _parsed(edge: str) -> tuple[int, int | None]:
@@ -164,7 +166,7 @@ class Contact(Table):
         Foils on meshes are told by their facets instead.
         """
         if skin.outline is not None:
-            along = section(self, skin)
+            along = curve_section(self, skin)
             curve = curves(skin)[along.curve]
             return curve.at(along.start), curve.at(along.stop)
         low, high = self.span
@@ -253,11 +255,13 @@ class Readings(Table):
 
     all: Annotated[tuple[Literal["pairs", "tied", "sheets"], ...], BeforeValidator(_listed)] = ()
     named: Annotated[
-        tuple[Name, ...], Field(max_length=MOST_INTERFACES), BeforeValidator(_listed)
+        tuple[Name, ...], Field(max_length=MAX_INTERFACES), BeforeValidator(_listed)
     ] = ()
 
 
-def brief(readings: Readings, contacts: Sequence[tuple[str, str]]) -> list[dict[str, Any]]:
+def expanded_readings(
+    readings: Readings, contacts: Sequence[tuple[str, str]]
+) -> list[dict[str, Any]]:
     """Interfaces as a scene file has them. contacts: name and electrode of each.
 
     Raises ValueError for a name that is no reading, and where there is none.

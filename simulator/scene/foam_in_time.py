@@ -29,7 +29,7 @@ Humid = Annotated[Number, within(0.0, 100.0, "%RH", "air holds no more water")]
 PerKelvin = Annotated[Number, within(-0.1, 0.1, "1/K", "a tenth a kelvin is a thermistor")]
 PerPercent = Annotated[Number, within(-0.1, 0.1, "1/%RH", "a tenth a percent is a hygrometer")]
 
-LEAST_CHANGE, MOST_CHANGE = 0.1, 10.0
+MIN_CHANGE, MAX_CHANGE = 0.1, 10.0
 """Factors between which a straight line in temperature or humidity is taken at all."""
 
 
@@ -81,9 +81,9 @@ def ambient_factors(table: Temperature | Humidity, state: float, key: str) -> tu
     away = state - table.reference
     factors = 1 + table.capacitance * away, 1 + table.sheet_resistance * away
     for name, factor in zip(("capacitance", "sheet_resistance"), factors, strict=True):
-        if not LEAST_CHANGE <= factor <= MOST_CHANGE:
+        if not MIN_CHANGE <= factor <= MAX_CHANGE:
             raise ValueError(
-                f"`{key}` must leave {name} from {LEAST_CHANGE:g} to {MOST_CHANGE:g} times that at "
+                f"`{key}` must leave {name} from {MIN_CHANGE:g} to {MAX_CHANGE:g} times that at "
                 f"the reference {table.reference:g}, got {state:g}, which leaves {factor:.3g}"
             )
     return factors
@@ -133,7 +133,7 @@ def with_capacitance(foam: Foam, factor: float, key: str) -> Foam:
     Raises ValueError naming the key that asks for it where the permittivity would be below 1.
     """
     if foam.relative_permittivity is None:
-        c = foam.rest_capacitance_per_area * factor
+        c = foam.unpressed_capacitance_per_area * factor
         return foam.model_copy(update={"capacitance_per_area": c})
     permittivity = foam.relative_permittivity * factor
     if permittivity < 1:

@@ -181,7 +181,7 @@ class Mechanics(Table):
         return Elastomer(self.young, self.plateau_stress or BUCKLING_STRAIN * self.young, densified)
 
     @property
-    def rest_permittivity(self) -> float | None:
+    def unpressed_permittivity(self) -> float | None:
         """Relative permittivity at rest by the law; None where that is "constant"."""
         if self.effective_medium == "constant":
             return None

@@ -15,16 +15,16 @@ from pydantic import Field, ValidationError, model_validator
 from ..sweeps import InputError, inputs
 from ..sweeps.units import plain_number
 from .form.mesh_data import names_a_file
-from .maps import MOST_VALUES, Factor
+from .maps import MAX_VALUES, Factor
 from .planar import shared
 from .validation import Table, Whole, one_line
 
 if TYPE_CHECKING:
     from PIL import Image
 
-Count = Annotated[Whole, Field(ge=1, le=MOST_VALUES)]
+Count = Annotated[Whole, Field(ge=1, le=MAX_VALUES)]
 PICTURES = ("PNG", "JPEG", "TIFF", "BMP")
-MOST_PIXELS = 2**26
+MAX_PIXELS = 2**26
 """Of a picture; in memory each takes 8 bytes."""
 MAPPED = {"top", "bottom", "foam"}
 
@@ -95,10 +95,10 @@ def _grid(asked: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
     except (OSError, ValueError, SyntaxError, csv.Error) as error:
         raise InputError(f"`{key}.path` {path}: cannot be read: {error}") from error
     reduced = _reduced(values, asked.rows or len(values), asked.columns or len(values[0]))
-    if max(reduced.shape) > MOST_VALUES:
+    if max(reduced.shape) > MAX_VALUES:
         raise InputError(
             f"`{key}.path` {path} holds {len(values)} rows of {len(values[0])} values; at most "
-            f"{MOST_VALUES} each way are taken: give `rows` and `columns` to have it reduced"
+            f"{MAX_VALUES} each way are taken: give `rows` and `columns` to have it reduced"
         )
     return reduced
 
@@ -134,10 +134,10 @@ def _opened_picture(path: Path) -> Image.Image:
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
             picture = Image.open(file, formats=PICTURES)
     except Image.DecompressionBombError as error:
-        raise ValueError(f"{error}; at most {MOST_PIXELS} pixels are read") from error
-    if picture.width * picture.height > MOST_PIXELS:
+        raise ValueError(f"{error}; at most {MAX_PIXELS} pixels are read") from error
+    if picture.width * picture.height > MAX_PIXELS:
         size = f"{picture.width} x {picture.height}"
-        raise ValueError(f"has {size} pixels; at most {MOST_PIXELS} are read")
+        raise ValueError(f"has {size} pixels; at most {MAX_PIXELS} are read")
     return picture
 
 

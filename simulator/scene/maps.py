@@ -67,13 +67,13 @@ def _amplitudes(seed: int, along: int, across: int) -> NDArray[np.float64]:
     return np.random.default_rng(seed).standard_normal((along, across))
 
 
-MOST_VALUES = 128
+MAX_VALUES = 128
 """Of a grid, along each axis."""
 
 SHORTEST = 0.02
 """Correlation length over the skin's longer side, at least: finer fields need another mesh."""
 
-MOST_NORMAL, LEAST = 0.3, 0.05
+MAX_NORMAL_DEVIATION, LEAST = 0.3, 0.05
 """The largest deviation of a factor that is normal itself, and the least that it may fall to."""
 
 LOOK = 4
@@ -196,9 +196,9 @@ class Random(_Map):
 
     def _check_positive(self, sides: Sides) -> None:
         always = 'distribution = "lognormal" is always positive'
-        if self.deviation > MOST_NORMAL:
+        if self.deviation > MAX_NORMAL_DEVIATION:
             raise ValueError(
-                f"deviation must be <= {MOST_NORMAL:g} of a normal factor, got "
+                f"deviation must be <= {MAX_NORMAL_DEVIATION:g} of a normal factor, got "
                 f"{self.deviation:g}; {always}"
             )
         lowest = 1 + self.deviation * _least_of_field(sides, self.correlation_length, self.seed)
@@ -220,9 +220,9 @@ def _least_of_field(sides: Sides, correlation_length: float, seed: int) -> float
 def _values(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
     if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
         raise ValueError("must be rows of equally many values")
-    if max(len(rows), len(rows[0])) > MOST_VALUES:
+    if max(len(rows), len(rows[0])) > MAX_VALUES:
         raise ValueError(
-            f"must be at most {MOST_VALUES} x {MOST_VALUES}, got {len(rows)} x {len(rows[0])}"
+            f"must be at most {MAX_VALUES} x {MAX_VALUES}, got {len(rows)} x {len(rows[0])}"
         )
     return rows
 

@@ -111,7 +111,7 @@ def _named(given: object) -> object:
 AnyReadout = Annotated[Readout, BeforeValidator(_named), OrText()]
 
 
-MOST_REPETITIONS = 10**6
+MAX_REPETITIONS = 10**6
 """A press a second for eleven days."""
 
 
@@ -140,7 +140,7 @@ class Experiment(Table):
     references of the foam's tables unless given.
     """
 
-    repetitions: Annotated[Whole, Field(ge=1, le=MOST_REPETITIONS)] = 6
+    repetitions: Annotated[Whole, Field(ge=1, le=MAX_REPETITIONS)] = 6
     unpressed: bool = True
     seed: Seed = 1
     timing: Timing | None = None
@@ -175,7 +175,7 @@ class Leads(Table):
         """Whether the meter sees the skin as it is."""
         return not (self.resistance or self.inductance or self.unguarded)
 
-    def seen_through(
+    def at_meter(
         self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.complex128]:
         """Z in ohm at the meter's end: R + j omega L + 1/(1/Z + j omega C); frequency [Hz] last."""
@@ -186,7 +186,7 @@ class Leads(Table):
     def slopes(
         self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
-        """Of `seen_through` to Z, and to resistance, inductance and the stray capacitance seen."""
+        """Of `at_meter` to Z, and to resistance, inductance and the stray capacitance seen."""
         omega = np.broadcast_to((2j * np.pi * frequency).astype(np.complex128), Z.shape)
         by_skin = ((1 / (1 + omega * self.unguarded * Z)) ** 2).astype(np.complex128)
         return by_skin, {

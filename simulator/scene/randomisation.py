@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, model_validator
 
 from .foam_in_time import AMBIENT, ambient_factors
-from .validation import Bounds, Number, Table, Whole, one_line, within
+from .validation import Number, NumberRange, Table, Whole, one_line, within
 
 if TYPE_CHECKING:
     from .skin import Foam
@@ -154,7 +154,7 @@ def _of_kind(kind: type[AnyDistribution], given: dict) -> AnyDistribution:
 Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]
 
 
-class EveryDrawWithin(Bounds):
+class EveryDrawWithin(NumberRange):
     """A validator of distributions by all that they may draw."""
 
     def __call__(self, drawn: AnyDistribution) -> AnyDistribution:
@@ -170,8 +170,8 @@ def drawn_within(low: float, high: float, unit: str, why: str) -> AfterValidator
 CUT = 3.0
 """Standard deviations beyond which no coefficient of a slow variation or spread is drawn."""
 
-SLOW_WAVES = 3
-MOST_UNEVEN = 0.1
+SLOW_MODES = 3
+MAX_UNEVENNESS = 0.1
 """Conductance and capacitance stay positive: CUT * SLOW_WAVES * MOST_UNEVEN < 1."""
 
 Factor = Annotated[
@@ -188,7 +188,7 @@ Finger = Annotated[
     Distribution, drawn_within(0.0, 1e-9, "F", "a whole hand has tens of picofarad to a sheet")
 ]
 
-Spread = Annotated[Number, Field(ge=0, le=MOST_UNEVEN)]
+Spread = Annotated[Number, Field(ge=0, le=MAX_UNEVENNESS)]
 
 Shape = Literal["rectangle", "disc"]
 
@@ -229,15 +229,15 @@ class DrawnPress(Table):
     @property
     def cells(self) -> int:
         """Cells along each side of a pixel."""
-        return self.cells_per_pixel if self.laid else 1
+        return self.cells_per_pixel if self.rasterized else 1
 
     @property
-    def laid(self) -> bool:
+    def rasterized(self) -> bool:
         """Whether touches are no whole pixels, and are laid on cells."""
         return self.place == "anywhere" or self.offset > 0
 
     @property
-    def most_touches(self) -> int:
+    def max_touches(self) -> int:
         """The largest number of touches that has a chance."""
         return max(count for count, chance in enumerate(self.touches) if chance > 0)
 

@@ -11,16 +11,18 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from .validation import Bounds, Number, Whole, within
+from .validation import Number, NumberRange, Whole, within
 
-LEAST_FILM = 1e-12
+MIN_FILM_RESISTANCE = 1e-12
 """ohm m: a thousandth of what soldered metal has; its conductance is still a number."""
 
 
 def ideal_or_resolved(resistance: float) -> float:
     """The same contact resistance in ohm m. Raises ValueError for one that is nearly 0."""
-    if 0 < resistance < LEAST_FILM:
-        raise ValueError(f"must be 0, or at least {LEAST_FILM:g} ohm m, got {resistance:g}")
+    if 0 < resistance < MIN_FILM_RESISTANCE:
+        raise ValueError(
+            f"must be 0, or at least {MIN_FILM_RESISTANCE:g} ohm m, got {resistance:g}"
+        )
     return resistance
 
 
@@ -76,9 +78,9 @@ FilmResistance = Annotated[
     within(0.0, 1e10, "ohm m", "beyond it sheets bear no current that can be told"),
     AfterValidator(ideal_or_resolved),
 ]
-MOST_INDUCTANCE = 10.0
+MAX_INDUCTANCE = 10.0
 Inductance = Annotated[
-    Number, within(0.0, MOST_INDUCTANCE, "H", "leads have microhenry, large coils a henry")
+    Number, within(0.0, MAX_INDUCTANCE, "H", "leads have microhenry, large coils a henry")
 ]
 Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarad")]
 CapacitanceFactor = Annotated[
@@ -96,7 +98,7 @@ Seconds = Annotated[Number, within(1e-6, 1e7, "s", "from a reading to a season o
 FINGERS = ("earthed", "floating")
 
 
-class FingerOrWithin(Bounds):
+class FingerOrWithin(NumberRange):
     """A validator of what touches: one of FINGERS, or a capacitance to earth."""
 
     def __call__(self, given: object) -> object:
@@ -117,7 +119,7 @@ AnyFinger = Annotated[
     ),
 ]
 
-MOST_SEED = 2**32 - 1
+MAX_SEED = 2**32 - 1
 """Seeds of scikit-learn end there; one range serves for all."""
 
-Seed = Annotated[Whole, Field(ge=0, le=MOST_SEED)]
+Seed = Annotated[Whole, Field(ge=0, le=MAX_SEED)]

@@ -13,7 +13,7 @@ from .meter import Leads
 
 
 @dataclass(frozen=True)
-class Reading:
+class ReadingSetup:
     """frequency: Hz, ascending, shape (frequency,); interfaces may be read at some of them."""
 
     interfaces: Sequence[Interface]

@@ -19,14 +19,14 @@ from pydantic import (
 
 from ..sweeps import InputError
 from .contacts import (
-    MOST_CONTACTS,
-    MOST_INTERFACES,
+    MAX_CONTACTS,
+    MAX_INTERFACES,
     Contact,
     Interface,
     Readings,
-    brief,
     check_frequencies,
-    farthest,
+    expanded_readings,
+    max_foil_distance,
     taken,
 )
 from .design_goals import Design
@@ -36,7 +36,7 @@ from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .randomisation import Randomisation
 from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness
-from .reading_setup import Reading
+from .reading_setup import ReadingSetup
 from .skin import Name, Skin
 from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
 from .validation import Number, Table, Whole, one_line
@@ -91,7 +91,7 @@ class Pressing(Table):
     finger: AnyFinger | None = None
 
     @property
-    def plain(self) -> bool:
+    def by_factor(self) -> bool:
         """Whether pixels are pressed by a capacitance factor."""
         return self.depth is None and self.force is None
 
@@ -106,10 +106,10 @@ class Pressing(Table):
     @model_serializer(mode="wrap")
     def _what_was_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
         kept = everything(self)
-        return kept if self.plain else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
+        return kept if self.by_factor else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
 
 
-UNTOLD = {"name": "untold", "high": ["untold"], "low": ["untold"]}
+PLACEHOLDER_INTERFACE = {"name": "untold", "high": ["untold"], "low": ["untold"]}
 """An interface in place of readings in which something is wrong."""
 
 
@@ -124,10 +124,10 @@ class Scene(Table):
     description: str = ""
     skin: Skin
     contacts: Annotated[
-        tuple[Contact, ...], Field(alias="contact", min_length=1, max_length=MOST_CONTACTS)
+        tuple[Contact, ...], Field(alias="contact", min_length=1, max_length=MAX_CONTACTS)
     ]
     interfaces: Annotated[
-        tuple[Interface, ...], Field(alias="interface", min_length=1, max_length=MOST_INTERFACES)
+        tuple[Interface, ...], Field(alias="interface", min_length=1, max_length=MAX_INTERFACES)
     ]
     readings: Annotated[Readings | None, AfterValidator(_spent), Field(exclude=True)] = None
     surroundings: AnySurroundings | None = None
@@ -150,11 +150,11 @@ class Scene(Table):
             readings = Readings.model_validate(given["readings"])
             contacts = [(each["name"], each["electrode"]) for each in given["contact"]]
         except (ValidationError, KeyError, TypeError):
-            return {"interface": [UNTOLD], **given}
-        if len(contacts) > MOST_CONTACTS:
-            return {"interface": [UNTOLD], **given}
+            return {"interface": [PLACEHOLDER_INTERFACE], **given}
+        if len(contacts) > MAX_CONTACTS:
+            return {"interface": [PLACEHOLDER_INTERFACE], **given}
         own = list(given.get("interface", []))
-        return given | {"interface": [*own, *brief(readings, contacts)]}
+        return given | {"interface": [*own, *expanded_readings(readings, contacts)]}
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -167,19 +167,19 @@ class Scene(Table):
         return taken(self.interfaces, self.frequencies)
 
     @property
-    def reading(self) -> Reading:
+    def reading(self) -> ReadingSetup:
         """What is read of its skin."""
-        return Reading(self.interfaces, self.frequencies, self.leads)
+        return ReadingSetup(self.interfaces, self.frequencies, self.leads)
 
     @property
-    def plain(self) -> bool:
+    def uniform(self) -> bool:
         """Whether uniform sheets and foam on a rectangle at rest are all there is."""
-        return not self.beyond_plain
+        return not self.beyond_uniform
 
     @property
-    def beyond_plain(self) -> list[str]:
+    def beyond_uniform(self) -> list[str]:
         """The keys by which it is more than that."""
-        return [*self.skin.beyond_plain, *self.beyond_sheets]
+        return [*self.skin.beyond_uniform, *self.beyond_sheets]
 
     @property
     def beyond_sheets(self) -> list[str]:
@@ -188,7 +188,7 @@ class Scene(Table):
         return [*(["surroundings"] if self.surroundings else []), *wide]
 
     @property
-    def two_poles(self) -> bool:
+    def two_terminal(self) -> bool:
         """Whether all current that enters the skin leaves it by the meter.
 
         Else a virtual earth reads but a part of it, and Z is a transfer impedance, which the laws
@@ -208,7 +208,7 @@ class Scene(Table):
         Raises InputError as `factor_at`.
         """
         press = self.press
-        return press.capacitance_factor if press.plain else self.factor_at(press.depth)
+        return press.capacitance_factor if press.by_factor else self.factor_at(press.depth)
 
     def factor_at(self, depth: float | None) -> float:
         """c under an applicator at a depth in m, over that at rest; None for that of a force.
@@ -242,7 +242,7 @@ class Scene(Table):
 
         Raises InputError where the foam cannot be pressed so far.
         """
-        most = self.most_factor
+        most = self.max_factor
         if not 1 <= factor <= most:
             raise InputError(
                 f"{self.name}: c under an applicator must be from 1 to {most:.4g} times that at "
@@ -251,7 +251,7 @@ class Scene(Table):
         return float(self.pressed_depths(np.array(factor)))
 
     @property
-    def most_factor(self) -> float:
+    def max_factor(self) -> float:
         """c under an applicator where the foam's cells are closed, over that at rest."""
         return float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
 
@@ -270,7 +270,7 @@ class Scene(Table):
 
         In m; of all the scene's interfaces where none is given.
         """
-        return farthest(self.skin, self.contacts, interfaces or self.interfaces)
+        return max_foil_distance(self.skin, self.contacts, interfaces or self.interfaces)
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:
@@ -309,7 +309,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _mechanics_for_depth_and_force(self) -> Self:
-        if not self.press.plain and self.skin.foam.mechanics is None:
+        if not self.press.by_factor and self.skin.foam.mechanics is None:
             raise ValueError("`press` depth and force need the table skin.foam.mechanics")
         return self
 
@@ -325,8 +325,8 @@ class Scene(Table):
         if finger is not None and around is None:
             raise ValueError(f"`press.finger` {NO_EARTH}")
         if finger is not None and around is not None:
-            if around.rods_alone:
-                raise ValueError(f"`press.finger` {around.rods_alone}")
+            if around.no_finger_reason:
+                raise ValueError(f"`press.finger` {around.no_finger_reason}")
             if isinstance(finger, str) and around.finger_per_area is None:
                 raise ValueError(f"`press.finger` = {finger!r} {NO_COVER}")
         return self

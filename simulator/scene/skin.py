@@ -87,7 +87,7 @@ def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> l
     ]
 
 
-LEAST_DEPTH = 1e-6
+MIN_DEPTH = 1e-6
 """That the field reaches from a foil, over the skin's longer side: cells there are as narrow.
 At half of it answers still hold, after half a minute; at a tenth none comes within minutes."""
 
@@ -189,16 +189,16 @@ class Foam(Table):
         """Its thickness in m; where that is not given, of a foam of ASSUMED_PERMITTIVITY."""
         if self.thickness is not None:
             return self.thickness
-        return VACUUM_PERMITTIVITY * ASSUMED_PERMITTIVITY / self.rest_capacitance_per_area
+        return VACUUM_PERMITTIVITY * ASSUMED_PERMITTIVITY / self.unpressed_capacitance_per_area
 
     @property
-    def rest_capacitance_per_area(self) -> float:
+    def unpressed_capacitance_per_area(self) -> float:
         """c of the foam at rest, F/m²."""
         if self.capacitance_per_area is not None:
             return self.capacitance_per_area
         permittivity = self.relative_permittivity
         if permittivity is None and self.mechanics is not None:
-            permittivity = self.mechanics.rest_permittivity
+            permittivity = self.mechanics.unpressed_permittivity
         assert self.thickness is not None and permittivity is not None
         return VACUUM_PERMITTIVITY * permittivity / self.thickness
 
@@ -232,7 +232,7 @@ class Foam(Table):
             raise ValueError("needs thickness where mechanics is given")
         if None not in given:
             raise ValueError("takes capacitance_per_area or relative_permittivity, not both")
-        if given == (None, None) and mechanics.rest_permittivity is None:
+        if given == (None, None) and mechanics.unpressed_permittivity is None:
             raise ValueError(
                 "needs capacitance_per_area or relative_permittivity where "
                 'mechanics.effective_medium = "constant"'
@@ -276,7 +276,7 @@ class Skin(Table):
 
         factor: of the capacitance over that at rest.
         """
-        c = self.foam.rest_capacitance_per_area * factor
+        c = self.foam.unpressed_capacitance_per_area * factor
         return penetration_depth(frequency, self.both_sheets, c, self.foam.loss)
 
     def check_depth(self, frequency: float, factor: float = 1.0) -> None:
@@ -284,11 +284,11 @@ class Skin(Table):
 
         frequency: Hz. factor: of the capacitance over that at rest.
         """
-        depth, least = self.depth(frequency, factor), LEAST_DEPTH * max(self.sides)
+        depth, least = self.depth(frequency, factor), MIN_DEPTH * max(self.sides)
         if depth < least:
             raise ValueError(
                 f"`sweep.frequencies`: at {short(frequency)} Hz the field reaches {short(depth)} m "
-                f"from the foils; it must reach {short(least)} m, {short(LEAST_DEPTH)} of the "
+                f"from the foils; it must reach {short(least)} m, {short(MIN_DEPTH)} of the "
                 "skin's longer side, to be resolved in double precision: lower frequencies, sheet "
                 "resistance or capacitance"
             )
@@ -311,7 +311,7 @@ class Skin(Table):
         return {f"skin.{name}.map": part.map for name, part in parts.items() if part.map}
 
     @property
-    def beyond_plain(self) -> list[str]:
+    def beyond_uniform(self) -> list[str]:
         """The keys by which it is more than uniform sheets and foam on a rectangle at rest.
 
         What `plain.form` folds in is one until then; bending to a cylinder never is one.

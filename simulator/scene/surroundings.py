@@ -146,17 +146,17 @@ class Surroundings(Table):
         return self.cover.side if self.cover else "top"
 
     @property
-    def rods_alone(self) -> str | None:
+    def no_finger_reason(self) -> str | None:
         """Why no finger can touch the skin, None where one can."""
         if self.low == "floating" and not self.reaches_earth:
             return (
                 'finds no way back: `surroundings.low` = "floating" and nothing else reaches '
                 "earth; give `surroundings.body` or `surroundings.rim`"
             )
-        return self.shielded
+        return self.shield_reason
 
     @property
-    def shielded(self) -> str | None:
+    def shield_reason(self) -> str | None:
         """What is in front of the sheet that fingers touch, None where nothing is."""
         if any(each.side == self.touched for each in self.body):
             return (
@@ -181,7 +181,7 @@ class Surroundings(Table):
         return next((each for each in self.body if each.side == electrode), None)
 
     @property
-    def idle(self) -> bool:
+    def without_effect(self) -> bool:
         """Whether a meter reads the same without it, unless a finger touches.
 
         Earth alone makes no difference where nothing is charged against it.
@@ -208,7 +208,7 @@ class Surroundings(Table):
         )
 
     @property
-    def even_handed(self) -> bool:
+    def symmetric_sides(self) -> bool:
         """Whether both sheets see the same."""
         one, other = (self.in_front_of(electrode) for electrode in ("top", "bottom"))
         alike = one is None or other is None or one.model_copy(update={"side": other.side}) == other
@@ -223,8 +223,8 @@ class Surroundings(Table):
             raise ValueError("takes edges with thickness = true only")
         if self.solved and self.rim is not False:
             raise ValueError("takes solved or rim, got both: what is solved has the rim in it")
-        if self.cover is not None and self.shielded:
-            raise ValueError(f"has a cover where a finger {self.shielded}")
+        if self.cover is not None and self.shield_reason:
+            raise ValueError(f"has a cover where a finger {self.shield_reason}")
         return self
 
     @model_serializer(mode="wrap")

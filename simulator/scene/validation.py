@@ -10,9 +10,9 @@ from typing import Annotated, Any, get_args
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Strict, ValidationError
 from pydantic.fields import FieldInfo
 
-from ..sweeps.units import meant
+from ..sweeps.units import suggestion
 from .keys.key_paths import Location, required
-from .keys.suggestions import likely
+from .keys.suggestions import likely_keys
 
 Number = Annotated[float, Strict()]
 """A number as TOML has it: neither text nor true or false."""
@@ -38,7 +38,7 @@ def short(number: float) -> str:
 
 
 @dataclass(frozen=True)
-class Bounds:
+class NumberRange:
     """The numbers of a unit that are accepted, both ends with them, and why no others are."""
 
     low: float
@@ -58,7 +58,7 @@ class Bounds:
             raise ValueError(f"must be {self.told} {self.unit}{of}, got {outside[0]:g}: {self.why}")
 
 
-class NumberWithin(Bounds):
+class NumberWithin(NumberRange):
     """A validator of numbers."""
 
     def __call__(self, value: float) -> float:
@@ -71,7 +71,7 @@ def within(low: float, high: float, unit: str, why: str) -> AfterValidator:
     return AfterValidator(NumberWithin(low, high, unit, why))
 
 
-def said_of(field: FieldInfo) -> list[Any]:
+def constraints_of(field: FieldInfo) -> list[Any]:
     """What is said of a key and of the types in it."""
     return [*_metadata(field.annotation), *field.metadata]
 
@@ -84,8 +84,8 @@ def _metadata(annotation: Any) -> list[Any]:
 
 def unit_of(field: FieldInfo) -> str:
     """The unit that errors name; empty where there is none."""
-    units = [getattr(each, "func", each) for each in said_of(field)]
-    return next((each.unit for each in units if isinstance(each, Bounds)), "")
+    units = [getattr(each, "func", each) for each in constraints_of(field)]
+    return next((each.unit for each in units if isinstance(each, NumberRange)), "")
 
 
 def single_line(text: str) -> str:
@@ -132,9 +132,9 @@ def one_line(error: ValidationError, table: type[BaseModel]) -> str:
     told = []
     for found in problems:
         if found["type"] == "extra_forbidden":
-            meant = likely(table, found["loc"], missing)
-            missing = [location for location in missing if location not in meant]
-            told.append(f"{_key(found['loc'])}{_unknown(found['input'], meant)}")
+            suggestion = likely_keys(table, found["loc"], missing)
+            missing = [location for location in missing if location not in suggestion]
+            told.append(f"{_key(found['loc'])}{_unknown(found['input'], suggestion)}")
     told += _missing([key for location in missing for key in required(table, location)])
     others = [f for f in problems if f["type"] not in ("missing", "extra_forbidden")]
     told += [f"{_key(first['loc'])}{_requirement(first)}" for first in others[:1]]
@@ -142,10 +142,10 @@ def one_line(error: ValidationError, table: type[BaseModel]) -> str:
     return "; ".join(told) + more
 
 
-def _unknown(given: object, meant: Sequence[Location]) -> str:
+def _unknown(given: object, suggestions: Sequence[Location]) -> str:
     got = "" if isinstance(given, dict | list) else f", got {given!r}"
-    suggested = " or ".join(_key(location).strip() for location in meant)
-    return f"is not a known key{got}{f'; did you mean {suggested}?' if meant else ''}"
+    suggested = " or ".join(_key(location).strip() for location in suggestions)
+    return f"is not a known key{got}{f'; did you mean {suggested}?' if suggestions else ''}"
 
 
 def _missing(locations: Sequence[Location]) -> list[str]:
@@ -184,7 +184,9 @@ def _slip(problem: Any) -> str:
     kind, given, key = problem["type"], problem["input"], problem["loc"][-1]
     if kind == "tuple_type" and isinstance(given, dict):
         return f", each part of it below [[{key}]], got one table; did you mean [[{key}]]?"
-    asked = meant(given) if isinstance(given, str) and kind.startswith(("float", "int")) else ""
+    asked = (
+        suggestion(given) if isinstance(given, str) and kind.startswith(("float", "int")) else ""
+    )
     if kind == "tuple_type" and isinstance(given, str):
         asked = f"; did you mean [{given!r}]?"
     return f", got {given!r}{asked}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .contacts import check_edge, section
+from .contacts import check_edge, curve_section
 from .form.mesh_file import foil_lines
 from .validation import short
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .skin import Skin
 
 
-LEAST_GAP = 5e-6
+MIN_GAP = 5e-6
 """Over the skin's longer side: of a gap between foils, and of a foil. Shorter ones are not resolved
 in double precision."""
 
@@ -40,7 +40,7 @@ def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Sk
     )
 
 
-def joined(contacts: Sequence[Contact], skin: Skin) -> list[int]:
+def conductor_groups(contacts: Sequence[Contact], skin: Skin) -> list[int]:
     """For each contact the index of the first one it is one conductor with.
 
     Ideal foils that touch carry any current between them (the sheet's current density between two
@@ -79,7 +79,7 @@ def driven_by_touch(
     contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
 ) -> list[DrivenByTouch]:
     """Where floating contacts are driven after all, by interface."""
-    group = joined(contacts, skin)
+    group = conductor_groups(contacts, skin)
     terminals = [
         [c for c, own in zip(contacts, group, strict=True) if own == leader]
         for leader in sorted(set(group))
@@ -112,11 +112,11 @@ def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], s
         if skin.mesh is None and _nearly_touch(first, second, skin):
             raise ValueError(
                 f"contacts {first.name!r} and {second.name!r} must touch, or end at least "
-                f"{LEAST_GAP:g} of the skin's longer side apart"
+                f"{MIN_GAP:g} of the skin's longer side apart"
             )
     check_widths(contacts, skin)
     names = [contact.name for contact in contacts]
-    terminal = dict(zip(names, joined(contacts, skin), strict=True))
+    terminal = dict(zip(names, conductor_groups(contacts, skin), strict=True))
     for interface in interfaces:
         for name in (*interface.high, *interface.low):
             if name not in terminal:
@@ -146,7 +146,7 @@ def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
         first.electrode == second.electrode
         and not touch(first, second, skin)
         and any(
-            math.dist(a, b) < LEAST_GAP * max(skin.length, skin.width)
+            math.dist(a, b) < MIN_GAP * max(skin.length, skin.width)
             for a, b in itertools.product(first.ends(skin), second.ends(skin))
         )
     )
@@ -158,7 +158,7 @@ def _overlap(first: Contact, second: Contact, skin: Skin) -> bool:
     if skin.mesh is not None:
         both = np.concatenate([_lines(first, skin), _lines(second, skin)], axis=1)
         return np.unique(both, axis=1).shape[1] < both.shape[1]
-    a, b = section(first, skin), section(second, skin)
+    a, b = curve_section(first, skin), curve_section(second, skin)
     rounding = 1e-9 * max(skin.length, skin.width)
     return a.curve == b.curve and min(a.stop, b.stop) - max(a.start, b.start) > rounding
 
@@ -180,11 +180,11 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
 
 def _check_length(number: int, contact: Contact, skin: Skin) -> None:
     """A foil so short that its ends are not resolved in double precision."""
-    along, least = section(contact, skin), LEAST_GAP * max(skin.sides)
+    along, least = curve_section(contact, skin), MIN_GAP * max(skin.sides)
     if along.stop - along.start < least:
         raise ValueError(
             f"`contact[{number + 1}].span` must leave a foil of at least {short(least)} m, "
-            f"{LEAST_GAP:g} of the skin's longer side, got {short(along.stop - along.start)} m"
+            f"{MIN_GAP:g} of the skin's longer side, got {short(along.stop - along.start)} m"
         )
 
 
@@ -197,7 +197,7 @@ def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
                 f"`contact[{number + 1}].width` must be < {short(across)} m, the skin's extent "
                 f"from that edge, got {short(contact.width)} m"
             )
-    group = joined(contacts, skin)
+    group = conductor_groups(contacts, skin)
     for (i, first), (j, second) in itertools.combinations(enumerate(contacts), 2):
         apart = first.electrode != second.electrode or group[i] == group[j]
         wide = skin.rectangular and max(first.width, second.width) > 0
@@ -233,7 +233,7 @@ def _meet(first: Contact, second: Contact, skin: Skin) -> bool:
     """Whether two foils on a rectangle share a place."""
     one, other = strip(first, skin), strip(second, skin)
     gaps = np.maximum(one[0], other[0]) - np.minimum(one[1], other[1])
-    return bool((gaps < LEAST_GAP * max(skin.sides)).all())
+    return bool((gaps < MIN_GAP * max(skin.sides)).all())
 
 
 def _lines(contact: Contact, skin: Skin) -> np.ndarray:

@@ -58,7 +58,7 @@ def shape_of(scene: Scene, key: str) -> Shape:
     thickness = foam.thickness_or_assumed
     if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
         raise InputError(f"{scene.name}: `{key}` needs a flat skin; `skin.mesh` lies in space")
-    permittivity = foam.rest_capacitance_per_area * thickness / VACUUM_PERMITTIVITY
+    permittivity = foam.unpressed_capacitance_per_area * thickness / VACUUM_PERMITTIVITY
     ratios, thinner = (1.0, 1.0), 1.0
     if skin.stretch is not None:
         ratios, power = skin.stretch.ratios, skin.stretch.thinning[1]

@@ -2,10 +2,10 @@
 
 from .errors import InputError, OutputError, ToleranceError
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
-from .input_files import counted, loaded, open_zarr, read
+from .input_files import loaded, open_zarr, read, sizes_text
 from .joining import read_joined
 from .laws.passivity import Violation, violations
-from .optional_packages import check_needs
+from .optional_packages import require_packages
 from .output_files import checked_folder, checked_output, made_folder, write
 from .schema import (
     OPENING,
@@ -17,7 +17,7 @@ from .schema import (
     side_by_side,
     tabled,
 )
-from .sweep_table import Table
+from .sweep_table import SweepTable
 from .writing import kept_file, whole_file
 
 __all__ = [
@@ -25,17 +25,17 @@ __all__ = [
     "UNPRESSED",
     "InputError",
     "OutputError",
-    "Table",
+    "SweepTable",
     "ToleranceError",
     "Violation",
     "branch_reactance",
     "build",
     "check",
-    "check_needs",
+    "require_packages",
     "checked_folder",
     "checked_output",
     "concatenate",
-    "counted",
+    "sizes_text",
     "impedance",
     "kept_file",
     "loaded",

@@ -10,7 +10,7 @@ FOUND = {
 }
 
 
-def bound_means(against_rest: int, skins: str) -> str:
+def bound_text(against_rest: int, skins: str) -> str:
     """The line beside a bound. against_rest: sweeps of the unpressed skin, 0 for none. skins: which
     are known."""
     features = (
@@ -24,7 +24,7 @@ def bound_means(against_rest: int, skins: str) -> str:
     )
 
 
-def accuracy_means(
+def accuracy_text(
     target: str, features: str, judged: str, scene: str = "SCENE", *, noisy: bool = True
 ) -> str:
     """The line. features: what was looked at. judged: which sweeps, such as "not

@@ -11,7 +11,7 @@ _blocks = 0
 
 
 @contextmanager
-def waited_for() -> Iterator[None]:
+def cleanup_block() -> Iterator[None]:
     """A block that Ctrl-C leaves in its own time, however long what is unfinished takes to end."""
     global _blocks
     with _left:
@@ -24,7 +24,7 @@ def waited_for() -> Iterator[None]:
             _left.notify_all()
 
 
-def wait() -> bool:
+def wait_for_cleanup() -> bool:
     """Until all such blocks are left; whether there was one."""
     with _left:
         some = _blocks > 0

@@ -15,7 +15,7 @@ SLACK = 0.1
 """s: below, a clock was corrected by no more than a reading takes."""
 
 
-def set_back(sweeps: xr.Dataset) -> list[str]:
+def backward_times(sweeps: xr.Dataset) -> list[str]:
     """In words, which sweeps have an earlier time than the sweep before them in their session."""
     if TIME not in sweeps.variables:
         return []

@@ -15,7 +15,7 @@ BEYOND_ASCII = re.compile(r"[^\n -~]")
 WITHIN_COMMENT = re.compile(r"(?<=[,;\t])[=+\-@]")
 
 
-class Writer:
+class CsvWriter:
     """Writes rows as `csv.writer` does; text that begins like a formula gets a quote before it."""
 
     def __init__(self, file: IO[str]) -> None:
@@ -36,7 +36,7 @@ def guarded(cell: Any) -> Any:
     return f"'{cell}" if formula else cell
 
 
-def as_given(cell: str) -> str:
+def unguarded(cell: str) -> str:
     """The text that `guarded` made a cell of."""
     return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
 

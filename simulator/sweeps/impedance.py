@@ -46,7 +46,7 @@ def contradicting(
         return off > np.asarray(tolerance) * size
 
 
-def unlike(Cp: float, found: float) -> str:
+def contradiction_text(Cp: float, found: float) -> str:
     """What is to be said of a Cp [F] that contradicts that found from Rs and X."""
     return (
         f"does not follow from Rs and X: it is {Cp:.6g} F where they give {found:.6g} F; "

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .file_kinds import check_file_kind
-from .importing.branch import checked_branch, chosen_at_each, told
+from .importing.branch import branch_attributes, checked_branch, choose_branches
 from .importing.dialect import read_table
-from .importing.grouping import Defaults, grouped, places
+from .importing.grouping import Defaults, grouped, reading_places
 from .importing.impedance_columns import impedance_readings
 from .joining import aligned
 from .schema import build, concatenate
@@ -47,11 +47,11 @@ def import_file(
     table = read_table(path)
     readings = impedance_readings(table)
     sweeps = grouped(table, readings.frequency, defaults)
-    interfaces, frequency, taken, where = places(table, sweeps)
+    interfaces, frequency, taken, where = reading_places(table, sweeps)
     Z, rule = np.where(taken, readings.Z[where], np.nan), {}
     if readings.pair == ("Rs", "Cp"):
-        found = chosen_at_each(Z, frequency, checked_branch(branch), taken)
-        Z, rule = found.Z, told(found, branch, frequency, interfaces)
+        found = choose_branches(Z, frequency, checked_branch(branch), taken)
+        Z, rule = found.Z, branch_attributes(found, branch, frequency, interfaces)
     return build(
         Z,
         frequency,

@@ -13,7 +13,7 @@ from .errors import InputError
 from .file_kinds import check_file_kind
 from .formats.csv import read_csv
 from .formats.netcdf import DAMAGED, read_dataset
-from .optional_packages import check_needs
+from .optional_packages import require_packages
 from .schema import QUANTITIES, check
 from .sweep_table import DIMENSIONS
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ENDINGS = (".nc", ".csv", ".zarr")
 
 
-def counted(sizes: Mapping[Any, int]) -> str:
+def sizes_text(sizes: Mapping[Any, int]) -> str:
     """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
     named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
     told = [
@@ -120,4 +120,4 @@ def _arrays(path: Path) -> list[tuple[str, Any]]:
 
 def check_zarr(path: Path) -> None:
     """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
-    check_needs(path, "scale", "zarr", "dask")
+    require_packages(path, "scale", "zarr", "dask")

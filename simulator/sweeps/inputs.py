@@ -26,38 +26,38 @@ WHOLE = 2**63
 
 
 @dataclass(frozen=True)
-class Kind:
+class InputKind:
     """What an input is, and its largest size in bytes."""
 
     what: str
     most: int
 
 
-SCENE = Kind("a scene", 32 * MIB)
+SCENE = InputKind("a scene", 32 * MIB)
 """A mesh of 400,000 triangles as numbers is as large."""
-SETTINGS = Kind("a file of settings", MIB)
+SETTINGS = InputKind("a file of settings", MIB)
 """Tables of a switch or of accuracies, orders and scripts of presses: 20,000 lines."""
-MAP = Kind("a map", 16 * MIB)
+MAP = InputKind("a map", 16 * MIB)
 """As a CSV; a thousand times a thousand factors of 16 characters."""
-PICTURE = Kind("a picture", 256 * MIB)
+PICTURE = InputKind("a picture", 256 * MIB)
 """64 million pixels of 16 bits, three colours, not compressed."""
-MESH = Kind("a mesh", 256 * MIB)
+MESH = InputKind("a mesh", 256 * MIB)
 """A few million triangles."""
-TABLE = Kind("a table of sweeps", 512 * MIB)
+TABLE = InputKind("a table of sweeps", 512 * MIB)
 """Five million readings; as text it takes ten times as much memory."""
-SWEEPS = Kind("a file of sweeps", 16 * GIB)
-MODEL = Kind("a model", 4 * GIB)
+SWEEPS = InputKind("a file of sweeps", 16 * GIB)
+MODEL = InputKind("a model", 4 * GIB)
 """A hundred thousand sweeps that a kernel keeps, at a thousand features, are 0.8 GB."""
-JOURNAL = Kind("a journal", 512 * MIB)
+JOURNAL = InputKind("a journal", 512 * MIB)
 """Of a recording or a design: as large as a table of the same numbers."""
 LINE = MIB
 """Bytes of one line of a table: a hundred thousand columns."""
-MOST_CHUNK = GIB
+MAX_CHUNK_BYTES = GIB
 """Of one part of a Zarr array, which is decoded whole."""
-MOST_CHUNKS = 10**6
+MAX_CHUNKS = 10**6
 
 
-def check_input(path: Path, kind: Kind) -> Path:
+def check_input(path: Path, kind: InputKind) -> Path:
     """The same path. Raises InputError where it is no regular file, or larger than `kind` is."""
     try:
         _check(path, kind, path.stat())
@@ -66,7 +66,7 @@ def check_input(path: Path, kind: Kind) -> Path:
     return path
 
 
-def content(path: Path, kind: Kind) -> bytes:
+def content(path: Path, kind: InputKind) -> bytes:
     """All bytes of a file. Raises InputError as `check_input`, and where it cannot be read."""
     flags = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
     try:
@@ -88,7 +88,7 @@ def table(path: Path) -> bytes:
     return found
 
 
-def text(path: Path, kind: Kind) -> str:
+def text(path: Path, kind: InputKind) -> str:
     """A file in UTF-8 as text. Raises InputError as `content`, and for other bytes."""
     try:
         return content(path, kind).decode("utf-8-sig")
@@ -159,16 +159,16 @@ def check_arrays(path: Path, arrays: Iterable[tuple[str, int, int, int]]) -> Non
     arrays: of each its name, number of dimensions, bytes of a chunk and number of chunks.
     """
     for name, dimensions, size, count in arrays:
-        if size > MOST_CHUNK or count > MOST_CHUNKS:
+        if size > MAX_CHUNK_BYTES or count > MAX_CHUNKS:
             raise InputError(
-                f"{path}: `{name}` declares {count} parts of {size} bytes; at most {MOST_CHUNKS} "
-                f"of {MOST_CHUNK} are read"
+                f"{path}: `{name}` declares {count} parts of {size} bytes; at most {MAX_CHUNKS} "
+                f"of {MAX_CHUNK_BYTES} are read"
             )
         if dimensions == 1:  # read whole when it is opened
             check_memory(path, size * count)
 
 
-def _check(path: Path, kind: Kind, told: os.stat_result) -> None:
+def _check(path: Path, kind: InputKind, told: os.stat_result) -> None:
     if stat.S_ISDIR(told.st_mode):
         raise InputError(f"{path}: is a folder; {kind.what} is a file")
     if not stat.S_ISREG(told.st_mode):
@@ -177,7 +177,7 @@ def _check(path: Path, kind: Kind, told: os.stat_result) -> None:
         raise InputError(f"{path}: has {told.st_size / MIB:.4g} MiB; {_at_most(kind)}")
 
 
-def _at_most(kind: Kind) -> str:
+def _at_most(kind: InputKind) -> str:
     return f"{kind.what} has at most {kind.most / MIB:.4g} MiB"
 
 

@@ -14,7 +14,7 @@ from .importing.grouping import SAME_FREQUENCY
 from .input_files import read
 from .inputs import objects
 from .same_skin import difference
-from .schema import SESSIONS, TIME, concatenate, session_names, taken_alike
+from .schema import SESSIONS, TIME, concatenate, same_taken, session_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,7 +69,7 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
     if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
         raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
     ordered = part.isel(interface=[ours.index(name) for name in theirs])
-    if not taken_alike(ordered, first):
+    if not same_taken(ordered, first):
         raise InputError(
             f"{path}: its interfaces were read at other `frequencies` of their own than those of "
             f"{other}"

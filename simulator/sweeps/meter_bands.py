@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from .units import prefixed
 
-REACH = {
+METER_BANDS = {
     "IM3523": (40.0, 200e3),
     "IM3533": (1e-3, 200e3),
     "IM3536": (4.0, 8e6),
@@ -17,9 +17,9 @@ VIRTUAL_MODEL = "IM3523"
 """The model that the virtual meter answers as."""
 
 
-def beyond_reach(model: str, frequencies: Iterable[float]) -> str:
+def outside_band(model: str, frequencies: Iterable[float]) -> str:
     """The range of a model, and which frequencies in Hz lie outside; empty where none does."""
-    low, high = REACH[model]
+    low, high = METER_BANDS[model]
     outside = [each for each in frequencies if not low <= each <= high]
     if not outside:
         return ""

@@ -6,7 +6,7 @@ from pathlib import Path
 from .errors import InputError
 
 
-def check_needs(work: str | Path, extra: str, *libraries: str) -> None:
+def require_packages(work: str | Path, extra: str, *libraries: str) -> None:
     """Raises InputError where a library is not installed, with the command that installs it.
 
     work: what needs the libraries, as its user calls it. extra: of this package.

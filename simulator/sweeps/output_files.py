@@ -17,25 +17,25 @@ from .formats.csv import write_csv, write_rows
 from .formats.netcdf import write_dataset, write_table
 from .input_files import ENDINGS, check_zarr
 from .schema import check
-from .sweep_table import Table
-from .writing import check_free, named_failures, whole_file
-from .writing.replacing import check_all_free
+from .sweep_table import SweepTable
+from .writing import check_replaceable, named_failures, whole_file
+from .writing.replacing import check_all_replaceable
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def write(sweeps: xr.Dataset | Table, path: str | Path) -> None:
+def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
     """Write sweeps to `path`; the file appears whole or not at all.
 
     Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
     """
     path = checked_output(path)
     with whole_file(path) as unfinished:
-        if isinstance(sweeps, Table) and path.suffix in OF_TABLES:
+        if isinstance(sweeps, SweepTable) and path.suffix in OF_TABLES:
             OF_TABLES[path.suffix](sweeps, unfinished)
         else:
-            whole = sweeps.dataset() if isinstance(sweeps, Table) else sweeps
+            whole = sweeps.dataset() if isinstance(sweeps, SweepTable) else sweeps
             OF_DATASETS[path.suffix](check(whole), unfinished)
 
 
@@ -46,7 +46,7 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     `writing`).
     """
     path = checked_place(path, endings)
-    check_free(path)
+    check_replaceable(path)
     return path
 
 
@@ -76,7 +76,7 @@ def checked_folder(path: Path, *names: str) -> Path:
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
     _check_parent(path)
-    check_all_free(path, names)
+    check_all_replaceable(path, names)
     return path
 
 

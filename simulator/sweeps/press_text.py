@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 from .errors import InputError
 from .schema import UNPRESSED
-from .units import PREFIXES, meant, plain_number
+from .units import PREFIXES, plain_number, suggestion
 
 SYNTAX = (
     "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
@@ -24,11 +24,11 @@ FREE_TOUCH: Literal["touch"] = "touch"
 WrittenFinger = float | Literal["earthed", "touch"]
 """What touches: a capacitance to earth in F, or of which finger that is."""
 
-LEAST_FACTOR, MOST_FACTOR = 1e-6, 1e6
+MIN_FACTOR, MAX_FACTOR = 1e-6, 1e6
 """Times the capacitance at rest: far beyond what foam can be lifted or pressed to."""
-MOST_FORCE = 1e6
+MAX_FORCE = 1e6
 """N: a locomotive's weight."""
-MOST_FINGER = 1e-6
+MAX_FINGER = 1e-6
 """F: a hand on a thin film has nanofarad."""
 
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
@@ -151,9 +151,9 @@ def _finger(given: str, text: str) -> WrittenFinger:
     _number(match["number"], f"capacitance in {match['prefix']}F", text)
     power = PREFIXES.get(match["prefix"], 0)
     farad = float(Decimal(match["number"].strip()).scaleb(power))
-    if not 0 <= farad <= MOST_FINGER:
+    if not 0 <= farad <= MAX_FINGER:
         raise InputError(
-            f"press {text!r}: the capacitance of what touches must be from 0 to {MOST_FINGER:g} F, "
+            f"press {text!r}: the capacitance of what touches must be from 0 to {MAX_FINGER:g} F, "
             f"got {given}"
         )
     return farad
@@ -186,13 +186,13 @@ def _strength(given: str, text: str) -> WrittenStrength:
     match = MEASURED.fullmatch(given)
     if match is None:
         factor = _positive(given, "FACTOR", text)
-        _check_most(factor, "FACTOR", MOST_FACTOR, given, text)
-        if factor < LEAST_FACTOR:
-            raise InputError(f"press {text!r}: FACTOR must be >= {LEAST_FACTOR:g}, got {factor:g}")
+        _check_most(factor, "FACTOR", MAX_FACTOR, given, text)
+        if factor < MIN_FACTOR:
+            raise InputError(f"press {text!r}: FACTOR must be >= {MIN_FACTOR:g}, got {factor:g}")
         return WrittenStrength(factor, "")
     if match["unit"] == "N":
         force = _positive(match["number"], "force in N", text)
-        _check_most(force, "force in N", MOST_FORCE, given, text)
+        _check_most(force, "force in N", MAX_FORCE, given, text)
         return WrittenStrength(force, "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
     return WrittenStrength(depth / PER_M[match["unit"]], "m")
@@ -206,7 +206,7 @@ def _check_most(value: float, name: str, most: float, given: str, text: str) -> 
 def _positive(given: str, name: str, text: str) -> float:
     value = plain_number(given)
     if not (math.isfinite(value) and value > 0):
-        asked = meant(given)
+        asked = suggestion(given)
         raise InputError(
             f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{asked}"
         )

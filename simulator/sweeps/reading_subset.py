@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def all_of(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def read_mask(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     """Which interfaces were read at which frequencies, shape (interface, frequency)."""
     taken = taken_of(sweeps)
     whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)

@@ -11,7 +11,7 @@ import numpy as np
 from .errors import InputError
 from .impedance import parallel_capacitance
 from .inputs import objects
-from .sweep_table import DIMENSIONS, Table, Variable
+from .sweep_table import DIMENSIONS, SweepTable, SweepVariable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,7 +64,7 @@ def tabled(
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
     taken: NDArray[np.bool_] | None = None,
-) -> Table:
+) -> SweepTable:
     """Sweeps from complex impedance, as plain arrays: written where nothing else needs xarray.
 
     Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
@@ -90,7 +90,7 @@ def tabled(
         values = {name: np.where(taken, value, np.nan) for name, value in values.items()}
     described = {**QUANTITIES, **ERRORS}
     quantities = {
-        name: Variable(
+        name: SweepVariable(
             DIMENSIONS, value, {"long_name": described[name][0], "units": described[name][1]}
         )
         for name, value in values.items()
@@ -104,24 +104,26 @@ def tabled(
         else np.asarray(session, dtype=np.int64),
     }
     coordinates = {
-        "interface": Variable(("interface",), np.array(list(interface), dtype=object), {}),
-        "frequency": Variable(("frequency",), frequency, {"long_name": "frequency", "units": "Hz"}),
+        "interface": SweepVariable(("interface",), np.array(list(interface), dtype=object), {}),
+        "frequency": SweepVariable(
+            ("frequency",), frequency, {"long_name": "frequency", "units": "Hz"}
+        ),
         **{
-            name: Variable(("sweep",), value, {"long_name": LABELS[name]})
+            name: SweepVariable(("sweep",), value, {"long_name": LABELS[name]})
             for name, value in labels.items()
         },
     }
     if taken is not None:
-        coordinates[TAKEN] = Variable(
+        coordinates[TAKEN] = SweepVariable(
             DIMENSIONS[1:], taken.astype(np.int8), {"long_name": "whether it was read"}
         )
     if time is not None:
         told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
-        coordinates[TIME] = Variable(("sweep",), np.asarray(time, dtype=np.float64), told)
-    return _checked(Table(quantities, coordinates, dict(attributes or {})))
+        coordinates[TIME] = SweepVariable(("sweep",), np.asarray(time, dtype=np.float64), told)
+    return _checked(SweepTable(quantities, coordinates, dict(attributes or {})))
 
 
-def _with_xarray(make: Callable[P, Table]) -> Callable[P, xr.Dataset]:
+def _with_xarray(make: Callable[P, SweepTable]) -> Callable[P, xr.Dataset]:
     @wraps(make)
     def made(*given: P.args, **named: P.kwargs) -> xr.Dataset:
         return make(*given, **named).dataset()
@@ -133,7 +135,7 @@ build = _with_xarray(tabled)
 """As `tabled`, the sweeps as `xarray.Dataset`."""
 
 
-def _checked(sweeps: Table) -> Table:
+def _checked(sweeps: SweepTable) -> SweepTable:
     taken = sweeps.coordinates[TAKEN].values.astype(bool) if TAKEN in sweeps.coordinates else None
     for name, each in sweeps.quantities.items():
         _check_readings(name, each.values, taken)
@@ -249,13 +251,13 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         for name in ("interface", "frequency"):
             if not np.array_equal(part[name].values, first[name].values):
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
-        if not taken_alike(part, first):
+        if not same_taken(part, first):
             raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
     told = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
     return xr.concat(told, dim="sweep", combine_attrs="override", join="exact")
 
 
-def taken_alike(one: xr.Dataset, other: xr.Dataset) -> bool:
+def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:
     """Whether the interfaces of both were read at the same of as many frequencies."""
     first, second = taken_of(one), taken_of(other)
     if first is None or second is None:

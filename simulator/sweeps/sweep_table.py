@@ -16,7 +16,7 @@ DIMENSIONS = ("sweep", "interface", "frequency")
 
 
 @dataclass(frozen=True)
-class Variable:
+class SweepVariable:
     """An array with the names of its dimensions and its attributes (`long_name`, `units`)."""
 
     dims: tuple[str, ...]
@@ -25,15 +25,15 @@ class Variable:
 
 
 @dataclass(frozen=True)
-class Table:
+class SweepTable:
     """Quantities and coordinates by name, and attributes, as an `xarray.Dataset` has them."""
 
-    quantities: Mapping[str, Variable]
-    coordinates: Mapping[str, Variable]
+    quantities: Mapping[str, SweepVariable]
+    coordinates: Mapping[str, SweepVariable]
     attrs: Mapping[str, Any]
 
     @property
-    def variables(self) -> dict[str, Variable]:
+    def variables(self) -> dict[str, SweepVariable]:
         """Quantities first, then coordinates."""
         return {**self.quantities, **self.coordinates}
 
@@ -54,7 +54,7 @@ class Table:
         return xr.Dataset(quantities, coordinates, attrs=dict(self.attrs))
 
 
-def table_of(sweeps: xr.Dataset, names: Sequence[str]) -> Table:
+def table_of(sweeps: xr.Dataset, names: Sequence[str]) -> SweepTable:
     """Those variables of sweeps, as far as they are there; quantities as DIMENSIONS order them."""
     there = [name for name in names if name in sweeps.variables]
     taken = {name: sweeps[name] for name in there}
@@ -63,9 +63,9 @@ def table_of(sweeps: xr.Dataset, names: Sequence[str]) -> Table:
         for name, each in taken.items()
     }
     plain = {
-        name: Variable(tuple(map(str, each.dims)), np.asarray(each.values), each.attrs)
+        name: SweepVariable(tuple(map(str, each.dims)), np.asarray(each.values), each.attrs)
         for name, each in ordered.items()
     }
     quantities = {name: each for name, each in plain.items() if len(each.dims) == len(DIMENSIONS)}
     rest = {name: each for name, each in plain.items() if name not in quantities}
-    return Table(quantities, rest, sweeps.attrs)
+    return SweepTable(quantities, rest, sweeps.attrs)

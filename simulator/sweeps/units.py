@@ -39,7 +39,7 @@ def in_si(text: str) -> str | None:
     return f"{float(number):g}"
 
 
-def meant(text: str) -> str:
+def suggestion(text: str) -> str:
     """`; did you mean` that, of a number with a unit or a comma; nothing of other text."""
     plain = in_si(text)
     return "" if plain is None else f"; did you mean {plain}?"

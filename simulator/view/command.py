@@ -12,7 +12,7 @@ from ..requests.options import SceneName
 from ..safe_text import say
 
 if TYPE_CHECKING:
-    from ..progress import Progress
+    from ..progress import ProgressCallback
     from .scenery import Stage
 
 
@@ -72,7 +72,7 @@ def view(
     from dataclasses import replace
 
     from ..progress import on_terminal
-    from ..requests.console import note, written
+    from ..requests.console import note, report_written
     from .outputs import write_output
 
     every = every and animate != "phase"
@@ -83,7 +83,7 @@ def view(
         with on_terminal() as progress:
             write_output(output, stage, what, animate, progress, note)
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
-        written(f"{shown} of press {stage.press} at {_told(stage)}", output)
+        report_written(f"{shown} of press {stage.press} at {_told(stage)}", output)
     if interactive:
         _interact(stage, what, output)
 
@@ -125,16 +125,16 @@ def _stage(
     interface: str | None,
     rtol: float,
     every: bool,
-    progress: Progress,
+    progress: ProgressCallback,
 ) -> Stage:
     from ..models.fields import fields
     from ..press.press import press_on
     from ..requests.console import note, warn
-    from ..requests.requested_scene import asked_scene
+    from ..requests.requested_scene import requested_scene
     from ..scene.scene import checked_interface
     from .scenery import Stage
 
-    scene = asked_scene(name)
+    scene = requested_scene(name)
     pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
     if interface is None and len(scene.interfaces) > 1:

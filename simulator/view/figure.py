@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..chart_style import STYLE, chart
-from ..safe_text import charting, painting
+from ..safe_text import figure_style, rendering
 from .axes import (
     NUMBERS_WIDTH,
     colour_bar,
@@ -65,11 +65,11 @@ def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with charting(STYLE):
+    with figure_style(STYLE):
         figure = Figure(figsize=_size(rows), dpi=dpi, layout="constrained")
         canvas = FigureCanvasAgg(figure)
         compose(figure, rows, title)
-        with painting(figure):
+        with rendering(figure):
             canvas.draw()
     image = np.asarray(canvas.buffer_rgba())[..., :3]
     height, width = (side - side % 2 for side in image.shape[:2])

@@ -8,8 +8,8 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from ..chart_style import ENDINGS as STILLS
-from ..progress import Progress, silent, tracked
-from ..sweeps import InputError, check_needs
+from ..progress import ProgressCallback, silent, tracked
+from ..sweeps import InputError, require_packages
 from .quantities import Quantity, chosen
 from .shown import at_frequencies, over_the_phase
 
@@ -46,7 +46,7 @@ ROOM_FOR_WORDS = 1.35
 def check_output(path: Path) -> None:
     """Raises InputError where what writes the file, or draws it, is not installed."""
     writer = WRITTEN_BY.get(path.suffix)
-    check_needs(path, EXTRA, SURFACES, *([writer] if writer else []))
+    require_packages(path, EXTRA, SURFACES, *([writer] if writer else []))
     if path.suffix in PICTURES:
         from .painting import check_drawing
 
@@ -55,7 +55,7 @@ def check_output(path: Path) -> None:
 
 def check_shown() -> None:
     """Raises InputError where what shows a window, or a page in its place, is not installed."""
-    check_needs("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
+    require_packages("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
 
 
 def write_output(
@@ -63,7 +63,7 @@ def write_output(
     stage: Stage,
     what: str,
     animate: str | None,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     tell: Callable[[str], None] = lambda note: None,
 ) -> None:
     """Write the fields in the way that the file's ending asks for, whole or not at all.
@@ -147,7 +147,7 @@ def _write_frames(
     path: Path,
     stage: Stage,
     frames: list[list[Panel]],
-    progress: Progress,
+    progress: ProgressCallback,
     tell: Callable[[str], None],
 ) -> None:
     from .figure import rendered

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chart_style import AT_REST, COLOURS
+from ..chart_style import COLOURS, UNPRESSED_COLOUR
 from ..sweeps import InputError
 from .surface import polygons
 
@@ -209,11 +209,11 @@ def add_all(
         plotter.add_mesh(ribbon(foil), color=colours[foil.name], lighting=False)
     for lines, colour, width, opacity, lift in (
         (marks.pixels, "#FFFFFF", 2.5, HALO, 1.0),
-        (marks.pixels, AT_REST, 1.0, SHADE, 1.0),
-        (marks.rim, AT_REST, 1.5, 1.0, 1.0),
+        (marks.pixels, UNPRESSED_COLOUR, 1.0, SHADE, 1.0),
+        (marks.rim, UNPRESSED_COLOUR, 1.5, 1.0, 1.0),
         (shown.contours, "#FFFFFF", 1.5, 0.8, 1.0),
         (marks.pressed, "#FFFFFF", 7.0, 1.0, 1.5),
-        (marks.pressed, AT_REST, 3.0, 1.0, 1.5),
+        (marks.pressed, UNPRESSED_COLOUR, 3.0, 1.0, 1.5),
     ):
         raised = [lifted(line, skin, lift, towards) for line in lines]
         _add_lines(plotter, raised, colour, width, opacity)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chart_style import AT_REST
-from ..safe_text import in_plotly
+from ..chart_style import UNPRESSED_COLOUR
+from ..safe_text import plotly_text
 from ..sweeps import whole_file
 from .painting import ARROW, BODY, GRID, arrow_mesh, foil_colours, lifted, ribbon
 from .surface import triangles
@@ -89,7 +89,7 @@ def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
         for axis, at in zip("xyz", middle, strict=True)
     }
     scale = 1 / max(_half_sizes(panels))
-    lines = [*map(in_plotly, textwrap.wrap(title, TITLE_WIDTH))]
+    lines = [*map(plotly_text, textwrap.wrap(title, TITLE_WIDTH))]
     return {
         "title": {
             "text": "<br>".join(lines),
@@ -141,7 +141,7 @@ def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
 
 
 def _heading(shown: Shown) -> str:
-    title, *more = map(in_plotly, (shown.title, shown.moment, shown.note))
+    title, *more = map(plotly_text, (shown.title, shown.moment, shown.note))
     return "<br>".join(filter(None, (f"<b>{title}</b>", *more)))
 
 
@@ -170,7 +170,7 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
 
 def _step(shown: Shown, alone: bool) -> str:
     named = shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
-    return in_plotly(named)
+    return plotly_text(named)
 
 
 def _traces(panel: Panel) -> list[Any]:
@@ -181,13 +181,13 @@ def _traces(panel: Panel) -> list[Any]:
     colours = foil_colours(marks.foils)
     for foil in marks.foils:
         surface = _surface(ribbon(foil), colours[foil.name])
-        surface.update(name=in_plotly(foil.label), hoverinfo="name", showlegend=True)
+        surface.update(name=plotly_text(foil.label), hoverinfo="name", showlegend=True)
         traces.append(surface)
     for lines, colour, width, lift in (
         (marks.pixels, GRID, 1.5, 1.0),
-        (marks.rim, AT_REST, 2, 1.0),
+        (marks.rim, UNPRESSED_COLOUR, 2, 1.0),
         (shown.contours, "#FFFFFF", 2, 1.0),
-        (marks.pressed, AT_REST, 6, RAISED),
+        (marks.pressed, UNPRESSED_COLOUR, 6, RAISED),
     ):
         if lines:
             raised = [lifted(line, skin, lift) for line in lines]
@@ -211,7 +211,7 @@ def _pixel_names(panel: Panel) -> go.Scatter3d:
         mode="text",
         text=[f"{row + 1},{column + 1}" for row, column in zip(rows, columns, strict=True)],
         textposition="middle center",
-        textfont={"size": 11, "color": np.where(pale, AT_REST, "#FFFFFF")},
+        textfont={"size": 11, "color": np.where(pale, UNPRESSED_COLOUR, "#FFFFFF")},
         name="row,column",
         hoverinfo="skip",
     )

@@ -27,7 +27,7 @@ def at(make_scene, u, contacts=None, **keywords):
     feed = {} if contacts is None else {"contacts": contacts}
     skin = make_scene(**feed, **keywords).skin
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
-    RC = sheets * skin.foam.rest_capacitance_per_area * skin.length**2
+    RC = sheets * skin.foam.unpressed_capacitance_per_area * skin.length**2
     return make_scene(**feed, **keywords, frequencies=np.asarray(u) / (2 * np.pi * RC))
 
 
@@ -228,7 +228,7 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
 
     scene = at(make_scene, U)
     skin, truth = scene.skin, Line(scene).impedance(Press(), scene.frequencies)[0]
-    c = skin.foam.rest_capacitance_per_area
+    c = skin.foam.unpressed_capacitance_per_area
     square = MeshTri().scaled((skin.length, skin.width))
 
     def error_at(halved):

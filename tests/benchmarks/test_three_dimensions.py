@@ -88,7 +88,7 @@ def test_two_dimensional_limit(scene, insulated):
 def test_three_conductor_line(scene, insulated):
     """Z = -1 / [W G Gamma tanh(Gamma L)]_12 with Gamma² = s G^-1 C, and an earthed plane below."""
     skin = ForeignSkin(scene, insulated.solved(below=PLANE), rtol=1e-9)
-    c, below = scene.skin.foam.rest_capacitance_per_area, PLANE_PER_AREA
+    c, below = scene.skin.foam.unpressed_capacitance_per_area, PLANE_PER_AREA
     R = scene.skin.top.sheet_resistance
     for s, Z in zip(skin.s, skin.impedance()[0], strict=True):
         squared, modes = np.linalg.eig(s * R * np.array([[c, -c], [-c, c + below]]))
@@ -102,7 +102,7 @@ def test_rim_of_the_papers_sheet(scene, air):
     floating = ForeignSkin(scene, air, low="floating")
     s = np.array([1j])
     C = (1 / floating.impedance(s=s) / s).real
-    flat = scene.skin.foam.rest_capacitance_per_area * SIDE**2
+    flat = scene.skin.foam.unpressed_capacitance_per_area * SIDE**2
     assert C / flat - 1 == pytest.approx(0.0557, abs=3e-4)
 
 
@@ -118,7 +118,7 @@ def test_finger_at_low_frequency(scene, insulated):
     """dRs = R C_f c (L x - x²/2) / C², in the middle of its column and summed over it."""
     skin, finger = ForeignSkin(scene, insulated.solved(), rtol=1e-10), 1e-12
     s = np.array([1j * 10.0])
-    R, c = scene.skin.top.sheet_resistance, scene.skin.foam.rest_capacitance_per_area
+    R, c = scene.skin.top.sheet_resistance, scene.skin.foam.unpressed_capacitance_per_area
     for column in range(3):
         low, high = (SIDE * (column + more) / 3 for more in (0, 1))
         patch = Patch(low, high, SIDE / 3, 2 * SIDE / 3, finger=finger)
@@ -133,7 +133,7 @@ def test_finger_at_low_frequency(scene, insulated):
 def test_plane_tied_to_a_terminal(scene, insulated, low):
     """It has no field towards the bottom sheet at low, and that of a capacitor at high."""
     s, area = np.array([1j]), SIDE**2
-    foam = area * scene.skin.foam.rest_capacitance_per_area
+    foam = area * scene.skin.foam.unpressed_capacitance_per_area
     for tied, expected in (("low", foam), ("high", foam + area * PLANE_PER_AREA)):
         skin = ForeignSkin(scene, insulated.solved(below=PLANE), body=tied, low=low)
         assert (1 / skin.impedance(s=s) / s).real == pytest.approx(expected, rel=1e-6)

@@ -8,7 +8,7 @@ from pathlib import Path
 from rcskin.__main__ import meter as app
 from rcskin.hardware.virtual import serving
 from rcskin.hardware.virtual.recorded_skin import exact
-from rcskin.simulator.scene.changed_readings import checked_interfaces, through
+from rcskin.simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
 from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9
@@ -56,7 +56,9 @@ def simulated(scene, interfaces=None, seed=1):
     """The pillow at interfaces of a scene, read without error."""
     names = checked_interfaces(interfaces, scene)
     skins = {name: SKINS[name] for name in names}
-    return serving.Exhibit(skins, exact, *scene.pixels.shape, 1e3, through(scene, names))
+    return serving.Exhibit(
+        skins, exact, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
+    )
 
 
 def document(scene, kind, nonce):

@@ -6,7 +6,7 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.memory_dataset import in_memory
-from rcskin.simulator.dataset.skin_model import own_skin, reduced
+from rcskin.simulator.dataset.skin_model import nominal_skin, reduced
 from rcskin.simulator.inversion.tables import templates
 from rcskin.simulator.measure.streams import PRESSES, stream
 from rcskin.simulator.models.solver import Solver
@@ -68,10 +68,10 @@ def test_the_pixel_is_named_alike_with_and_without_a_finger(family):
 
 def test_sweeps_are_those_of_what_their_texts_say(family):
     presses = drawn_presses(FINGERS, stream(1, 0, PRESSES), 6, family.grid)
-    Z = own_skin(FINGERS, family).sweeps(presses.batch)
+    Z = nominal_skin(FINGERS, family).sweeps(presses.batch)
     solver = Solver(FINGERS, RTOL / 3)
     exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in presses.text])
-    np.testing.assert_allclose(FINGERS.leads.seen_through(Z, FINGERS.frequencies), exact, rtol=RTOL)
+    np.testing.assert_allclose(FINGERS.leads.at_meter(Z, FINGERS.frequencies), exact, rtol=RTOL)
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ def frequency_at():
         skin = scene.skin
         sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
         L = max(skin.length, skin.width)
-        RC = sheets * skin.foam.rest_capacitance_per_area * L**2
+        RC = sheets * skin.foam.unpressed_capacitance_per_area * L**2
         return np.atleast_1d(u) / (2 * np.pi * RC)
 
     return frequency_at
@@ -111,7 +111,7 @@ class PlainSkin:
         skin = self.scene.skin
         s = laplace_variable(frequency, skin.foam.loss)
         K = self.stiffness(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
-        c = skin.foam.rest_capacitance_per_area * tile_map(self.scene, press, *self.tiles)
+        c = skin.foam.unpressed_capacitance_per_area * tile_map(self.scene, press, *self.tiles)
         A = K + s * self.mass(c)
         A = (self.tie.T @ A @ self.tie).tocsr()
         first_foil = A.shape[0] - (self.size - 2 * self.basis.N)

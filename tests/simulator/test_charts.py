@@ -14,7 +14,7 @@ from rcskin.simulator.chart_style import (
     frequency_axis,
     unit_axis,
 )
-from rcskin.simulator.safe_text import shown
+from rcskin.simulator.safe_text import escaped
 from rcskin.simulator.sweeps import InputError
 
 BEGINS = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
@@ -59,10 +59,10 @@ def test_an_axis_has_its_unit_in_the_label_and_bare_numbers_at_ticks(values, lab
     unit_axis(axes.yaxis, "Rs", "ohm")
     figure.draw_without_rendering()
     assert axes.get_ylabel() == label
-    shown = [
+    escaped = [
         float(t.label1.get_text().replace("\u2212", "-")) for t in axes.yaxis.get_major_ticks()
     ]
-    assert min(shown) <= numbers[0] and numbers[1] <= max(shown) < 1000
+    assert min(escaped) <= numbers[0] and numbers[1] <= max(escaped) < 1000
 
 
 @pytest.mark.parametrize("high, least, most", [(6.5, 4, 9), (15, 4, 11), (90, 4, 6), (1000, 4, 4)])
@@ -89,7 +89,7 @@ def test_names_stand_in_charts_as_they_are(tmp_path, name):
         axes.set_xticks([1, 5], [name.lstrip("\x1b")] * 2)
         axes.legend()
     texts = [each.get_text() for each in (axes.title, axes.xaxis.label)]
-    assert texts == [shown(name)] * 2
+    assert texts == [escaped(name)] * 2
 
 
 def test_scripts_are_told_of_a_backend_that_matplotlib_has_not():

@@ -13,10 +13,10 @@ import pytest
 DEAF = """
 import hashlib, sys
 from pathlib import Path
-from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.interrupt import end_on_signals
 from rcskin.simulator.sweeps import whole_file
 
-with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
+with end_on_signals(), whole_file(Path(sys.argv[1])) as unfinished:
     unfinished.write_text("half")
     print("at work", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
@@ -24,10 +24,10 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
 SLOW_TO_UNWIND = """
 import sys, time
 from pathlib import Path
-from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.interrupt import end_on_signals
 from rcskin.simulator.sweeps import whole_file
 
-with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
+with end_on_signals(), whole_file(Path(sys.argv[1])) as unfinished:
     unfinished.write_text("half")
     print("at work", flush=True)
     try:
@@ -37,10 +37,10 @@ with ending_soon(), whole_file(Path(sys.argv[1])) as unfinished:
 """
 WAITED_FOR = """
 import sys, time
-from rcskin.simulator.interrupt import ending_soon
+from rcskin.simulator.interrupt import end_on_signals
 from rcskin.simulator.sweeps.cleanup import waited_for
 
-with ending_soon(), waited_for():
+with end_on_signals(), waited_for():
     print("at work", flush=True)
     try:
         time.sleep(1000)
@@ -154,11 +154,11 @@ def test_workers_of_a_study_end_with_it(start, tmp_path, to_all):
 
 HIRED = """
 import time
-from rcskin.simulator.interrupt import ending_soon
-from rcskin.simulator.processes import hired
+from rcskin.simulator.interrupt import end_on_signals
+from rcskin.simulator.processes import worker_pool
 
 if __name__ == "__main__":
-    with ending_soon(), hired(2, ["imported_for_long"], ""):
+    with end_on_signals(), worker_pool(2, ["imported_for_long"], ""):
         time.sleep(20)
 """
 
@@ -171,9 +171,9 @@ def test_what_workers_are_copies_of_ends_while_it_still_imports(
     begun = tmp_path / "begun"
     slow = f"import pathlib, time\npathlib.Path({str(begun)!r}).touch()\ntime.sleep(30)\n"
     (tmp_path / "imported_for_long.py").write_text(slow)
-    (tmp_path / "hired.py").write_text(HIRED)
+    (tmp_path / "worker_pool.py").write_text(HIRED)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
-    process = start(tmp_path / "hired.py")
+    process = start(tmp_path / "worker_pool.py")
     while process.poll() is None and not begun.exists():
         time.sleep(0.02)
     (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)

@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import pytest
-from rcskin.simulator.chart_style import LEAST_TICKS, MOST_TICKS, plain_numbers
+from rcskin.simulator.chart_style import MAX_TICKS, MIN_TICKS, plain_numbers
 
 
 @pytest.mark.parametrize(
@@ -32,4 +32,4 @@ def test_logarithmic_axes_have_at_least_four_labelled_ticks(low, high, name):
         if low <= tick.get_loc() <= high and tick.label1.get_text()
     ]
     plt.close(figure)
-    assert MOST_TICKS + 1 >= len(set(told)) == len(told) >= LEAST_TICKS
+    assert MAX_TICKS + 1 >= len(set(told)) == len(told) >= MIN_TICKS

@@ -5,7 +5,7 @@ import weakref
 
 import pytest
 from rcskin.simulator.measure.specimen import Specimen
-from rcskin.simulator.method_cache import remembered
+from rcskin.simulator.method_cache import cached_method
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 
@@ -16,7 +16,7 @@ class Squares:
     def __init__(self):
         self.asked = []
 
-    @remembered(2)
+    @cached_method(2)
     def of(self, number):
         self.asked.append(number)
         return number**2

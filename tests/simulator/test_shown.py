@@ -3,7 +3,7 @@
 import io
 
 import pytest
-from rcskin.simulator.safe_text import shown, terminal
+from rcskin.simulator.safe_text import escaped, terminal
 
 OBEYED = ["\x1b[31m", "\x9b2J", "\x1b]0;title\x07", "a\rb", "a\nb", "\u202eabc", "\u2028", "\x7f"]
 HARMLESS = ["[red]it[/red]", "[/]", "[link=http://x]y[/link]", "kΩ, 10 µm², 5°", "指尖", ":smile:"]
@@ -11,13 +11,13 @@ HARMLESS = ["[red]it[/red]", "[/]", "[link=http://x]y[/link]", "kΩ, 10 µm², 5
 
 @pytest.mark.parametrize("text", OBEYED)
 def test_what_a_terminal_would_obey_is_written_out(text):
-    assert shown(text).isprintable() and shown(text) != text
-    assert shown(shown(text)) == shown(text)
+    assert escaped(text).isprintable() and escaped(text) != text
+    assert escaped(escaped(text)) == escaped(text)
 
 
 @pytest.mark.parametrize("text", HARMLESS)
 def test_other_text_and_markup_stay_as_they_are(text):
-    assert shown(text) == text
+    assert escaped(text) == text
 
 
 @pytest.mark.parametrize("text", [*OBEYED, *HARMLESS])
@@ -33,5 +33,5 @@ def test_tables_titles_and_lines_show_it_whole(text, monkeypatch):
     for each in (table, text, Text(text.replace("\n", ""))):
         console.print(each)
     got = written.getvalue()
-    assert got.count(shown(text)) >= 4
+    assert got.count(escaped(text)) >= 4
     assert all(line.isprintable() for line in got.split("\n"))

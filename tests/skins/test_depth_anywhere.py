@@ -9,12 +9,12 @@ import pytest
 from rcskin import __main__ as rcskin
 from rcskin.simulator.dataset import cell_errors
 from rcskin.simulator.dataset.anywhere.deflections import (
-    raised_by_triangles,
-    raised_on_cells,
-    strengths_anywhere,
+    cell_presses,
+    cell_presses_by_triangles,
+    written_strengths,
 )
-from rcskin.simulator.dataset.anywhere.touch_places import texts
-from rcskin.simulator.dataset.cell_errors import error_of_cells, error_of_deflections
+from rcskin.simulator.dataset.anywhere.touch_places import place_texts
+from rcskin.simulator.dataset.cell_errors import lattice_error, rasterization_error
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.generation import generate
@@ -95,15 +95,15 @@ def test_errors_told_cover_those_of_other_presses_and_the_worst(scenes, name):
 def covered(scene, count, *others):
     """Whether errors told hold for so many presses drawn, and for others."""
     family = trained(scene, RTOL)
-    of_cells = error_of_cells(scene, family, SEED, RTOL)
-    of_deflections = error_of_deflections(scene, family, SEED)
+    of_cells = rasterization_error(scene, family, SEED, RTOL)
+    of_deflections = lattice_error(scene, family, SEED)
     own = family.skin(None)
     drawn = drawn_presses(scene, np.random.default_rng(7), count, family.grid)
     solver = Solver(scene, RTOL / 10)
     for touches, placed in ((drawn.touches, drawn.placed), *others):
-        Z = own.sweeps(raised_on_cells(scene, touches, placed, family.grid))
-        by_triangles = own.sweeps(raised_by_triangles(scene, touches, placed, family.grid))
-        told = texts(touches, placed, *strengths_anywhere(scene, placed))
+        Z = own.sweeps(cell_presses(scene, touches, placed, family.grid))
+        by_triangles = own.sweeps(cell_presses_by_triangles(scene, touches, placed, family.grid))
+        told = place_texts(touches, placed, *written_strengths(scene, placed))
         exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in told])
         moved = relative_difference(Z, by_triangles).max()
         assert 0 < moved <= of_deflections

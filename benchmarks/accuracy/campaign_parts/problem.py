@@ -79,7 +79,7 @@ def at_u(tables: Tables, u: NDArray[np.float64]) -> Tables:
     """The same measured where u = omega (R_t + R_b) c L², L the longer side."""
     skin = Scene.model_validate(tables | {"sweep": {"frequencies": [1.0]}}).skin
     R = skin.both_sheets
-    ideal = u / (2 * np.pi * R * skin.foam.rest_capacitance_per_area * max(skin.sides) ** 2)
+    ideal = u / (2 * np.pi * R * skin.foam.unpressed_capacitance_per_area * max(skin.sides) ** 2)
     a = skin.foam.phase_exponent
     f = (ideal * REFERENCE ** (a - 1)) ** (1 / a)
     return tables | {"sweep": {"frequencies": sorted(f.tolist())}}

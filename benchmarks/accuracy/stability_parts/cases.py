@@ -56,7 +56,7 @@ def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
     tables = load_scene(name).model_dump(by_alias=True, exclude_none=True) | changes
     skin = Scene.model_validate(tables).skin
     sheets = skin.both_sheets
-    RC = sheets * skin.foam.rest_capacitance_per_area * skin.length**2
+    RC = sheets * skin.foam.unpressed_capacitance_per_area * skin.length**2
     frequencies = [each / (2 * np.pi * RC) for each in u]
     return Scene.model_validate(tables | {"sweep": {"frequencies": frequencies}})
 

@@ -30,7 +30,7 @@ def block_of(
     sheets and foam.
     """
     skin = scene.skin
-    unknown = [*skin.beyond_plain, *(["skin.shape"] if skin.shape is not None else [])]
+    unknown = [*skin.beyond_uniform, *(["skin.shape"] if skin.shape is not None else [])]
     if skin.foam.phase_exponent != 1:
         unknown.append("skin.foam.phase_exponent")
     for key in unknown:
@@ -38,7 +38,7 @@ def block_of(
     thickness = thickness or skin.foam.thickness
     if thickness is None:
         raise InputError(f"{scene.name}: `skin.foam.thickness` is needed here, in m")
-    permittivity = skin.foam.rest_capacitance_per_area * thickness / EPS0
+    permittivity = skin.foam.unpressed_capacitance_per_area * thickness / EPS0
     sheet = Sheet(*(Axis(cells, order) for cells in cells_of(scene)))
     return Block(sheet, thickness, permittivity, air, exterior, grid or Grid())
 

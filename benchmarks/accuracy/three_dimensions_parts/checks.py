@@ -97,7 +97,7 @@ def _three_conductors(scene: Scene, insulated: Static) -> Check:
     """Z = -1 / [W G Gamma tanh(Gamma L)]_12 with Gamma² = s G^-1 C; a plane of 1.77 nF/m²."""
     permittivity = FLAT / DISTANCE
     skin = ForeignSkin(scene, insulated.solved(below=body(FLAT, permittivity)), rtol=1e-9)
-    c, below = scene.skin.foam.rest_capacitance_per_area, EPS0 / DISTANCE
+    c, below = scene.skin.foam.unpressed_capacitance_per_area, EPS0 / DISTANCE
     R = scene.skin.top.sheet_resistance
     errors = []
     for s, Z in zip(skin.s, skin.impedance()[0], strict=True):
@@ -111,7 +111,7 @@ def _three_conductors(scene: Scene, insulated: Static) -> Check:
 def _fingers(scene: Scene, solved: Solved) -> Check:
     """dRs = R C_f c (L x - x²/2) / C² at low frequency, averaged over the column."""
     skin, s, finger = ForeignSkin(scene, solved, rtol=1e-10), np.array([10j]), 1e-12
-    R, C = scene.skin.top.sheet_resistance, scene.skin.foam.rest_capacitance_per_area * SIDE**2
+    R, C = scene.skin.top.sheet_resistance, scene.skin.foam.unpressed_capacitance_per_area * SIDE**2
     count, errors = scene.pixels.columns, []
     for column in range(count):
         low, high = (SIDE * (column + more) / count for more in (0, 1))

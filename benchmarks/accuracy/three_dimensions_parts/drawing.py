@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
 
 from .terms import over
 
@@ -23,7 +23,7 @@ ROWS = (
     ("Left of Rs or Cp, unpressed (%)", ("Rs (%)", "Cp (%)"), (0.5, 1.0)),
     ("Change by a press off by (σ)", ("change near (σ)", "change far (σ)"), (0.1, 1.0)),
 )
-COLOURS_OF_TERMS = (AT_REST, *COLOURS)
+COLOURS_OF_TERMS = (UNPRESSED_COLOUR, *COLOURS)
 MARKERS = "osD^v"
 
 

@@ -96,7 +96,7 @@ def with_foam(
 ) -> Scene:
     """The scene with foam of a thickness in m; without permittivity, of its own capacitance."""
     if permittivity is None:
-        permittivity = scene.skin.foam.rest_capacitance_per_area * thickness / EPS0
+        permittivity = scene.skin.foam.unpressed_capacitance_per_area * thickness / EPS0
     foam = {"thickness": thickness, "relative_permittivity": permittivity}
     return scene.with_({"skin.foam": foam})
 

@@ -14,7 +14,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.record import published
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.benchmarks.accuracy.verification_parts.report import FAILED, PASSED, Check, Section
 from rcskin.benchmarks.bench import RESULTS, Run
-from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
 
 TABLE, TABLE_IN_TURN, CHART = "campaign.csv", "campaign_in_turn.csv", "campaign.png"
 COMMAND = (
@@ -167,7 +167,7 @@ def draw(path: Path, kinds: list[Kind]) -> None:
             ratios = np.maximum(kind.ratios, 1e-4)
             colours = np.where(ratios > 1, COLOURS[1], COLOURS[0])
             axes.scatter(ratios, np.full(len(ratios), number), 9, colours, "|")
-        axes.axvline(1, color=AT_REST, linewidth=1)
+        axes.axvline(1, color=UNPRESSED_COLOUR, linewidth=1)
         axes.set_xscale("log")
         axes.set_yticks(range(len(kinds)), [kind.name.replace("-", " ") for kind in kinds])
         axes.invert_yaxis()

@@ -106,7 +106,7 @@ def pressed_line(u: NDArray) -> Iterator[Check]:
         errors = []
         for press in (parse_press(text, 2.0) for text in PRESSES):
             c = capacitance_map(scene, press)[0]
-            share = c / scene.skin.foam.rest_capacitance_per_area * C / 5
+            share = c / scene.skin.foam.unpressed_capacitance_per_area * C / 5
             truth = piecewise((R1 + R2) / 5, share, variable(scene))
             errors.append(worst(shipped(scene, press, model), truth))
         yield below(f"3 pressed line, {title}, u from 1e-4", limit, *np.max(errors, axis=0))
@@ -204,7 +204,7 @@ def swept(scene: Scene, u: NDArray) -> Scene:
     """The same skin at other u."""
     skin = scene.skin
     sheets = skin.both_sheets
-    c, L = skin.foam.rest_capacitance_per_area, max(skin.length, skin.width)
+    c, L = skin.foam.unpressed_capacitance_per_area, max(skin.length, skin.width)
     frequencies = tuple((u / (2 * np.pi * sheets * c * L**2)).tolist())
     return scene.model_copy(
         update={"sweep": scene.sweep.model_copy(update={"frequencies": frequencies})}

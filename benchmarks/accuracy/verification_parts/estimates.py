@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.random_scenes import random_press, random_scene
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, below
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh
@@ -192,7 +192,7 @@ def draw(path: Path, ratio: NDArray) -> None:
         exponent = np.clip(np.log10(ratio), -2, 3)
         axes.axvspan(*np.log10(FAIR), color="0.93", zorder=0)
         axes.hist(exponent, bins=np.arange(-2, 3.01, 0.1).tolist(), color=COLOURS[0])
-        axes.axvline(0, color=AT_REST, linewidth=1)
+        axes.axvline(0, color=UNPRESSED_COLOUR, linewidth=1)
         axes.set_xlabel("log10(estimated / true relative error) of Rs and Cp")
         axes.set_ylabel("Values")
         axes.set_title("Left of the line the solver boasts, right of it it works more than asked")

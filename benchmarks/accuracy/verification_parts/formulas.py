@@ -22,7 +22,7 @@ def totals(scene: Scene) -> tuple[float, float, float]:
     skin = scene.skin
     squares = skin.length / skin.width
     R1, R2 = (sheet.sheet_resistance * squares for sheet in (skin.top, skin.bottom))
-    return R1, R2, skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    return R1, R2, skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
 
 
 def worst(Z: NDArray, truth: NDArray) -> tuple[float, float]:

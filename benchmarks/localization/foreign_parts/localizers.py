@@ -42,7 +42,7 @@ def believed(scene: Scene, way: str, body: bool) -> Scene:
         return scene
     wide, (of_body, of_rim) = (WIDE if way == WIDER else 1.0), SPREADS[way]
     foam, session = scene.skin.foam, scene.dataset.session
-    permittivity = foam.rest_capacitance_per_area * THICKNESS / VACUUM_PERMITTIVITY
+    permittivity = foam.unpressed_capacitance_per_area * THICKNESS / VACUUM_PERMITTIVITY
     rim = dict(
         zip(
             ("mutual", "top", "bottom"),

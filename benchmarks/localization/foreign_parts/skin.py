@@ -95,7 +95,7 @@ class Foreign(Twin):
         hand = self.pressed(asked, event).touches
         patches = [self._patch(touch, event) for touch in hand if isinstance(touch, Rectangle)]
         Z = r * self.foreign.impedance(patches, r * c * s)
-        return self.drawn.leads.seen_through(Z, f)
+        return self.drawn.leads.at_meter(Z, f)
 
     def _patch(self, touch: Rectangle, event: int) -> Patch:
         random, (least, most) = self._random(FINGER, event), self.effect.finger

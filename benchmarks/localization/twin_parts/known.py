@@ -63,7 +63,7 @@ class TwinsHand(Hand):
         twin, frequencies = self._twin, self.scene.frequencies
         s = laplace_variable(frequencies, twin.drawn.variation.loss)
         Z = self._own.sweeps(batch, s)
-        seen = twin.drawn.leads.seen_through(Z, frequencies)
+        seen = twin.drawn.leads.at_meter(Z, frequencies)
         return self._errors.whitened(observed(seen))
 
 

@@ -96,7 +96,7 @@ class Twin:
         touched = touched_cells(self.family.scene, self.pressed(asked, event))
         s = laplace_variable(self.scene.frequencies, self.drawn.variation.loss)
         Z = self.skin(event).sweep(*touched, s)
-        return self.drawn.leads.seen_through(Z, self.scene.frequencies)
+        return self.drawn.leads.at_meter(Z, self.scene.frequencies)
 
     def at(self, interface: str) -> Bench:
         """The twin with a meter at one interface. Raises InputError where there is none."""
@@ -156,4 +156,4 @@ class Bench:
         cells, rises = touched_cells(family.scene, parse_press(press, 1.0))
         s = laplace_variable(f, drawn.variation.loss)
         Z = self._skin.sweep(cells, rises, s)
-        return drawn.leads.seen_through(Z, f)[self._number]
+        return drawn.leads.at_meter(Z, f)[self._number]

@@ -14,7 +14,7 @@ from rcskin.benchmarks.localization.twin_parts.skin import Hand
 from rcskin.localization.inputs.targets import labels, positions
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.trust.answers import CANNOT_TELL
-from rcskin.simulator.dataset.drawn_presses import FIRST_RESTS
+from rcskin.simulator.dataset.drawn_presses import FIRST_BASELINES
 from rcskin.simulator.scene.scene import Scene
 
 ONE, TWO = "sheet-5x5", "sheet-5x5-two-interfaces"
@@ -58,7 +58,7 @@ class Trial:
         """Presses with the skin at rest in between and at both ends, as `live` has it at first."""
         presses = self.order(self.believed, random)
         parts = [presses[k : k + BETWEEN_RESTS] for k in range(0, len(presses), BETWEEN_RESTS)]
-        return ["none"] * FIRST_RESTS + [
+        return ["none"] * FIRST_BASELINES + [
             *itertools.chain.from_iterable([*part, "none"] for part in parts)
         ]
 

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 import psutil
 from rcskin.simulator.dataset.skin_model import REDUCED
-from rcskin.simulator.dataset.work_block import Workshop
+from rcskin.simulator.dataset.work_block import WorkFolder
 from rcskin.simulator.dataset.workers import cluster
 
 Begun = Callable[..., Coroutine[object, object, None]]
-NOWHERE = Workshop(Path(), "", REDUCED.load)
+NOWHERE = WorkFolder(Path(), "", REDUCED.load)
 SECONDS_TO_BEGIN = 60
 WARMING = 2
 """Tasks of each worker that are not counted."""
@@ -46,7 +46,7 @@ class Sleep(NamedTuple):
 
     seconds: float
 
-    def __call__(self, workshop: Workshop, block: int) -> int:
+    def __call__(self, workshop: WorkFolder, block: int) -> int:
         """The block's number, later."""
         time.sleep(self.seconds)
         return block

@@ -98,7 +98,7 @@ class _InFull(Readings):
             each = zip(*divmod(cells, columns), rises, strict=True)
             touches = tuple(Touch(int(i) + 1, int(j) + 1, 1 + float(r)) for i, j, r in each)
             Z.append(solver.solve(Press(touches)).Z)
-        seen = self.scene.leads.seen_through(np.stack(Z), self.scene.frequencies)
+        seen = self.scene.leads.at_meter(np.stack(Z), self.scene.frequencies)
         return self.model.whitened(observed(seen))
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from rcskin.simulator.chart_style import AT_REST, COLOURS, chart
+from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FULL, REDUCED, PREPARATION, CERTIFICATE = AT_REST, COLOURS[0], COLOURS[1], COLOURS[2]
-WAYS = (COLOURS[0], AT_REST, *COLOURS[1:])
+FULL, REDUCED, PREPARATION, CERTIFICATE = UNPRESSED_COLOUR, COLOURS[0], COLOURS[1], COLOURS[2]
+WAYS = (COLOURS[0], UNPRESSED_COLOUR, *COLOURS[1:])
 MARKERS = "soDv^P*"
 
 

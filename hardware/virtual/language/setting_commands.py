@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from ....simulator.sweeps.meter_bands import REACH, VIRTUAL_MODEL
+from ....simulator.sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL
 from ...meter.accuracy_table import RANGES
 from ..instrument import Instrument
 from ..measurement import PARAMETERS
@@ -115,7 +115,10 @@ STORED = (
     _stored(":MODE", "mode", _one_of("LCR", "CONTinuous")),
     _stored(":COMMand:COMPatible", "compatible", _switch, _on_or_off),
     _stored(
-        ":FREQuency", "frequency", _rounded(*REACH[VIRTUAL_MODEL], 5), lambda f: engineering(f, 5)
+        ":FREQuency",
+        "frequency",
+        _rounded(*METER_BANDS[VIRTUAL_MODEL], 5),
+        lambda f: engineering(f, 5),
     ),
     _stored(":LEVel", "level", _one_of("V", "CV", "CC")),
     _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts),

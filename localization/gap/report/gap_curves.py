@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....simulator.chart_style import COLOURS, chart, frequency_axis
-from ....simulator.sweeps.reading_subset import all_of
+from ....simulator.sweeps.reading_subset import read_mask
 from ..distance import QUANTITIES
 from ..paired_samples import TOLD
 from ..versions import AFTER, BEFORE
@@ -60,7 +60,7 @@ def _draw_distance(
     axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str
 ) -> None:
     other = findings.trial.pair.other
-    read = all_of(other)
+    read = read_mask(other)
     for stage, distance in found.items():
         for index, interface in enumerate(other["interface"].values):
             axes.plot(

@@ -29,7 +29,7 @@ def fields_of(
     than it saves; else elements. highest: Hz. cells: along each side of a pixel, by default as
     `cells_under` says, and raises as it does."""
     cells = cells or cells_under(scene, touch)
-    if scene.plain and many(scene):
+    if scene.uniform and many(scene):
         try:
             return trained(scene, highest, touch, cells)
         except ToleranceError:

@@ -63,7 +63,7 @@ class Deep:
         here = around([self.window(corner, rise) for corner in corners])
 
         def found() -> Array:
-            ends = rise * (1 - PART), min(rise * (1 + PART), self._scene.most_factor - 1)
+            ends = rise * (1 - PART), min(rise * (1 + PART), self._scene.max_factor - 1)
             own = self._at_nodes(place, rise, here)
             each = [in_cells(self.lattice, own, here)]
             for by_x, by_y in ((step_x, 0.0), (0.0, step_y)):

@@ -15,14 +15,14 @@ from ...models.reduced.indented.draws import spreading
 from ...press.batch import PressBatch
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
-from ..strengths import told
+from ..strengths import written_strength
 
 if TYPE_CHECKING:
     from ...models.mechanics.lattice.presses import Applied
     from ...models.mechanics.lattice.skin import Lattice
 
 
-def raised_on_cells(
+def cell_presses(
     scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `rasterized`, by the deflection where a tension spreads how a scene is pressed."""
@@ -30,17 +30,17 @@ def raised_on_cells(
         return rasterized(scene, touches, placed, grid)
     from ...models.mechanics.lattice.presses import raised
 
-    lattice = lattice_under(scene, grid)
-    each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
+    lattice = lattice_for(scene, grid)
+    each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
     return PressBatch.of(raised(lattice, own) for own in each)
 
 
-def strengths_anywhere(scene: Scene, placed: Footprints) -> tuple[NDArray[np.float64], str]:
+def written_strengths(scene: Scene, placed: Footprints) -> tuple[NDArray[np.float64], str]:
     """How strongly touches press, as their texts say it, and the unit of that."""
-    return told(scene, placed.factor) if spreading(scene) else (placed.factor, "")
+    return written_strength(scene, placed.factor) if spreading(scene) else (placed.factor, "")
 
 
-def lattice_under(scene: Scene, grid: tuple[int, int]) -> Lattice:
+def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
     """As fine as the smallest touch of a scene's data set needs."""
     from ...models.mechanics.lattice.skin import lattice_of
 
@@ -52,18 +52,18 @@ def lattice_under(scene: Scene, grid: tuple[int, int]) -> Lattice:
     return lattice_of(scene, grid, float(smallest))
 
 
-def raised_by_triangles(
+def cell_presses_by_triangles(
     scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
-    """As `raised_on_cells`, by the membrane on triangles."""
+    """As `cell_presses`, by the membrane on triangles."""
     from ...models.mechanics.lattice.triangles import traced
 
-    lattice = lattice_under(scene, grid)
-    each = (applied(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
+    lattice = lattice_for(scene, grid)
+    each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
     return PressBatch.of(traced(scene, lattice, own) for own in each)
 
 
-def applied(scene: Scene, placed: Footprints, press: int, touches: int) -> Applied:
+def applicators_of(scene: Scene, placed: Footprints, press: int, touches: int) -> Applied:
     """The first so many touches of a press as applicators."""
     from ...models.mechanics.lattice.presses import Applied
 
@@ -71,4 +71,4 @@ def applied(scene: Scene, placed: Footprints, press: int, touches: int) -> Appli
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
     radius = np.where(placed.disc[own], wide, 0.0)
-    return Applied(boxes, radius, told(scene, placed.factor[own])[0])
+    return Applied(boxes, radius, written_strength(scene, placed.factor[own])[0])

@@ -10,8 +10,8 @@ from ...models.reduced.indented.draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
 from ...scene.skin import covers
-from ..drawn_fingers import Fingers
-from ..strengths import finger_texts, joined
+from ..drawn_fingers import DrawnFingers
+from ..strengths import finger_texts, joined_texts
 
 LENGTH_DECIMALS = 6
 """Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
@@ -25,7 +25,7 @@ def drawn_places(
     chances: NDArray[np.float64],
     factor: NDArray[np.float64],
     grid: tuple[int, int],
-    fingers: Fingers,
+    fingers: DrawnFingers,
 ) -> Footprints:
     """So many touches of each press with their middles on the skin, in the order of texts.
 
@@ -47,7 +47,7 @@ def drawn_places(
     return _in_order(placed, touches)
 
 
-def texts(
+def place_texts(
     touches: NDArray[np.int64],
     placed: Footprints,
     strength: NDArray[np.float64],
@@ -66,7 +66,7 @@ def texts(
         for disc, x, y, width, height, by, _ in rows
     )
     parts = zip(told, finger_texts(placed.finger[there], rod), strict=False)
-    return joined(touches, map("".join, parts))
+    return joined_texts(touches, map("".join, parts))
 
 
 def _first_on_skin(

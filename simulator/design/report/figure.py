@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...chart_style import AT_REST, COLOURS, chart, foil_offset
+from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
 from ...report.from_above import MM, draw_outline, ribbon
 from ...scene.contacts import Interface
 from ...scene.scene import Scene
@@ -45,7 +45,9 @@ def draw_steps(steps: Sequence[Step], wanted: float | None, scale: Scale, to: Pa
             label="as it was meant",
         )
         if wanted is not None:
-            axes.axvline(scale.number(wanted), color=AT_REST, linestyle="--", label="wanted")
+            axes.axvline(
+                scale.number(wanted), color=UNPRESSED_COLOUR, linestyle="--", label="wanted"
+            )
         axes.set_yticks(list(places), [step.name for step in steps])
         axes.invert_yaxis()
         axes.set_xlabel(f"{scale.of}, nine of ten casts ({scale.unit}); grey: not taken")

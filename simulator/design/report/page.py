@@ -122,7 +122,7 @@ def _cast(scene: Scene, flat: Sequence[Along], scale: Scale) -> list[str]:
         for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
     ]
     thick = "" if foam.thickness is None else f", {1e3 * foam.thickness:.3g} mm thick"
-    return [*sheets, f"foam: {1e9 * foam.rest_capacitance_per_area:.3g} nF/m²{thick}"]
+    return [*sheets, f"foam: {1e9 * foam.unpressed_capacitance_per_area:.3g} nF/m²{thick}"]
 
 
 def _between(sheet: Any, within: tuple[float, float], scale: Scale) -> str:

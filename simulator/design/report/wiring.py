@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ...scene.contacts import Interface
 from ...scene.scene import Scene
-from ...scene.wiring_checks import joined
+from ...scene.wiring_checks import conductor_groups
 
 
 class Row(NamedTuple):
@@ -21,7 +21,7 @@ class Row(NamedTuple):
 
 def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> list[Row]:
     """A row for each reading. wired: first foils of the terminals that have a wire."""
-    first = joined(scene.contacts, scene.skin)
+    first = conductor_groups(scene.contacts, scene.skin)
     leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
     found = []
     for each in readings:

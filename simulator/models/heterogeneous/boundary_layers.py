@@ -25,7 +25,7 @@ def jumping(press: Press, scene: Scene) -> Press:
     """
     if not press.fingers:
         return press
-    c = scene.skin.foam.rest_capacitance_per_area
+    c = scene.skin.foam.unpressed_capacitance_per_area
     return Press(
         tuple(
             replace(t, factor=t.factor + t.finger / (c * patch(scene, t).area), finger=0.0)

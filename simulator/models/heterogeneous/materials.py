@@ -156,7 +156,7 @@ class Materials:
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """c of the foam at rest in F per flat m², shape (...), at x of shape (2, ...)."""
         foam = self.scene.skin.foam
-        c = foam.rest_capacitance_per_area * self._factors(foam.map, x)
+        c = foam.unpressed_capacitance_per_area * self._factors(foam.map, x)
         if self._isometric:
             return c
         return c * metric(self.scene, x).area ** (1 + self._foam_power)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
 from ...press.press import Press
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..plain import electrical
@@ -87,12 +87,13 @@ def indented(
     scene: Scene,
     press: Press,
     rtol: float,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     place: Place | None = None,
 ) -> tuple[Press, Pressed | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
-    rtol: the tolerance asked of Rs and Cp. progress: as of `Progress`. place: where it presses.
+    rtol: the tolerance asked of Rs and Cp. progress: as of `ProgressCallback`. place: where it
+    presses.
     """
     if not press.indented:
         return press, None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...fem.safety_factors import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
@@ -75,13 +75,13 @@ def solved(
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     again: Again | None = None,
 ) -> Solved:
     """The deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    progress: as of `Progress`. again: what presses of the same places left, its mesh is that
-    of `ground`; keeps what this one leaves. Raises InputError where one of given force meets
+    progress: as of `ProgressCallback`. again: what presses of the same places left, its mesh is
+    that of `ground`; keeps what this one leaves. Raises InputError where one of given force meets
     another, ToleranceError where `rtol` is out of reach.
     """
     pushed = _pushed(press)

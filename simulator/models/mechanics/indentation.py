@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.foam_mechanics import Mechanics
 from ...scene.planar import ring
 from ...scene.scene import Scene
@@ -39,12 +39,12 @@ def pressed(
     scene: Scene,
     press: Press,
     rtol: float,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     again: Again | None = None,
 ) -> Pressed:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
-    progress: as of `Progress`. again: what presses of the same places left. Raises
+    progress: as of `ProgressCallback`. again: what presses of the same places left. Raises
     InputError as `check_press`, where the foam cannot give way so far, where touches of a given
     force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is out of
     reach.
@@ -67,7 +67,7 @@ def _spread(
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
-    progress: Progress,
+    progress: ProgressCallback,
     again: Again | None,
 ) -> Pressed:
     from .adaptive import solved

@@ -15,10 +15,10 @@ from typing import TypedDict, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
-from ...scene.wiring_checks import check_wiring, joined
+from ...scene.wiring_checks import check_wiring, conductor_groups
 from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw
@@ -34,7 +34,7 @@ class Kept(TypedDict):
     """What `reduce` is told of any readings alike."""
 
     modes: int
-    progress: Progress
+    progress: ProgressCallback
     frequency: NDArray[np.float64] | None
 
 
@@ -44,7 +44,7 @@ def trained(
     draw: Draw | None = None,
     *,
     modes: int = 1,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
     """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
@@ -73,7 +73,7 @@ def reduced_for(
     *,
     modes: int = 1,
     alike: bool = True,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
     """A model read in the scene's own ways, trained for all terminals where those are `many`.
@@ -132,7 +132,7 @@ def chain(scene: Scene) -> list[Interface]:
 
 def _leaders(scene: Scene) -> list[Contact]:
     """The first contact of each terminal."""
-    return [scene.contacts[k] for k in sorted(set(joined(scene.contacts, scene.skin)))]
+    return [scene.contacts[k] for k in sorted(set(conductor_groups(scene.contacts, scene.skin)))]
 
 
 def _between(high: Contact, low: Contact) -> Interface:

@@ -16,7 +16,7 @@ from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid
 from ...scene.scene import Scene
@@ -57,15 +57,15 @@ class Forward:
         scene: Scene,
         cells_per_pixel: int = 1,
         rtol: float = 1e-4,
-        progress: Progress = silent,
+        progress: ProgressCallback = silent,
         train: Callable[..., Reduced] = reduce,
         modes: int = 1,
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
         cells_per_pixel: along each side; touches that are no pixels are laid on cells. progress: as
-        of `Progress`. train: the model, as `reduce` does. modes: of each sheet's conductance: all
-        that SHEET_WAVES name, or the mean alone.
+        of `ProgressCallback`. train: the model, as `reduce` does. modes: of each sheet's
+        conductance: all that SHEET_WAVES name, or the mean alone.
         """
         self.scene, self.rtol, self.modes = scene, rtol, modes
         self.cells_per_pixel = cells_per_pixel
@@ -165,7 +165,7 @@ class Forward:
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
         Z = self._skin(values).sweeps(batch, self._s(values))
-        return leads_of(values).seen_through(Z, self.scene.frequencies)
+        return leads_of(values).at_meter(Z, self.scene.frequencies)
 
     def certificate(
         self,

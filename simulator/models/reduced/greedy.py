@@ -22,7 +22,7 @@ from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
 from ...press.parts import parts_of
-from ...progress import Progress, silent
+from ...progress import ProgressCallback, silent
 from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
@@ -79,7 +79,7 @@ def reduce(
     modes: int = 1,
     alike: bool = True,
     seed: int = 0,
-    progress: Progress = silent,
+    progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
     readings: Sequence[Interface] | None = None,
     by_depth: bool | None = None,
@@ -136,7 +136,11 @@ class Basis:
         self._most, self._K = 0.0, without_zeros(family.space.K)
 
     def grow(
-        self, draw: Draw, random: np.random.Generator, progress: Progress, most: int = MOST_QUIET
+        self,
+        draw: Draw,
+        random: np.random.Generator,
+        progress: ProgressCallback,
+        most: int = MOST_QUIET,
     ) -> Reduced:
         """Until enough fresh draws in a row keep what the mesh leaves of the tolerance.
 

@@ -187,7 +187,7 @@ class ReducedSkin:
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
         """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
         reduced = self.reduced
-        if reduced.scene.plain:
+        if reduced.scene.uniform:
             return 0.0
         asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():

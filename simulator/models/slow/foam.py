@@ -36,7 +36,7 @@ def check_even_foam(scene: Scene) -> None:
             f"{scene.name}: slow waves of the foam are fitted without `surroundings.thickness`, as "
             "they would change the field across the foam, too; leave it out"
         )
-    if not scene.press.plain:
+    if not scene.press.by_factor:
         raise InputError(
             f"{scene.name}: slow waves of the foam are fitted to presses by "
             "`press.capacitance_factor` alone, got `press.depth`"

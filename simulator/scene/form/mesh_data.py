@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from ..validation import Table, single_line
-from .mesh_file import Surface, read_surface
+from .mesh_file import MeshSurface, read_surface
 
 Numbers = NDArray[np.int64]
 Rows = Annotated[str, Field(description="Rows of numbers, parted by commas.")]
@@ -40,12 +40,12 @@ class MeshData(Table):
     groups: Annotated[tuple[MeshGroup, ...], Field(alias="group")] = ()
 
     @property
-    def surface(self) -> Surface:
+    def surface(self) -> MeshSurface:
         """The same as arrays."""
         return _surface(self.points, self.triangles, self.lines, self.groups)
 
     @classmethod
-    def of(cls, surface: Surface, source: str) -> Self:
+    def of(cls, surface: MeshSurface, source: str) -> Self:
         """The text of arrays; numbers are the same to the last bit."""
         names = dict.fromkeys([*surface.line_groups, *surface.triangle_groups])
         members = surface.line_groups, surface.triangle_groups
@@ -93,7 +93,9 @@ def names_a_file(path: object) -> str:
 
 
 @functools.lru_cache(maxsize=4)
-def _surface(points: str, triangles: str, lines_of: str, groups: tuple[MeshGroup, ...]) -> Surface:
+def _surface(
+    points: str, triangles: str, lines_of: str, groups: tuple[MeshGroup, ...]
+) -> MeshSurface:
     """Raises ValueError naming the key whose numbers are none, or are of nothing that is there."""
     p = _array("points", points, float, (2, 3))
     t = _array("triangles", triangles, int, (3,))
@@ -102,7 +104,7 @@ def _surface(points: str, triangles: str, lines_of: str, groups: tuple[MeshGroup
         raise ValueError("must have points and triangles")
     _check_below("triangles", t, p.shape[1])
     _check_below("lines", lines, p.shape[1], least=-1)
-    return Surface(
+    return MeshSurface(
         p,
         np.sort(t, axis=0),
         np.sort(lines, axis=0),

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sweeps import InputError, check_needs, inputs
+from ...sweeps import InputError, inputs, require_packages
 
 if TYPE_CHECKING:
     import meshio
 
 FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
 """By endings, as meshio calls them."""
-MOST_VALUES = 1000
+MAX_GROUP_VALUES = 1000
 """Different whole numbers in data of elements that make groups."""
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
@@ -42,7 +42,7 @@ Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class MeshSurface:
     """Points p in m, shape (2 or 3, point); t, shape (3, triangle), and lines, shape (2, line), by
     numbers of points, ascending; and which lines and triangles are in each named group."""
 
@@ -69,7 +69,7 @@ class Surface:
         return float(np.sqrt(np.maximum(square, 0.0)).sum() / 2)
 
 
-def read_surface(path: str) -> Surface:
+def read_surface(path: str) -> MeshSurface:
     """The triangles of a mesh file; raises InputError where it cannot be read or has none."""
     if not Path(path).exists():
         raise InputError(f"{path}: no such file, needed as `skin.mesh`")
@@ -91,7 +91,7 @@ def read_surface(path: str) -> Surface:
     number = np.full(len(mesh.points), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
     groups = dict(_groups(mesh))
-    return Surface(
+    return MeshSurface(
         _flat(np.asarray(mesh.points, dtype=float)[used]),
         t.reshape(3, -1),
         number[lines],
@@ -100,7 +100,7 @@ def read_surface(path: str) -> Surface:
     )
 
 
-def foil_lines(surface: Surface, group: str, source: str) -> Numbers:
+def foil_lines(surface: MeshSurface, group: str, source: str) -> Numbers:
     """The facets of a group by numbers of points, ascending in each column, shape (2, facet).
 
     Raises InputError for a group that is not there, or not of lines along the boundary.
@@ -128,7 +128,7 @@ def _parsed(path: str) -> meshio.Mesh:
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise InputError(f"{path}: must end in {', '.join(FORMATS)}, got {ending!r}")
-    check_needs(path, "mesh", "meshio")
+    require_packages(path, "mesh", "meshio")
     import meshio
 
     quiet = io.StringIO()
@@ -177,7 +177,7 @@ def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     for key, by_block in mesh.cell_data.items():
         values = np.concatenate([np.asarray(part) for part in by_block])
         if values.ndim == 1 and np.issubdtype(values.dtype, np.integer):
-            for value in np.unique(values)[:MOST_VALUES]:
+            for value in np.unique(values)[:MAX_GROUP_VALUES]:
                 yield f"{key}={value}", values == value
     for name, by_block in mesh.cell_sets.items():
         if not name.startswith("gmsh:"):

@@ -12,12 +12,12 @@ from pydantic import Field, model_validator
 from ..planar import Circle, area, distance, gap, inside, ring, sides
 from ..validation import Number, Table, within
 
-LEAST_APART = 1e-6
+MIN_SEPARATION = 1e-6
 """Sides that do not meet, over the skin's longer side."""
 
 Coordinate = Annotated[Number, within(-1e3, 1e3, "m", "no skin is larger")]
 
-MOST_HOLES = 100
+MAX_HOLES = 100
 """Every two are compared; meshes around more take minutes."""
 
 Size = Annotated[Number, within(1e-9, 1e3, "m", "no skin is larger, no hole as small as atoms")]
@@ -75,7 +75,7 @@ class Curve(Table):
 class Outline(Curve):
     """The curve around a skin, and those around its holes."""
 
-    holes: Annotated[tuple[Curve, ...], Field(max_length=MOST_HOLES)] = ()
+    holes: Annotated[tuple[Curve, ...], Field(max_length=MAX_HOLES)] = ()
 
 
 def check_outline(outline: Outline, length: float, width: float) -> None:
@@ -85,7 +85,7 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
     """
     every = [outline, *outline.holes]
     names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(outline.holes)))]
-    least = LEAST_APART * max(length, width)
+    least = MIN_SEPARATION * max(length, width)
     for name, curve in zip(names, every, strict=True):
         shape = curve.shape
         _check_within(name, shape, length, width)

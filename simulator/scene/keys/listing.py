@@ -14,7 +14,7 @@ from ..map_file import MapFile
 from ..maps import Grid
 from ..randomisation import Fixed
 from ..scene import Scene
-from ..validation import Bounds, said_of, unit_of
+from ..validation import NumberRange, constraints_of, unit_of
 from .key_paths import Location, OrTable, OrText, inner, keys
 
 HEAD = """# Every key of a scene file
@@ -89,7 +89,7 @@ def _chosen(name: str, field: FieldInfo) -> bool:
 
 
 def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
-    said = said_of(field)
+    said = constraints_of(field)
     return f"`{name}`", _type(field), unit_of(field).strip("()"), _default(field), _range(said)
 
 
@@ -157,5 +157,5 @@ def _range(said: Sequence[Any]) -> str:
         if getattr(each, name, None) is not None
     ]
     bounds = [getattr(each, "func", None) for each in said]
-    told += [each.told for each in bounds if isinstance(each, Bounds)]
+    told += [each.told for each in bounds if isinstance(each, NumberRange)]
     return ", ".join(dict.fromkeys(told))

@@ -14,7 +14,7 @@ MOST = 2
 ALIKE, ALIKE_ELSEWHERE = 0.6, 0.8
 
 
-def likely(
+def likely_keys(
     table: type[BaseModel], unknown: Location, missing: Sequence[Location]
 ) -> list[Location]:
     """The keys that may be meant by an unknown one, the likeliest first; at most MOST.
@@ -26,16 +26,16 @@ def likely(
     lacking = [str(each[-1]) for each in missing if each[:-1] == tuple(place)]
     allowed = [key for each in at(table, tuple(place)) for key in keys(each)]
     for known in (lacking, allowed):
-        close = alike(str(name), known, ALIKE)
+        close = similar_names(str(name), known, ALIKE)
         if close:
             return [(*place, each) for each in close[:MOST]]
     elsewhere = list(dict.fromkeys(paths(table)))
-    close = alike(str(name), {str(each[-1]) for each in elsewhere}, ALIKE_ELSEWHERE)[:1]
+    close = similar_names(str(name), {str(each[-1]) for each in elsewhere}, ALIKE_ELSEWHERE)[:1]
     found = [each for each in elsewhere if each[-1] in close]
     return sorted(found, key=lambda each: -len(commonprefix([each, unknown])))[:MOST]
 
 
-def alike(name: str, known: Iterable[str], least: float) -> list[str]:
+def similar_names(name: str, known: Iterable[str], least: float) -> list[str]:
     """The names with all words of this one, else the one whose letters are most like its."""
     known = list(known)
     if name in known:

@@ -17,13 +17,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import inputs
-from ..csv_cells import Writer, as_given, guarded_comment
+from ..csv_cells import CsvWriter, guarded_comment, unguarded
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
-from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
-from ..importing.branch import chosen_at_each, told
+from ..impedance import (
+    UNRELATED,
+    branch_reactance,
+    contradicting,
+    contradiction_text,
+    parallel_capacitance,
+)
+from ..importing.branch import branch_attributes, choose_branches
 from ..schema import SESSIONS, TAKEN, TIME, build
-from ..sweep_table import Table, table_of
+from ..sweep_table import SweepTable, table_of
 from ..units import plain_number
 
 if TYPE_CHECKING:
@@ -56,7 +62,7 @@ def write_csv(sweeps: xr.Dataset, path: Path) -> None:
     write_rows(table_of(sweeps, TOLD), path)
 
 
-def write_rows(sweeps: Table, path: Path) -> None:
+def write_rows(sweeps: SweepTable, path: Path) -> None:
     """As `write_csv`."""
     _append(sweeps, path, 0)
     seal_text(path)
@@ -70,7 +76,7 @@ def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
     _append(table_of(sweeps, TOLD), path, first)
 
 
-def _append(sweeps: Table, path: Path, first: int) -> None:
+def _append(sweeps: SweepTable, path: Path, first: int) -> None:
     axes, shape = sweeps.coordinates, tuple(sweeps.sizes.values())
     taken = axes[TAKEN].values.astype(bool) if TAKEN in axes else np.ones(shape[1:], dtype=bool)
     read = sweep, interface, frequency = np.nonzero(np.broadcast_to(taken, shape))
@@ -84,7 +90,7 @@ def _append(sweeps: Table, path: Path, first: int) -> None:
     }
     columns = [name for name in HEADER if name in table]
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
-        rows = Writer(file)
+        rows = CsvWriter(file)
         if first == 0:
             file.write(UNSEALED + _commented(sweeps.attrs))
             rows.writerow(columns)
@@ -120,9 +126,9 @@ def read_csv(path: Path) -> xr.Dataset:
     taken, columns = _readings(path, table, frequency)
     if "X_ohm" not in columns:
         X = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
-        found = chosen_at_each(columns["Rs_ohm"] + 1j * X, frequency, "followed", taken)
+        found = choose_branches(columns["Rs_ohm"] + 1j * X, frequency, "followed", taken)
         columns["X_ohm"] = found.Z.imag
-        attributes |= told(found, "followed", frequency, interfaces)
+        attributes |= branch_attributes(found, "followed", frequency, interfaces)
     labels = table.drop_duplicates("sweep")
     return build(
         columns["Rs_ohm"] + 1j * columns["X_ohm"],
@@ -165,10 +171,10 @@ def _is_comment(line: str) -> bool:
 def _attributes(comments: Sequence[str]) -> dict[str, Any]:
     """What `_commented` wrote; the comments as they are where they are none of that."""
     try:
-        told = inputs.tables("".join(comments))
+        branch_attributes = inputs.tables("".join(comments))
     except tomllib.TOMLDecodeError:
         return {"preamble": "".join(comments)}
-    return {name: value for name, value in told.items() if name not in OWN_KEYS}
+    return {name: value for name, value in branch_attributes.items() if name not in OWN_KEYS}
 
 
 def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
@@ -177,8 +183,8 @@ def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
     if texts.str.fullmatch(r"[+-]?[0-9]{1,9}").all():
         return table, {}
     names = {name: number for number, name in enumerate(dict.fromkeys(texts))}
-    told = json.dumps({number: name for name, number in names.items()})
-    return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: told}
+    branch_attributes = json.dumps({number: name for name, number in names.items()})
+    return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: branch_attributes}
 
 
 def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
@@ -207,7 +213,7 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
         raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(table)}")
     if table.empty:
         raise InputError(f"{path}: holds no sweep")
-    named = {name: table[name].map(as_given) for name in NAMED if name in table}
+    named = {name: table[name].map(unguarded) for name in NAMED if name in table}
     absent_ones = {name: text for name, text in UNLABELLED.items() if name not in table}
     return table.assign(**named, **absent_ones)
 
@@ -247,7 +253,9 @@ def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
     if wrong.any():
         k = int(np.argmax(wrong))
         found = float(parallel_capacitance(Rs[k] + 1j * X[k], f[k]))
-        raise InputError(f"{path}: line {table.index[k]}: `Cp_F` {unlike(Cp[k], found)}")
+        raise InputError(
+            f"{path}: line {table.index[k]}: `Cp_F` {contradiction_text(Cp[k], found)}"
+        )
 
 
 def _readings(

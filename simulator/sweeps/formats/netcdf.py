@@ -19,7 +19,7 @@ import numpy as np
 from .. import inputs
 from ..digests import check_binary, seal_binary
 from ..errors import InputError
-from ..sweep_table import DIMENSIONS, Table
+from ..sweep_table import DIMENSIONS, SweepTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ DAMAGED = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeE
 """What libraries raise of files without a digest that are spoilt."""
 
 
-def write_table(sweeps: Table, path: Path) -> None:
+def write_table(sweeps: SweepTable, path: Path) -> None:
     """Write sweeps as NetCDF 4; texts as strings, numbers to the same bits."""
     from netCDF4 import Dataset
 

@@ -25,11 +25,11 @@ RULES = {
 NEAR = 0.3
 """|s| below which noise or a coarse step may hide on which side of -45 degrees a sweep goes on.
 That is within 9 degrees of it."""
-MOST_LISTED = 6
+MAX_LISTED = 6
 
 
 @dataclass(frozen=True)
-class Chosen:
+class BranchChoice:
     """Z in ohm on the chosen branch, and where the other may be true; both of one shape.
 
     From where a followed sweep comes near -45 degrees, all further readings hang on the choice.
@@ -46,24 +46,28 @@ def checked_branch(branch: str) -> str:
     return branch
 
 
-def chosen_at_each(
+def choose_branches(
     Z: NDArray[np.complexfloating],
     frequency: NDArray[np.float64],
     branch: str,
     taken: NDArray[np.bool_],
-) -> Chosen:
-    """As `chosen`, of every interface at what it was read at; NaN at what it was not.
+) -> BranchChoice:
+    """As `choose_branch`, of every interface at what it was read at; NaN at what it was not.
 
     Z: shape (sweep, interface, frequency). taken: shape (interface, frequency).
     """
-    found = Chosen(np.full(Z.shape, np.nan, dtype=np.complex128), np.zeros(Z.shape, dtype=np.bool_))
+    found = BranchChoice(
+        np.full(Z.shape, np.nan, dtype=np.complex128), np.zeros(Z.shape, dtype=np.bool_)
+    )
     for interface, read in enumerate(taken):
-        own = chosen(Z[:, interface, read], frequency[read], branch)
+        own = choose_branch(Z[:, interface, read], frequency[read], branch)
         found.Z[:, interface, read], found.doubtful[:, interface, read] = own.Z, own.doubtful
     return found
 
 
-def chosen(Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branch: str) -> Chosen:
+def choose_branch(
+    Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branch: str
+) -> BranchChoice:
     """Impedance on a branch of RULES.
 
     Z: ohm, on the capacitive branch, shape (..., frequency). frequency: Hz, ascending.
@@ -77,7 +81,7 @@ def chosen(Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branc
         capacitive = _followed(s, np.log(frequency))
         doubtful = np.logical_or.accumulate((s < NEAR) | ~capacitive, axis=-1)
     other = Z.real + 1j * np.divide(Z.real**2, Z.imag, out=np.zeros(s.shape), where=Z.imag != 0)
-    return Chosen(np.where(capacitive, Z, other), doubtful)
+    return BranchChoice(np.where(capacitive, Z, other), doubtful)
 
 
 def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -108,8 +112,8 @@ def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool
     return negative == 0
 
 
-def told(
-    found: Chosen, branch: str, frequency: NDArray[np.float64], interfaces: Sequence[str]
+def branch_attributes(
+    found: BranchChoice, branch: str, frequency: NDArray[np.float64], interfaces: Sequence[str]
 ) -> dict[str, str]:
     """Attributes of sweeps: `branch_rule`, and `branch_doubt` where some are in doubt.
 
@@ -119,7 +123,7 @@ def told(
     return {"branch_rule": RULES[branch]} | ({"branch_doubt": doubt} if doubt else {})
 
 
-def _doubts(found: Chosen, frequency: NDArray[np.float64], interfaces: Sequence[str]) -> str:
+def _doubts(found: BranchChoice, frequency: NDArray[np.float64], interfaces: Sequence[str]) -> str:
     """In words which readings may be on the wrong branch; nothing where none is in doubt."""
     onset = found.doubtful.argmax(axis=-1)
     groups: dict[tuple[int, int], list[int]] = {}
@@ -132,11 +136,11 @@ def _doubts(found: Chosen, frequency: NDArray[np.float64], interfaces: Sequence[
         f"sweep{'s' if len(sweeps) > 1 else ''} {_ranges(sweeps)}"
         for (place, first), sweeps in sorted(groups.items())
     ]
-    further = [f"{len(listed) - MOST_LISTED} groups more"] if len(listed) > MOST_LISTED else []
+    further = [f"{len(listed) - MAX_LISTED} groups more"] if len(listed) > MAX_LISTED else []
     read = np.isfinite(found.Z).sum()
     return (
         f"{found.doubtful.sum()} of {read} readings may be on the wrong branch, "
-        f"beyond a phase near -45 degrees: {'; '.join([*listed[:MOST_LISTED], *further])}"
+        f"beyond a phase near -45 degrees: {'; '.join([*listed[:MAX_LISTED], *further])}"
     )
 
 

@@ -20,7 +20,7 @@ FAILED = 1e30
 
 
 @dataclass(frozen=True)
-class Table:
+class ImportedTable:
     """The cells of a file below its header.
 
     columns: by what they hold, only those understood. rows: line of the file and its cells, one for
@@ -64,7 +64,7 @@ class Table:
         return InputError(f"{self.path}: line {line}: {message}")
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> ImportedTable:
     """The table of a file, its header found by the names of its columns.
 
     Raises InputError naming the file, and the line where there is one: no such file, not text, no
@@ -79,7 +79,9 @@ def read_table(path: Path) -> Table:
     rows = list(_rows(path, below, separator, names))
     if not rows:
         raise InputError(f"{path}: no line of readings below the header in line {at + 1}")
-    return Table(path, names, columns, rows, "\n".join(lines[:at]), _decimal(rows, names, columns))
+    return ImportedTable(
+        path, names, columns, rows, "\n".join(lines[:at]), _decimal(rows, names, columns)
+    )
 
 
 def _lines(path: Path) -> list[str]:

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..press_text import written_pixel
 from ..schema import UNPRESSED
-from .dialect import Table
+from .dialect import ImportedTable
 
 SAME_FREQUENCY = 1e-6
 """Relative difference of frequencies that are one, printed with different digits."""
 
-AT_REST = "0,0"
+UNPRESSED_PIXEL = "0,0"
 """What tables may name the skin at rest."""
 
 
 @dataclass(frozen=True)
-class Sweep:
+class ImportedSweep:
     """One sweep of a table.
 
     line: of the file, where it begins. press, row, column, session: of its first line. lines:
@@ -45,7 +45,9 @@ class Defaults:
     session: int | None = None
 
 
-def grouped(table: Table, frequency: NDArray[np.float64], defaults: Defaults) -> list[Sweep]:
+def grouped(
+    table: ImportedTable, frequency: NDArray[np.float64], defaults: Defaults
+) -> list[ImportedSweep]:
     """The sweeps of a table in order of appearance.
 
     A new one begins with every new value in a column that labels sweeps, and where a frequency
@@ -56,14 +58,14 @@ def grouped(table: Table, frequency: NDArray[np.float64], defaults: Defaults) ->
     labels = _labels(table, defaults)
     interfaces = _column(table, "interface", defaults.interface, "unnamed")
     keys = _keys(table)
-    latest: dict[tuple[str, ...], Sweep] = {}
-    sweeps: list[Sweep] = []
+    latest: dict[tuple[str, ...], ImportedSweep] = {}
+    sweeps: list[ImportedSweep] = []
     for place, (line, _) in enumerate(table.rows):
         reading = interfaces[place], float(frequency[place])
         sweep = latest.get(keys[place])
         if sweep is None or reading in sweep.lines:
             _refuse_again(table, line, sweep, reading)
-            sweep = latest[keys[place]] = Sweep(line, *labels[place])
+            sweep = latest[keys[place]] = ImportedSweep(line, *labels[place])
             sweeps.append(sweep)
         if (sweep.press, sweep.row, sweep.column, sweep.session) != labels[place]:
             raise table.error(line, f"has another press or session than line {sweep.line}")
@@ -71,8 +73,8 @@ def grouped(table: Table, frequency: NDArray[np.float64], defaults: Defaults) ->
     return sweeps
 
 
-def places(
-    table: Table, sweeps: list[Sweep]
+def reading_places(
+    table: ImportedTable, sweeps: list[ImportedSweep]
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.bool_], NDArray[np.intp]]:
     """Interfaces, frequencies in Hz ascending, which interface was read at which of them, shape
     (interface, frequency), and places in the table of every reading.
@@ -95,7 +97,10 @@ def places(
 
 
 def _matching(
-    table: Table, first: Sweep, sweep: Sweep, wanted: list[tuple[str, float]]
+    table: ImportedTable,
+    first: ImportedSweep,
+    sweep: ImportedSweep,
+    wanted: list[tuple[str, float]],
 ) -> NDArray[np.intp]:
     order = {name: place for place, (name, _) in enumerate(wanted)}
     having = sorted(sweep.lines, key=lambda reading: (order.get(reading[0], -1), reading[1]))
@@ -110,20 +115,22 @@ def _matching(
     raise table.error(sweep.line, f"the sweep from here on {told} {whose}")
 
 
-def _refuse_again(table: Table, line: int, sweep: Sweep | None, reading: tuple[str, float]) -> None:
+def _refuse_again(
+    table: ImportedTable, line: int, sweep: ImportedSweep | None, reading: tuple[str, float]
+) -> None:
     if sweep is not None and "sweep" in table.columns:
         before = table.rows[sweep.lines[reading]][0]
         raise table.error(line, f"the same sweep has {reading[1]:g} Hz in line {before} already")
 
 
-def _keys(table: Table) -> list[tuple[str, ...]]:
+def _keys(table: ImportedTable) -> list[tuple[str, ...]]:
     """What tells sweeps apart: the sweep column where there is one, else all other labels."""
     names = ["sweep"] if "sweep" in table.columns else ["press", "row", "column", "repetition"]
     texts = [table.text(name) for name in [*names, "session"] if name in table.columns]
     return list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
 
 
-def _labels(table: Table, defaults: Defaults) -> list[tuple[str, int, int, int]]:
+def _labels(table: ImportedTable, defaults: Defaults) -> list[tuple[str, int, int, int]]:
     """(press, row, column, session) of every line."""
     sessions = _integers(table, "session", defaults.session, 0)
     presses = _presses(table, defaults.press)
@@ -136,12 +143,12 @@ def _labels(table: Table, defaults: Defaults) -> list[tuple[str, int, int, int]]
     return labels
 
 
-def _presses(table: Table, given: str | None) -> list[str]:
+def _presses(table: ImportedTable, given: str | None) -> list[str]:
     """Of every line; the skin at rest is named one way."""
-    if given == AT_REST:
+    if given == UNPRESSED_PIXEL:
         raise InputError(f"--press must be {UNPRESSED!r} where nothing is pressed, got {given!r}")
     texts = _column(table, "press", given, "")
-    return [UNPRESSED if "".join(text.split()) == AT_REST else text for text in texts]
+    return [UNPRESSED if "".join(text.split()) == UNPRESSED_PIXEL else text for text in texts]
 
 
 def _press_text(row: int, column: int) -> str:
@@ -158,7 +165,7 @@ def _pixel(press: str) -> tuple[int, int]:
         return -1, -1
 
 
-def _column(table: Table, holds: str, given: str | None, absent: str) -> list[str]:
+def _column(table: ImportedTable, holds: str, given: str | None, absent: str) -> list[str]:
     if holds not in table.columns:
         return [absent if given is None else given] * len(table.rows)
     if given is not None:
@@ -172,7 +179,7 @@ def _column(table: Table, holds: str, given: str | None, absent: str) -> list[st
     return texts
 
 
-def _integers(table: Table, holds: str, given: int | None, absent: int | None) -> list:
+def _integers(table: ImportedTable, holds: str, given: int | None, absent: int | None) -> list:
     texts = _column(table, holds, None if given is None else str(given), "")
     if holds not in table.columns:
         return [absent if given is None else given] * len(table.rows)

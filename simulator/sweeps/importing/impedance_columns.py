@@ -10,8 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..impedance import UNRELATED, branch_reactance, contradicting, parallel_capacitance, unlike
-from .dialect import Table
+from ..impedance import (
+    UNRELATED,
+    branch_reactance,
+    contradicting,
+    contradiction_text,
+    parallel_capacitance,
+)
+from .dialect import ImportedTable
 
 Reals = NDArray[np.float64]
 REPRESENTATIONS: dict[tuple[str, str], Callable[[Any, Any, Any], Any]] = {
@@ -26,7 +32,7 @@ DIGITS = 12
 
 
 @dataclass(frozen=True)
-class Readings:
+class ImportedReadings:
     """What every line of a table says; arrays of shape (line,).
 
     frequency: Hz. Z: ohm, of Rs and Cp on the capacitive branch. Cp: F, as the file has it, else as
@@ -39,7 +45,7 @@ class Readings:
     pair: tuple[str, str]
 
 
-def impedance_readings(table: Table) -> Readings:
+def impedance_readings(table: ImportedTable) -> ImportedReadings:
     """Frequency and impedance of every line.
 
     Raises InputError naming the file, and the line where there is one: no pair of columns that
@@ -54,10 +60,12 @@ def impedance_readings(table: Table) -> Readings:
     _refuse(table, (second == 0) & (pair[1] == "Cs"), "Cs must not be 0 F")
     Z = _impedance(table, pair, first, second, f)
     _refuse(table, Z == 0, "Z is 0 ohm, which no reading is")
-    return Readings(f, Z, _capacitance(table, pair, Z, f), pair)
+    return ImportedReadings(f, Z, _capacitance(table, pair, Z, f), pair)
 
 
-def _capacitance(table: Table, pair: tuple[str, str], Z: NDArray[np.complex128], f: Reals) -> Reals:
+def _capacitance(
+    table: ImportedTable, pair: tuple[str, str], Z: NDArray[np.complex128], f: Reals
+) -> Reals:
     """Cp in F as the file has it, else as it follows from Z; a column of zeros was not read.
 
     Raises InputError naming the line where it contradicts Z.
@@ -70,11 +78,13 @@ def _capacitance(table: Table, pair: tuple[str, str], Z: NDArray[np.complex128],
     if wrong.any() and pair != ("Rs", "Cp"):
         k = int(np.argmax(wrong))
         name = table.columns["Cp"].name
-        raise table.error(table.rows[k][0], f"`{name}` {unlike(displayed[k], found[k])}")
+        raise table.error(
+            table.rows[k][0], f"`{name}` {contradiction_text(displayed[k], found[k])}"
+        )
     return displayed
 
 
-def _pair(table: Table) -> tuple[str, str]:
+def _pair(table: ImportedTable) -> tuple[str, str]:
     for pair in REPRESENTATIONS:
         if set(pair) <= table.columns.keys():
             return pair
@@ -86,7 +96,7 @@ def _pair(table: Table) -> tuple[str, str]:
 
 
 def _impedance(
-    table: Table, pair: tuple[str, str], first: Reals, second: Reals, f: Reals
+    table: ImportedTable, pair: tuple[str, str], first: Reals, second: Reals, f: Reals
 ) -> NDArray[np.complex128]:
     convert = REPRESENTATIONS[pair]
     try:
@@ -100,6 +110,6 @@ def _impedance(
         raise
 
 
-def _refuse(table: Table, wrong: NDArray[np.bool_], message: str) -> None:
+def _refuse(table: ImportedTable, wrong: NDArray[np.bool_], message: str) -> None:
     if wrong.any():
         raise table.error(table.rows[int(np.argmax(wrong))][0], message)

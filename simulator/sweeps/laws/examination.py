@@ -51,7 +51,7 @@ class Spectrum:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Verdict:
     """What was found of one sweep at one interface.
 
     phase: lowest and highest, degrees. noise: standard deviation of Re Z and of Im Z over |Z|,
@@ -87,11 +87,11 @@ def examine(
     noise: float | None = None,
     tolerance: float = TOLERANCE,
     *,
-    two_poles: bool = True,
-) -> list[Judgement]:
+    two_terminal: bool = True,
+) -> list[Verdict]:
     """Every spectrum of the sweeps, judged.
 
-    two_poles: whether all current that enters the skin leaves it by the meter; else the laws of
+    two_terminal: whether all current that enters the skin leaves it by the meter; else the laws of
     passive networks are those of no Z, and each reading is judged by itself alone.
     noise: relative standard deviation of a reading where it is known; else it is told from repeated
     sweeps of one press, or from the residuals. tolerance: largest rms residual of Kramers-Kronig.
@@ -105,7 +105,7 @@ def examine(
     return [
         judgement
         for name, part in parts.items()
-        for judgement in _examine_interface(part, name, noise, tolerance, readings, two_poles)
+        for judgement in _examine_interface(part, name, noise, tolerance, readings, two_terminal)
     ]
 
 
@@ -126,8 +126,8 @@ def _examine_interface(
     noise: float | None,
     tolerance: float,
     readings: int,
-    two_poles: bool,
-) -> list[Judgement]:
+    two_terminal: bool,
+) -> list[Verdict]:
     Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
     Cp = sweeps["Cp"].transpose(*DIMENSIONS).values[:, 0]
     if not np.abs(Z).all():
@@ -137,7 +137,7 @@ def _examine_interface(
     yardstick = _yardstick(spectra, groups, noise, tolerance, readings)
     spectra = [_without_chance_sign(each, yardstick) for each in spectra]
     return [
-        Judgement(
+        Verdict(
             sweep,
             name,
             str(sweeps["press"].values[sweep]),
@@ -146,7 +146,7 @@ def _examine_interface(
             yardstick.noise,
             yardstick.origin,
             _allowed(spectrum, yardstick),
-            _violations(sweep, name, spectrum, yardstick, Cp[sweep], two_poles),
+            _violations(sweep, name, spectrum, yardstick, Cp[sweep], two_terminal),
         )
         for sweep, spectrum in enumerate(spectra)
     ]
@@ -213,11 +213,11 @@ def _violations(
     spectrum: Spectrum,
     yardstick: _Yardstick,
     Cp: NDArray[np.float64],
-    two_poles: bool,
+    two_terminal: bool,
 ) -> tuple[Violation, ...]:
-    """Cp: F, as it is stored beside Rs and X, shape (frequency,). two_poles: as of `examine`."""
+    """Cp: F, as it is stored beside Rs and X, shape (frequency,). two_terminal: as of `examine`."""
     laws = {}
-    if two_poles:
+    if two_terminal:
         laws = _signs(spectrum, yardstick) | _monotony(spectrum, yardstick)
         laws[KRAMERS_KRONIG] = _inconsistent(spectrum, yardstick)
     slack = DISPLAYED + yardstick.limit * yardstick.noise

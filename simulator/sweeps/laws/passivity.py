@@ -27,10 +27,10 @@ class Violation:
 
     def __str__(self) -> str:
         where = f"sweep {self.sweep}, interface {self.interface}"
-        return f"{where}: {self.law} is broken at {listed(self.frequency)}"
+        return f"{where}: {self.law} is broken at {frequencies_text(self.frequency)}"
 
 
-def listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
+def frequencies_text(frequency: Sequence[float] | NDArray[np.float64]) -> str:
     """Frequencies in Hz in words: the one, or how many and from where to where."""
     low, high = min(frequency), max(frequency)
     if len(frequency) == 1:
@@ -39,18 +39,18 @@ def listed(frequency: Sequence[float] | NDArray[np.float64]) -> str:
 
 
 @dataclass(frozen=True)
-class Bounds:
+class ErrorBounds:
     """Of an error, at each frequency: of |Z| as a fraction, and of the phase in rad."""
 
     size: NDArray[np.float64]
     phase: NDArray[np.float64]
 
-    def times(self, factor: float) -> Bounds:
+    def times(self, factor: float) -> ErrorBounds:
         """So many times these."""
-        return Bounds(factor * self.size, factor * self.phase)
+        return ErrorBounds(factor * self.size, factor * self.phase)
 
 
-def violations(sweeps: xr.Dataset, tolerance: float | Bounds = 1e-9) -> list[Violation]:
+def violations(sweeps: xr.Dataset, tolerance: float | ErrorBounds = 1e-9) -> list[Violation]:
     """Every law of passive RC networks that the sweeps break, worst case by case.
 
     Poles on s <= 0 with residues >= 0 (a Foster form) imply: the phase stays within [-90, 0]
@@ -70,7 +70,7 @@ def violations(sweeps: xr.Dataset, tolerance: float | Bounds = 1e-9) -> list[Vio
 
 
 def broken_laws(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | Bounds = 1e-9
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds = 1e-9
 ) -> dict[str, NDArray[np.bool_]]:
     """Which laws one curve breaks, and at which of its frequencies [Hz]; see `violations`."""
     judged = _judged(Z, frequency, tolerance).items()
@@ -78,7 +78,7 @@ def broken_laws(
 
 
 def _judged(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | Bounds
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds
 ) -> dict[str, NDArray[np.bool_]]:
     capacitive = Z.imag < 0
     Cs = np.full(frequency.shape, np.nan)
@@ -98,14 +98,14 @@ def _slacks(
     Z: NDArray[np.complex128],
     Cp: NDArray[np.float64],
     Cs: NDArray[np.float64],
-    tolerance: float | Bounds,
+    tolerance: float | ErrorBounds,
 ) -> tuple[NDArray[np.float64], ...]:
     """Of Rs and X in ohm, Cp and Cs in F, at each frequency.
 
     With bounds s of ln|Z| and p of the phase, Rs = Re Z is off by s |Rs| + p |X|, X by
     s |X| + p |Rs|; Cp and Cs, which go as X / |Z|^2 and 1 / X, by s + p |Rs / X| of themselves.
     """
-    if not isinstance(tolerance, Bounds):
+    if not isinstance(tolerance, ErrorBounds):
         return tolerance * np.abs(Z), tolerance * np.abs(Z), tolerance * abs(Cp), tolerance * Cs
     Rs, X = np.abs(Z.real), np.abs(Z.imag)
     s, p = tolerance.size, tolerance.phase

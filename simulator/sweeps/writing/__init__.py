@@ -2,20 +2,20 @@
 
 from .failures import named_failures, of_disk
 from .register import note_made
-from .replacing import PYTHON, Occasion, check_free, occasion, on_occasion
+from .replacing import PYTHON, WriteContext, check_replaceable, in_write_context, write_context
 from .user_output import whole_file
 from .whole import kept_file, put, sync
 
 __all__ = [
     "PYTHON",
-    "Occasion",
-    "check_free",
+    "WriteContext",
+    "check_replaceable",
     "kept_file",
     "named_failures",
     "note_made",
-    "occasion",
+    "write_context",
     "of_disk",
-    "on_occasion",
+    "in_write_context",
     "put",
     "sync",
     "whole_file",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..input_files import ENDINGS, counted, open_zarr, read
+from ..input_files import ENDINGS, open_zarr, read, sizes_text
 from ..schema import MEASURED, VIRTUAL
 
 
@@ -25,4 +25,4 @@ def measured(path: Path, known: bool) -> str | None:
     if not recorded and (known or "rtol" in attributes):
         return None
     begun = attributes.get("begun")
-    return f"{counted(sweeps.sizes)} that were measured" + (f", begun {begun}" if begun else "")
+    return f"{sizes_text(sweeps.sizes)} that were measured" + (f", begun {begun}" if begun else "")

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-MOST = 2000
+MAX_ENTRIES = 2000
 """Outputs that are remembered: of a user who writes more, the oldest are forgotten."""
 SMALL = 2**20
 """Bytes of a file that are compared one by one; of longer ones the size and both ends."""
@@ -71,7 +71,7 @@ def _entry(path: Path) -> Path:
 
 def _forget_oldest(folder: Path) -> None:
     entries = list(folder.glob("*.json"))
-    if len(entries) > MOST:
+    if len(entries) > MAX_ENTRIES:
         entries.sort(key=lambda each: each.stat().st_mtime)
-        for entry in entries[: MOST // 10]:
+        for entry in entries[: MAX_ENTRIES // 10]:
             entry.unlink(missing_ok=True)

@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Occasion:
+class WriteContext:
     """Who writes, what is read for it, and what is demanded.
 
     command: such as `sweep`, `meter record`, or PYTHON. inputs: paths that it reads. overwrite,
@@ -45,18 +45,18 @@ class Occasion:
         return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
 
 
-UNFINISHED = Occasion("a part of an output")
+UNFINISHED = WriteContext("a part of an output")
 """On which files are written that are not outputs yet: none of them is remembered."""
-_now: ContextVar[Occasion] = ContextVar("occasion", default=Occasion())  # noqa: B039
+_now: ContextVar[WriteContext] = ContextVar("occasion", default=WriteContext())  # noqa: B039
 
 
-def occasion() -> Occasion:
+def write_context() -> WriteContext:
     """On which occasion outputs are written now."""
     return _now.get()
 
 
 @contextmanager
-def on_occasion(now: Occasion) -> Iterator[None]:
+def in_write_context(now: WriteContext) -> Iterator[None]:
     """Within the block, outputs are written on that occasion."""
     token = _now.set(now)
     try:
@@ -65,9 +65,9 @@ def on_occasion(now: Occasion) -> Iterator[None]:
         _now.reset(token)
 
 
-def check_free(path: Path) -> None:
+def check_replaceable(path: Path) -> None:
     """Raises InputError, saying what is there and what to do, where `path` may not be replaced."""
-    now = occasion()
+    now = write_context()
     if now.overwrite_measured or not path.exists():
         return
     maker = made_by(path)
@@ -84,22 +84,22 @@ def check_free(path: Path) -> None:
         )
 
 
-def check_all_free(folder: Path, patterns: Iterable[str]) -> None:
-    """As `check_free`, for what a report will write: all files in `folder` of these names."""
+def check_all_replaceable(folder: Path, patterns: Iterable[str]) -> None:
+    """As `check_replaceable`, for all files in `folder` of these names that a report writes."""
     for pattern in patterns:
         for path in sorted(folder.glob(pattern)):
-            check_free(path)
+            check_replaceable(path)
 
 
-def tell_replaced(path: Path) -> None:
+def log_replaced(path: Path) -> None:
     """Log a note where something is about to be replaced, one for the files of a folder."""
-    noted = occasion().noted
+    noted = write_context().noted
     if path.exists() and path.parent not in noted:
         noted.add(path.parent)
         log.info("%s: replaces what was there", path)
 
 
-def _reason(path: Path, maker: str | None, now: Occasion) -> str | None:
+def _reason(path: Path, maker: str | None, now: WriteContext) -> str | None:
     """Why it may not be replaced; None where it may."""
     if any(each.exists() and os.path.samefile(each, path) for each in now.inputs):
         return "is read by this command, too"

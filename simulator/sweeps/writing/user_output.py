@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from .register import note_made
-from .replacing import UNFINISHED, check_free, occasion, tell_replaced
+from .replacing import UNFINISHED, check_replaceable, log_replaced, write_context
 from .whole import kept_file
 
 
@@ -15,12 +15,12 @@ from .whole import kept_file
 def whole_file(path: Path) -> Iterator[Path]:
     """A new file or folder, renamed to `path` at the end of the block, as `kept_file`.
 
-    Raises InputError where `path` may not be replaced (see `check_free`), InputError or
+    Raises InputError where `path` may not be replaced (see `check_replaceable`), InputError or
     OutputError where it cannot be written.
     """
-    check_free(path)
+    check_replaceable(path)
     with kept_file(path) as unfinished:
         yield unfinished
-        tell_replaced(path)
-    if occasion() != UNFINISHED:
-        note_made(path, occasion().command)
+        log_replaced(path)
+    if write_context() != UNFINISHED:
+        note_made(path, write_context().command)

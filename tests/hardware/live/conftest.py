@@ -15,7 +15,7 @@ from rcskin.hardware.live.session_log import Log
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import Limits
-from rcskin.simulator.requests.overwrite_options import with_replacing
+from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from typer.testing import CliRunner
 
 RIG = Path(__file__).with_name("live_rig.py")
@@ -75,7 +75,7 @@ def live(ports, monkeypatch):
     monkeypatch.setattr("rcskin.hardware.live.live_localizer.localizer_of", _rig["localizer_of"])
     app = typer.Typer()
     app.command("live")(command)
-    with_replacing(app)
+    with_overwrite_options(app)
 
     def live(*arguments, model="m.skops"):
         words = ["--resource", ports.resource, "--model", model]

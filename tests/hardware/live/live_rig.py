@@ -11,7 +11,7 @@ from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.cli import app, run
 from rcskin.simulator.page import linked
-from rcskin.simulator.requests.overwrite_options import with_replacing
+from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
 
@@ -137,5 +137,5 @@ if __name__ == "__main__":
     sys.modules["rcskin.hardware.live.live_localizer"] = SimpleNamespace(localizer_of=localizer_of)
     linked.linked_page = document
     app.command()(live)
-    with_replacing(app)
+    with_overwrite_options(app)
     run((MeterError,))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.record.recording_journal import Journal
 from rcskin.simulator.sweeps import InputError, read
-from rcskin.simulator.sweeps.clock import set_back
+from rcskin.simulator.sweeps.clock import backward_times
 
 
 @pytest.fixture
@@ -135,7 +135,7 @@ def test_a_clock_that_was_set_back_is_told_of(unfinished, record, tmp_path, capl
     assert record().exit_code == 0
     (told,) = (each.getMessage() for each in caplog.records)
     assert re.search(r"clock was set back by at least 3[56]\d\d\.\d s", told)
-    (checked,) = set_back(read(tmp_path / "a.nc"))
+    (checked,) = backward_times(read(tmp_path / "a.nc"))
     assert re.search(r": sweep 2 is 3[56]\d\d\.\d s earlier than sweep 1 before it: ", checked)
 
 

@@ -31,7 +31,7 @@ def test_a_skin_is_served_before_earth_and_touched_by_fingers(earthed, serve, co
     """The closed forms of three conductors as the frequency falls to 0, over both ports."""
     meter = instrument(simulated(earthed), pace=0.0)
     skin = earthed.skin
-    (L, W), c, R = skin.sides, skin.foam.rest_capacitance_per_area, skin.top.sheet_resistance
+    (L, W), c, R = skin.sides, skin.foam.unpressed_capacitance_per_area, skin.top.sheet_resistance
     Rs = {}
     with serve(meter) as ports, open_meter(ports.resource, 5.0) as driver:
         for press in ("none", "1,2:touch", "1,2:rod", "1,2:finger", "none"):

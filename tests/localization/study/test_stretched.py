@@ -16,7 +16,7 @@ def test_a_study_may_stretch_a_skin(tmp_path):
     table = scene_table(str(path))
     axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
     rest, pulled = scenes_of(table, [axis], Trial())
-    assert (rest.plain, pulled.plain) == (True, True)
+    assert (rest.uniform, pulled.uniform) == (True, True)
     assert rest.skin.sides == (0.12, 0.12)
     assert pulled.skin.sides == (0.15, 0.12)
     assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)

@@ -22,7 +22,7 @@ def test_the_coth_law_of_a_constant_phase_line_behind_leads(make_scene, exponent
     scene = behind(make_scene(frequencies=FREQUENCIES), phase_exponent=exponent)
     f, skin = scene.frequencies, scene.skin
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
-    C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     charging = 2e3j * np.pi * C * (1j * f / 1e3) ** exponent / 1j
     q = np.sqrt(R * charging)
     line = R / np.tanh(q) / q

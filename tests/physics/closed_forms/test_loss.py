@@ -19,7 +19,7 @@ def test_the_coth_law_at_complex_s(make_scene, frequency_at, loss_tangent):
     scene = make_scene(loss_tangent=loss_tangent)
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-3, 30, 5))
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
-    C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     q = np.sqrt(2 * np.pi * frequency * (loss_tangent + 1j) * R * C)
     expected = R / (q * np.tanh(q))
     for model in (Line(scene), Sheet(scene, one_field(scene), FINE)):
@@ -32,7 +32,7 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     scene = make_scene(loss_tangent=loss_tangent)
     skin, frequency = scene.skin, frequency_at(scene, [1e-6])
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
-    C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
     for model in (Line(scene), Lumped(Sheet(scene, two_fields(scene), FINE))):
         Z = model.impedance(Press(), frequency)[0]

@@ -48,7 +48,7 @@ def test_sheets_fed_from_opposite_ends(make_scene, frequency_at, high, low):
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-2, 30, 9))
     squares = skin.length / skin.width if high == "left" else skin.width / skin.length
     R1, R2 = (sheet.sheet_resistance * squares for sheet in (skin.top, skin.bottom))
-    C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     q = np.sqrt(2j * np.pi * frequency * C * (R1 + R2))
     expected = R1 * R2 / (R1 + R2) * (1 + 2 / (q * np.sinh(q)))
     expected += (R1**2 + R2**2) / (R1 + R2) / (q * np.tanh(q))
@@ -63,7 +63,7 @@ def test_one_sheet_fed_at_both_ends_above_a_floating_one(make_scene, frequency_a
     scene = make_scene({"top-left": {}, "top-right": {}})
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-2, 30, 9))
     R1, R2 = (s.sheet_resistance * skin.length / skin.width for s in (skin.top, skin.bottom))
-    C = skin.foam.rest_capacitance_per_area * skin.length * skin.width
+    C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     q = np.sqrt(2j * np.pi * frequency * C * (R1 + R2))
     expected = R1 * R2 / (R1 + R2) + R1**2 / (R1 + R2) * np.tanh(q / 2) / (q / 2)
     np.testing.assert_allclose(sheet_impedance(scene, Press(), frequency), expected, rtol=1e-12)

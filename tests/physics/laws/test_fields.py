@@ -89,7 +89,7 @@ def test_change_by_a_rise_of_capacitance_is_that_of_a_small_press(skin, name):
     for pixel, pressed in (((1, 2), ("1,2:2.85", "1,2:3.15")), ((2, 1), NEXT)):
         Z = [solver.solve(parse_press(text, 2.0)).Z[0] for text in pressed]
         for each, of_press in found:
-            seen = [each.leads.seen_through(at_skin, f) for at_skin in Z]
+            seen = [each.leads.at_meter(at_skin, f) for at_skin in Z]
             less, more = (np.log([at.real, (1 / at).imag]) for at in seen)
             change = (more - less) / 0.1
             told = total_over_pixel(each, of_press, *pixel)

@@ -154,7 +154,7 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
     assume(min(np.diff(x).min(), np.diff(y).min()) > THINNEST * max(x[-1], y[-1]))
     frequency, sheet = frequency_at(scene, at), Sheet(scene, two_fields(scene), resolution)
     stronger = Press((Rectangle(*_place(first), first.factor + 1), *others))
-    plain, rest = plain_skin(scene, resolution), scene.skin.foam.rest_capacitance_per_area
+    plain, rest = plain_skin(scene, resolution), scene.skin.foam.unpressed_capacitance_per_area
     dc = rest * (tile_map(scene, stronger, x, y) - tile_map(scene, press, x, y))
     u, _ = plain.solve(press, frequency.item())
     predicted = laplace_variable(frequency.item()) * (u @ plain.mass(dc) @ u)

@@ -45,7 +45,7 @@ def three_conductors():
     """
 
     def three_conductors(scene, top, bottom, along=0.0):
-        skin, c = scene.skin, scene.skin.foam.rest_capacitance_per_area
+        skin, c = scene.skin, scene.skin.foam.unpressed_capacitance_per_area
         G0 = np.diag([1 / R for R in skin.sheet_resistances])
         C = np.array([[c + top, -c], [-c, c + bottom]])
         found = []

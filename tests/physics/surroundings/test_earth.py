@@ -102,7 +102,7 @@ def test_what_is_far_away_changes_nothing(around, solve):
 def test_low_frequency_law(around, solve):
     """Rs(0) = L/3W [R_t (1 + C_te/C) + R_b (1 + C_be/C)], and no digit is lost at 1 mHz."""
     scene = around({"body": bodies(3e-10, 1.77e-9)}, frequencies=[1e-3])
-    skin, c = scene.skin, scene.skin.foam.rest_capacitance_per_area
+    skin, c = scene.skin, scene.skin.foam.unpressed_capacitance_per_area
     Rt, Rb = skin.sheet_resistances
     law = skin.length / 3 / skin.width * (Rt * (1 + 3e-10 / c) + Rb * (1 + 1.77e-9 / c))
     answer = solve(scene)

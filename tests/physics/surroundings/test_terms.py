@@ -22,7 +22,7 @@ def finger_law(scene, farads, start, stop):
     R C_f c (L x - x²/2) / C², its mean over the patch; R and c per length, C of the whole skin.
     """
     skin = scene.skin
-    L, c = skin.length, scene.skin.foam.rest_capacitance_per_area * skin.width
+    L, c = skin.length, scene.skin.foam.unpressed_capacitance_per_area * skin.width
     mean = (L * (stop**2 - start**2) / 2 - (stop**3 - start**3) / 6) / (stop - start)
     return skin.top.sheet_resistance / skin.width * farads * c * mean / (c * L) ** 2
 

@@ -154,7 +154,7 @@ def test_sheets_fed_from_opposite_ends_at_any_contrast(make_scene):
     """Closed form: R1 R2/(R1+R2) (1 + 2 l/sinh(1/l)) + l (R1²+R2²)/(R1+R2) coth(1/l)."""
     R1, R2 = 0.1, 1e5
     scene = make_scene(OPPOSITE, **{**SHEET, "top": R1, "bottom": R2}, frequencies=(1e-3, 1e3, 1e6))
-    C = scene.skin.foam.rest_capacitance_per_area * scene.skin.length * scene.skin.width
+    C = scene.skin.foam.unpressed_capacitance_per_area * scene.skin.length * scene.skin.width
     reach = 1 / np.sqrt(2j * np.pi * scene.frequencies * C * (R1 + R2))
     Z = R1 * R2 / (R1 + R2) * (1 + 2 * reach / np.sinh(1 / reach))
     Z = Z + reach * (R1**2 + R2**2) / (R1 + R2) / np.tanh(1 / reach)

@@ -39,7 +39,7 @@ def depth(scene):
     skin = scene.skin
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
     return penetration_depth(
-        scene.frequencies[-1], sheets, 10 * skin.foam.rest_capacitance_per_area
+        scene.frequencies[-1], sheets, 10 * skin.foam.unpressed_capacitance_per_area
     )
 
 

@@ -2,13 +2,13 @@
 
 import pytest
 from rcskin.simulator.progress import duration
-from rcskin.simulator.requests.time_estimates import foretold, tell_if_long
+from rcskin.simulator.requests.time_estimates import note_if_long, with_time_estimate
 
 
 def told(capsys, first, later, count):
     """What is told of so many presses of which the first takes another time than later ones, s."""
     now, pressed = [0.0], []
-    for press in foretold("skin", range(count), count, clock=lambda: now[0]):
+    for press in with_time_estimate("skin", range(count), count, clock=lambda: now[0]):
         now[0] += later if pressed else first
         pressed.append(press)
     assert pressed == [*range(count)]
@@ -38,7 +38,7 @@ def test_a_time_is_told_as_people_say_it(seconds, said):
 
 
 def test_only_a_minute_and_more_is_worth_a_word(capsys):
-    tell_if_long("skin", 59, "all")
+    note_if_long("skin", 59, "all")
     assert capsys.readouterr().err == ""
-    tell_if_long("skin", 60, "all")
+    note_if_long("skin", 60, "all")
     assert capsys.readouterr().err == "rcskin: note: skin: all will take about a minute\n"

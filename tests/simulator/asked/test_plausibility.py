@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.simulator.models.line import cut_off_frequency
-from rcskin.simulator.requests.plausibility import slips
+from rcskin.simulator.requests.plausibility import suspicious_values
 from rcskin.simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 
 GLOVE = load_scene("glove")
@@ -13,7 +13,7 @@ MILLIMETRES = {"skin.length": 90.0, "skin.width": 60.0, "skin.foam.thickness": 3
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_built_in_scenes_are_free_of_slips(name):
-    assert slips(load_scene(name)) == []
+    assert suspicious_values(load_scene(name)) == []
 
 
 @pytest.mark.parametrize("side", [5e-3, 0.03, 0.3, 3.0])
@@ -21,7 +21,7 @@ def test_built_in_scenes_are_free_of_slips(name):
 @pytest.mark.parametrize("thickness", [5e-4, 1e-2])
 def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickness):
     sizes = {"skin.length": side, "skin.width": 0.7 * side, "skin.foam.thickness": thickness}
-    assert slips(GLOVE.with_({**sizes, "skin.sheet_resistance": sheet})) == []
+    assert suspicious_values(GLOVE.with_({**sizes, "skin.sheet_resistance": sheet})) == []
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickn
     ],
 )
 def test_slips_are_told_each_in_one_line(changes, told):
-    found = slips(GLOVE.with_(changes))
+    found = suspicious_values(GLOVE.with_(changes))
     assert len(found) == len(told)
     for line, part in zip(found, told, strict=True):
         assert part in line and "\n" not in line
@@ -86,7 +86,7 @@ def test_slips_are_told_each_in_one_line(changes, told):
 )
 def test_capacitance_in_nanofarad_of_all_or_for_each_square_millimetre(given, meant):
     sheet = load_scene("sheet-5x5").with_({"skin.foam.capacitance_per_area": given})
-    assert f"did you mean {meant:.6g}?" in slips(sheet)[0]
+    assert f"did you mean {meant:.6g}?" in suspicious_values(sheet)[0]
 
 
 def test_commands_warn_in_one_line_and_go_on(run, tmp_path):

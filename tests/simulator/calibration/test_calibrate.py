@@ -47,7 +47,7 @@ def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
     skin, true = found.scene.skin, scene_with(line, TRUTH).skin
     assert skin.top.sheet_resistance == pytest.approx(true.top.sheet_resistance, rel=0.02)
     assert skin.foam.capacitance_per_area == pytest.approx(
-        true.foam.rest_capacitance_per_area, rel=0.02
+        true.foam.unpressed_capacitance_per_area, rel=0.02
     )
     assert found.scene.sweep == line.sweep
     assert [each.name for each in found.quantities][:5] == [

@@ -65,8 +65,8 @@ def test_the_calibrated_scene_says_from_what_and_is_the_same_bytes_again(run, fi
     assert text.startswith("# Calibrated to run.nc by rcskin calibrate.\n# Fitted, with 95 %")
     calibrated, truth = read_scene(folder / "calibrated.toml"), scene_with(line, TRUTH)
     assert calibrated.description == "calibrated to run.nc"
-    assert calibrated.skin.foam.rest_capacitance_per_area == pytest.approx(
-        truth.skin.foam.rest_capacitance_per_area, rel=0.02
+    assert calibrated.skin.foam.unpressed_capacitance_per_area == pytest.approx(
+        truth.skin.foam.unpressed_capacitance_per_area, rel=0.02
     )
     assert "left as in the scene, and allowed for within their priors: loss_tangent" in text
     assert "both in series: " in text

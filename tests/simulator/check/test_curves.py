@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from rcskin.simulator.check.sweep_curves import (
-    MOST_DRAWN,
-    MOST_NAMED,
+    MAX_DRAWN,
+    MAX_NAMED,
     QUANTITIES,
     _at_rest,
     _look,
     colours_of,
-    courses,
+    curves_of,
     labels_of,
     rows_of,
 )
@@ -77,7 +77,7 @@ def test_many_presses_are_told_by_their_column(make_sweeps):
     labels = labels_of([sweeps])
     assert labels["3,2"] == "column 2" and labels["1,1+2,2:1.5"] == "elsewhere"
     assert list(dict.fromkeys(labels.values()))[-1] == "elsewhere"
-    few = labels_of([sweeps.isel(sweep=slice(0, MOST_NAMED))])
+    few = labels_of([sweeps.isel(sweep=slice(0, MAX_NAMED))])
     assert few["none"] == "at rest" and few["1,1"] == "1,1"
 
 
@@ -156,10 +156,10 @@ def test_every_file_of_sweeps_is_drawn(run, make_sweeps, tmp_path, ending):
 
 
 def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, tmp_path):
-    path, many = tmp_path / "many.nc", MOST_DRAWN + 1
+    path, many = tmp_path / "many.nc", MAX_DRAWN + 1
     labels = {"press": ["1,1"] * many, "row": [1] * many, "column": [1] * many}
     write(make_sweeps(many, ["left"], **labels), path)
-    assert len(list(courses(read(path), "left", QUANTITIES["Rs"]))) == MOST_DRAWN
+    assert len(list(curves_of(read(path), "left", QUANTITIES["Rs"]))) == MAX_DRAWN
     code, _, err = run("plot", path, "-o", tmp_path / "out.html", "--what", "Rs")
     assert (
         code == 0 and err == f"rcskin: note: {path}: 400 of 401 sweeps are drawn, evenly spread\n"
@@ -188,6 +188,6 @@ def test_interfaces_with_frequencies_of_their_own_are_drawn_at_these(
     first, second = (str(name) for name in sweeps["interface"].values)
     for name, count in ((first, 3), (second, 2)):
         for shown in QUANTITIES.values():
-            drawn = list(courses(sweeps, name, shown))
+            drawn = list(curves_of(sweeps, name, shown))
             assert len(drawn) == 3
             assert all(x.size == count and np.isfinite(y).all() for _, x, y in drawn)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
-from rcskin.simulator.dataset.drawn_session import Audit, audited, drawn_sessions, together
+from rcskin.simulator.dataset.drawn_session import Audit, audited, combined_audit, drawn_sessions
 from rcskin.simulator.measure.streams import AUDIT, PRESSES, stream
 from rcskin.simulator.sweeps import ToleranceError, open_zarr
 
@@ -73,7 +73,7 @@ def test_a_data_set_says_how_much_of_it_was_solved_in_full(make, toy):
     plan = toy.small_plan(400)
     sweeps = open_zarr(make("out", plan, doubtful=1))
     family = toy.ToyFamily(plan.scene, doubtful=1)
-    whole = together(each.audit for each in drawn_sessions(plan, family, range(40)))
+    whole = combined_audit(each.audit for each in drawn_sessions(plan, family, range(40)))
     assert sweeps.attrs["fallbacks"] == whole.fallbacks > 40
     assert sweeps.attrs["audit_sample"] == whole.sample
     assert sweeps.attrs["audit_bound"] <= 1e-4

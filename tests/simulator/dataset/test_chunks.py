@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import zarr
 from rcskin.simulator.dataset.chunks import put
-from rcskin.simulator.dataset.layout import Variable
+from rcskin.simulator.dataset.layout import ArraySpec
 from rcskin.simulator.dataset.store import _create
 
 RANDOM = np.random.default_rng(0)
@@ -23,7 +23,7 @@ def test_the_bytes_are_those_of_zarr(tmp_path, dtype):
     extent, chunks = (dict(zip(dimensions, size, strict=False)) for size in ((11, 2, 3), (4, 2, 3)))
     for name in ("zarr", "own"):
         group = zarr.open_group(str(tmp_path / name), mode="a", zarr_format=3)
-        _create(group, Variable("a", dimensions, dtype, "any", "1"), extent, chunks)
+        _create(group, ArraySpec("a", dimensions, dtype, "any", "1"), extent, chunks)
     zarr.open_array(str(tmp_path / "zarr" / "a"))[:] = values
     for number, first in enumerate(range(0, 11, 4)):
         put(tmp_path / "own" / "a", number, values[first : first + 4], 4)

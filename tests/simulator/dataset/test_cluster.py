@@ -10,7 +10,7 @@ from distributed import LocalCluster
 from distributed.cli import dask_scheduler, dask_worker
 from rcskin.simulator import dataset
 from rcskin.simulator.dataset.generation import generate
-from rcskin.simulator.dataset.workers import MOST_TOGETHER, TASKS_EACH, tasks_of
+from rcskin.simulator.dataset.workers import MAX_TASK_BLOCKS, TASKS_EACH, tasks_of
 from rcskin.simulator.sweeps import InputError
 
 
@@ -72,12 +72,12 @@ def test_tasks_hold_every_block_once_and_leave_every_worker_enough(blocks, worke
     tasks = tasks_of(range(blocks), workers)
     assert [block for task in tasks for block in task] == list(range(blocks))
     sizes = {len(task) for task in tasks[:-1]}
-    assert len(sizes) <= 1 and max(sizes, default=1) <= MOST_TOGETHER
+    assert len(sizes) <= 1 and max(sizes, default=1) <= MAX_TASK_BLOCKS
     assert len(tasks) >= min(blocks, TASKS_EACH * workers)
 
 
 def test_many_blocks_go_into_one_task_of_a_large_data_set():
-    assert len(tasks_of(range(1_000_000), 100)[0]) == MOST_TOGETHER
+    assert len(tasks_of(range(1_000_000), 100)[0]) == MAX_TASK_BLOCKS
 
 
 COMMANDS = {"scheduler": dask_scheduler.main, "worker": dask_worker.main}

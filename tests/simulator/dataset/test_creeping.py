@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.creeping import at_the_end
+from rcskin.simulator.dataset.creeping import at_sweep_end
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.foam_state import FoamState
@@ -68,7 +68,7 @@ def test_cells_creep_as_the_touches_that_they_are_of():
     """The readable twin: one touch after the other, of whole pixels."""
     scene = load_scene("sheet-3x3").with_({"skin.foam.relaxation": TWO})
     presses = [press_on(scene, text) for text in ("none", "1,2:2.3", "3,1:0.8+3,3:1.4")]
-    crept = at_the_end(scene, PressBatch.of([touched_cells(scene, press) for press in presses]))
+    crept = at_sweep_end(scene, PressBatch.of([touched_cells(scene, press) for press in presses]))
     _, whole = reading_moments(scene)
     for press, own in zip(presses, crept.each(), strict=True):
         twin = touched_cells(scene, FoamState(scene).then(press, 0.0).after(whole))

@@ -3,7 +3,7 @@ import pytest
 from pydantic import ValidationError
 from rcskin.simulator.scene.randomisation import (
     CUT,
-    SLOW_WAVES,
+    SLOW_MODES,
     Fixed,
     Lognormal,
     Normal,
@@ -116,7 +116,7 @@ def test_tables_that_make_no_sense_are_told_in_one_line(table, told):
 def test_every_draw_of_the_widest_table_leaves_sheets_and_foam_positive(key):
     """The sum of all slow waves, each at its largest, stays below the mean."""
     with pytest.raises(ValidationError):
-        Randomisation.model_validate({"session": {key: 1.01 / (CUT * SLOW_WAVES)}})
+        Randomisation.model_validate({"session": {key: 1.01 / (CUT * SLOW_MODES)}})
 
 
 def test_defaults_leave_the_built_in_scenes_as_they_are():

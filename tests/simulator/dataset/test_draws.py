@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.cell_errors import error_of_cells
+from rcskin.simulator.dataset.cell_errors import rasterization_error
 from rcskin.simulator.dataset.drawn_presses import (
     cells_of_pixels,
     drawn_presses,
@@ -14,7 +14,7 @@ from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
 from rcskin.simulator.press.capacitance import capacitance_map, grid_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.randomisation import CUT, SLOW_WAVES, Uniform
+from rcskin.simulator.scene.randomisation import CUT, SLOW_MODES, Uniform
 from rcskin.simulator.scene.scene_files import load_scene
 
 SCENE = load_scene("sheet-3x3")
@@ -48,7 +48,7 @@ def test_streams_differ_by_seed_session_and_purpose_only():
 
 def test_presses_on_pixels_are_what_their_texts_say():
     presses = drawn_presses(SCENE, stream(1, 0, PRESSES), 300, GRID)
-    rest = SCENE.skin.foam.rest_capacitance_per_area
+    rest = SCENE.skin.foam.unpressed_capacitance_per_area
     for k, (text, cells) in enumerate(zip(presses.text, maps(presses, GRID), strict=True)):
         press = parse_press(text, default=np.nan)
         assert str(press) == text
@@ -141,7 +141,7 @@ def test_no_skin_leaves_the_range_told():
         assert common.low * own.low <= 1 / skin.variation.top[0] <= common.high * own.high
         waves = np.abs(skin.variation.top[1:] / skin.variation.top[0])
         assert (waves <= CUT * session.unevenness).all()
-        away = CUT * SLOW_WAVES * session.foam_spread
+        away = CUT * SLOW_MODES * session.foam_spread
         low, high = session.capacitance.low * (1 - away), session.capacitance.high * (1 + away)
         assert low <= skin.variation.capacitance.min() <= skin.variation.capacitance.max() <= high
         assert 0 <= skin.variation.loss.tangent - scene.skin.foam.loss_tangent <= 0.02
@@ -171,4 +171,4 @@ def test_rests_are_promised_as_a_lab_takes_them_and_other_presses_stay_as_they_w
 
 def test_touches_on_cells_are_compared_with_their_own_edges_at_the_meters_end_of_leads():
     scene = load_scene("strip-1x3").with_({"leads.resistance": 2e4})
-    assert error_of_cells(scene, reduced(scene, 1e-3), 1, 1e-3) < 2e-3
+    assert rasterization_error(scene, reduced(scene, 1e-3), 1, 1e-3) < 2e-3

@@ -60,7 +60,7 @@ def assert_solved(sweeps, scene, rtol=RTOL):
     solver, frequency = Solver(scene, RTOL / 10), scene.frequencies
     for k in range(0, sweeps.sizes["sweep"], 3):
         Z = solver.solve(parse_press(str(sweeps["press"].values[k]), np.nan)).Z
-        Z = LEADS.seen_through(Z, frequency)
+        Z = LEADS.at_meter(Z, frequency)
         np.testing.assert_allclose(impedance(sweeps)[k].real, Z.real, rtol=rtol)
         np.testing.assert_allclose(sweeps["Cp"][k], parallel_capacitance(Z, frequency), rtol=rtol)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.describe.distinct_pixels import alike, told_apart
+from rcskin.simulator.describe.distinct_pixels import equal_sweep_groups, indistinguishable_pixels
 from rcskin.simulator.describe.facts import assumed, facts, prefixed
-from rcskin.simulator.describe.secondary_effects import beyond
+from rcskin.simulator.describe.secondary_effects import secondary_effects
 from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.pixels import pixels_with_skin
@@ -139,7 +139,7 @@ def test_pixels_without_skin_are_left_out():
 )
 def test_pixels_look_alike_only_where_the_skin_is_symmetric(changes, groups):
     scene = skin(changes)
-    assert len(alike(scene, pixels_with_skin(scene))) == groups
+    assert len(equal_sweep_groups(scene, pixels_with_skin(scene))) == groups
 
 
 @pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
@@ -150,7 +150,7 @@ def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
     def shown(row, column):
         return solver.solve(Press((Touch(row, column, 2.0),))).Z
 
-    groups = alike(scene, pixels_with_skin(scene))
+    groups = equal_sweep_groups(scene, pixels_with_skin(scene))
     largest = max(groups, key=len)
     other = next(group[0] for group in groups if group is not largest)
     first = shown(*largest[0])
@@ -160,7 +160,7 @@ def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
 
 
 def test_a_skin_without_symmetry_says_so():
-    told = told_apart(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
+    told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
     assert told.startswith("every pixel shows sweeps of its own")
 
 
@@ -213,7 +213,7 @@ def test_foam_in_time_and_its_size_within_a_sweep():
             "experiment.temperature": 31.0,
         }
     )
-    told = list(beyond(scene))
+    told = list(secondary_effects(scene))
     assert (
         "creep",
         "a held press creeps by 20 % of its strain with 500 ms, by 16 % in a sweep of 1 s",
@@ -221,7 +221,7 @@ def test_foam_in_time_and_its_size_within_a_sweep():
     assert any(text.startswith("a held press creeps by 10 %") for _, text in told)
     assert ("hysteresis", "unloading does not give back 5 % of the work of a press") in told
     assert dict(told)["temperature"].startswith("31 °C; with each K the foam's capacitance")
-    left_out = dict(beyond(skin({})))["creep"]
+    left_out = dict(secondary_effects(skin({})))["creep"]
     assert left_out.endswith("does so by 0.9 % in a sweep of 100 ms; left out")
 
 

@@ -100,7 +100,7 @@ def _seen(scene, family, seed):
     skin = drawn_skin(scene, seed, 0, (2, 2), len(WAVES))
     s = laplace_variable(scene.frequencies, skin.variation.loss)
     Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), s)
-    seen = observed(skin.leads.seen_through(Z, scene.frequencies))
+    seen = observed(skin.leads.at_meter(Z, scene.frequencies))
     return seen[0], seen[1] - seen[0]
 
 

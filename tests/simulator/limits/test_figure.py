@@ -8,7 +8,7 @@ import pytest
 from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 from rcskin.simulator.bounds.position import Bounds
-from rcskin.simulator.chart_style import FOIL
+from rcskin.simulator.chart_style import FOIL_COLOURS
 from rcskin.simulator.limits import figure as figures
 from rcskin.simulator.limits.figure import draw_maps, draw_sheet
 from rcskin.simulator.limits.survey import Variant
@@ -39,7 +39,7 @@ def drawn():
 def test_an_outline_is_drawn_with_its_pixels_and_foils(drawn):
     assert drawn("black") == pytest.approx(480)
     assert drawn("0.4") == pytest.approx(120, rel=5e-3)
-    assert [drawn(FOIL[sheet]) for sheet in ("top", "bottom")] == pytest.approx([120, 120])
+    assert [drawn(FOIL_COLOURS[sheet]) for sheet in ("top", "bottom")] == pytest.approx([120, 120])
 
 
 @pytest.mark.parametrize("sides", [(0.18, 0.07), (0.07, 0.18), (0.12, 0.12)])

@@ -14,8 +14,8 @@ from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.changed_readings import (
-    reading_at,
-    through,
+    restricted_to_interfaces,
+    with_frequencies,
 )
 from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
@@ -130,11 +130,11 @@ def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
 def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
     assert own.reading.frequency_at("bottom").tolist() == [1e4, 1e5]
     assert shared.reading.own == {}
-    left = through(own, ["left"])
+    left = restricted_to_interfaces(own, ["left"])
     assert left.taken is None and left.frequencies.tolist() == [1e3, 1e4]
-    assert reading_at(own, FREQUENCIES) == shared
-    assert reading_at(shared, FREQUENCIES, TAKEN).taken.tolist() == TAKEN.tolist()
-    assert through(own, ["left", "bottom"]).taken.tolist() == TAKEN.tolist()
+    assert with_frequencies(own, FREQUENCIES) == shared
+    assert with_frequencies(shared, FREQUENCIES, TAKEN).taken.tolist() == TAKEN.tolist()
+    assert restricted_to_interfaces(own, ["left", "bottom"]).taken.tolist() == TAKEN.tolist()
 
 
 def test_presses_are_simulated_anew_at_what_was_read(own, shared):

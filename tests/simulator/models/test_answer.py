@@ -40,7 +40,7 @@ def test_a_resistor_has_errors_that_are_numbers():
 def test_leads_that_cancel_the_capacitance_leave_errors_that_are_numbers():
     leads = Leads(resistance=1.0, inductance=1.0)
     Z = 5e4 - 2j * np.pi * FREQUENCY * 1.0
-    seen = answered(Z).seen_through(leads)
+    seen = answered(Z).at_meter(leads)
     assert (seen.Z.imag == 0).all()
     assert np.isfinite(np.stack(seen.relative_errors)).all()
 

@@ -81,4 +81,4 @@ def test_foam_keeps_its_thickness_where_the_field_around_it_counts(scene, factor
     foam, plain = (scene_with(each, changed).skin.foam for each in (around, scene.with_(given)))
     assert plain.thickness is None
     assert foam.thickness == pytest.approx(4e-3 * max(1.0, 1 / (2 * factor)))
-    assert foam.rest_capacitance_per_area == plain.rest_capacitance_per_area
+    assert foam.unpressed_capacitance_per_area == plain.unpressed_capacitance_per_area

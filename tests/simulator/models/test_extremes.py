@@ -16,7 +16,7 @@ from rcskin.simulator.press.press import Press, every_press
 from rcskin.simulator.scene.keys.key_paths import at, keys
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.scene.validation import Bounds, said_of
+from rcskin.simulator.scene.validation import NumberRange, constraints_of
 from rcskin.simulator.sweeps import InputError, ToleranceError
 from scipy.sparse import csc_matrix
 
@@ -68,8 +68,10 @@ def ends(key):
     """Both ends of what a key may be, and numbers slightly inside."""
     *parents, name = [part for part in key.split(".") if not part.isdigit()]
     fields = [keys(table).get(name) for table in at(Scene, tuple(parents))]
-    told = [getattr(each, "func", each) for field in fields if field for each in said_of(field)]
-    found = {end for each in told if isinstance(each, Bounds) for end in (each.low, each.high)}
+    told = [
+        getattr(each, "func", each) for field in fields if field for each in constraints_of(field)
+    ]
+    found = {end for each in told if isinstance(each, NumberRange) for end in (each.low, each.high)}
     found |= {
         getattr(each, name)
         for each in told

@@ -29,7 +29,7 @@ NOT_PLAIN = {"l-shape", "mug", "stretched"}
 def test_a_plain_scene_is_returned_as_it_is(name):
     scene = load_scene(name)
     press = Press((Touch(1, 1, 2.0),))
-    assert scene.plain
+    assert scene.uniform
     assert electrical(scene) is scene
     assert electrical_press(scene, press) is press
     assert require_plain(scene, "anything") is scene
@@ -39,12 +39,12 @@ def test_a_stretch_is_folded_by_hand_derived_figures(make_scene):
     """J = 0.96; rubber of constant volume R J, foam J^(1/3) = J^(0.25 / 0.75)."""
     scene = skin_with(make_scene(rows=2, columns=3), stretch=STRETCH)
     folded = electrical(scene)
-    assert not scene.plain
-    assert folded.plain
+    assert not scene.uniform
+    assert folded.uniform
     assert folded.skin.sides == pytest.approx((0.12, 0.064))
     assert folded.skin.top.sheet_resistance == pytest.approx(0.96 * 50e3)
     assert folded.skin.bottom.sheet_resistance == pytest.approx(0.96 * 30e3)
-    assert folded.skin.foam.rest_capacitance_per_area == pytest.approx(5e-9 * 0.96 ** (1 / 3))
+    assert folded.skin.foam.unpressed_capacitance_per_area == pytest.approx(5e-9 * 0.96 ** (1 / 3))
     assert folded.contacts == scene.contacts
     assert folded.pixels == scene.pixels
     assert electrical(folded) is folded
@@ -58,7 +58,7 @@ def test_foam_of_known_thickness_thins_under_stretch(make_scene):
     folded = electrical(Scene.model_validate(tables)).skin.foam
     assert folded.thickness == pytest.approx(4e-3 * 0.96 ** (-1 / 3))
     expected = VACUUM_PERMITTIVITY * 2.2 / folded.thickness
-    assert folded.rest_capacitance_per_area == pytest.approx(expected)
+    assert folded.unpressed_capacitance_per_area == pytest.approx(expected)
 
 
 def test_even_maps_and_directions_of_no_preference_are_folded(make_scene):
@@ -69,10 +69,10 @@ def test_even_maps_and_directions_of_no_preference_are_folded(make_scene):
         shape=MUG,
     )
     folded = electrical(scene)
-    assert folded.plain
+    assert folded.uniform
     assert folded.skin.shape is None
     assert folded.skin.top.sheet_resistance == 100e3
-    assert folded.skin.foam.rest_capacitance_per_area == 2.5e-9
+    assert folded.skin.foam.unpressed_capacitance_per_area == 2.5e-9
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def test_what_is_not_plain_keeps_its_stretch_and_is_refused_by_its_key(make_scen
     scene = skin_with(make_scene(), stretch=STRETCH, **tables)
     left = electrical(scene)
     assert left.skin == scene.skin
-    assert not left.plain
+    assert not left.uniform
     assert electrical_press(scene, Press((Touch(1, 1, 2.0),))) is None
     unstretched = skin_with(make_scene(), **tables)
     with pytest.raises(InputError, match=f"scene: a test cannot take `{key}`: it needs uniform"):

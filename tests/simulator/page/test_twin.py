@@ -76,7 +76,7 @@ def by_python(paged, press, cast):
     batch = skin.parts.followed(PressBatch.of([(cells, rises)])).weighted(skin.rest_factors)
     Q = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
     Y = skin.combination.admittance(Q)
-    return scene.leads.seen_through(common / Y, scene.frequencies)
+    return scene.leads.at_meter(common / Y, scene.frequencies)
 
 
 def cast_at_random(ranges, random):

@@ -38,8 +38,8 @@ def test_nothing_pressed_is_the_foam_at_rest(make_scene):
 def test_capacitance_from_thickness_and_permittivity():
     """2.2 makes 70 pF of 4 mm of foam between 120 x 120 mm."""
     foam = Foam(thickness=4e-3, relative_permittivity=2.2)
-    assert foam.rest_capacitance_per_area == 2.2 * VACUUM_PERMITTIVITY / 4e-3
-    assert round(foam.rest_capacitance_per_area * 0.120**2 * 1e12) == 70
+    assert foam.unpressed_capacitance_per_area == 2.2 * VACUUM_PERMITTIVITY / 4e-3
+    assert round(foam.unpressed_capacitance_per_area * 0.120**2 * 1e12) == 70
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,13 @@ from rcskin.simulator.press.press import Press, check_press, order, parse_press,
 from rcskin.simulator.press.touch import Depth, Disc, Force, Indentation, Polygon, Rectangle, Touch
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.press_text import LEAST_FACTOR, MOST_FACTOR, MOST_FINGER, MOST_FORCE
+from rcskin.simulator.sweeps.press_text import MAX_FACTOR, MAX_FINGER, MAX_FORCE, MIN_FACTOR
 
 PLACE = st.floats(-1e3, 1e3)
 POSITIVE = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
-FACTOR = st.floats(min_value=LEAST_FACTOR, max_value=MOST_FACTOR)
-FORCE = st.floats(min_value=0, max_value=MOST_FORCE, exclude_min=True)
-FINGER = st.just(0.0) | st.floats(min_value=0, max_value=MOST_FINGER)
+FACTOR = st.floats(min_value=MIN_FACTOR, max_value=MAX_FACTOR)
+FORCE = st.floats(min_value=0, max_value=MAX_FORCE, exclude_min=True)
+FINGER = st.just(0.0) | st.floats(min_value=0, max_value=MAX_FINGER)
 pixels = st.builds(Touch, st.integers(1, 1000), st.integers(1, 1000), FACTOR, FINGER)
 rectangles = st.builds(Rectangle, PLACE, PLACE, POSITIVE, POSITIVE, FACTOR, FINGER)
 discs = st.builds(Disc, PLACE, PLACE, POSITIVE, FACTOR, FINGER)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.dataset.anywhere.touch_places import texts
+from rcskin.simulator.dataset.anywhere.touch_places import place_texts
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints, rasterized
@@ -35,7 +35,7 @@ def test_all_at_once_is_press_by_press(placed, grid):
     grid = 3 * grid[0], 3 * grid[1]
     batch = rasterized(SCENE, touches, where, grid)
     assert batch.starts[-1] == len(batch.cells)
-    for own, text in zip(batch.each(), texts(touches, where, where.factor, ""), strict=True):
+    for own, text in zip(batch.each(), place_texts(touches, where, where.factor, ""), strict=True):
         found, expected = np.zeros((2, grid[0] * grid[1]))
         assert (np.diff(own.cells) > 0).all()
         found[own.cells] = own.rises

@@ -26,7 +26,7 @@ def strip():
 
 def test_both_act_as_factors_on_capacitance_and_sheets(strip):
     warm = strip.with_({**BOTH, "experiment.temperature": 30.0, "experiment.humidity": 90.0})
-    c = strip.skin.foam.rest_capacitance_per_area
+    c = strip.skin.foam.unpressed_capacitance_per_area
     by_hand = strip.with_(
         {
             "skin.foam.capacitance_per_area": c * 1.02 * 1.05,
@@ -40,7 +40,10 @@ def test_both_act_as_factors_on_capacitance_and_sheets(strip):
 def test_at_the_reference_nothing_changes(strip):
     known = strip.with_({**BOTH, "experiment.temperature": 20.0})
     assert known.skin.top == strip.skin.top
-    assert known.skin.foam.rest_capacitance_per_area == strip.skin.foam.rest_capacitance_per_area
+    assert (
+        known.skin.foam.unpressed_capacitance_per_area
+        == strip.skin.foam.unpressed_capacitance_per_area
+    )
 
 
 def test_a_scene_written_in_its_weather_is_the_same_scene_again(strip):
@@ -51,7 +54,7 @@ def test_a_scene_written_in_its_weather_is_the_same_scene_again(strip):
     for sheet in ("top", "bottom"):
         one, other = (getattr(s.skin, sheet).sheet_resistance for s in (cold, at_once))
         assert one == pytest.approx(other, rel=1e-12)
-    one, other = (s.skin.foam.rest_capacitance_per_area for s in (cold, at_once))
+    one, other = (s.skin.foam.unpressed_capacitance_per_area for s in (cold, at_once))
     assert one == pytest.approx(other, rel=1e-12)
 
 
@@ -67,7 +70,7 @@ def test_a_scene_written_in_its_weather_is_the_same_scene_again(strip):
 def test_thickness_stays_however_the_capacitance_is_given(strip, foam):
     given = strip.with_({"skin.foam": {**foam, "temperature": {"capacitance": 0.01}}})
     warm = given.with_({"experiment.temperature": 33.0})
-    c, c_warm = (s.skin.foam.rest_capacitance_per_area for s in (given, warm))
+    c, c_warm = (s.skin.foam.unpressed_capacitance_per_area for s in (given, warm))
     assert c_warm == pytest.approx(1.1 * c, rel=1e-12)
     assert warm.skin.foam.thickness == given.skin.foam.thickness
     assert parse_scene(scene_text(warm), "again") == warm

@@ -52,7 +52,7 @@ def test_bruggeman_is_the_root_of_his_equation():
 
 def test_looyenga_makes_foam_of_the_papers_porosity_1_46():
     assert looyenga(np.array(0.67), 2.79) == pytest.approx(1.46, abs=0.005)
-    at_rest = Foam(thickness=4e-3, mechanics=foam()).rest_capacitance_per_area
+    at_rest = Foam(thickness=4e-3, mechanics=foam()).unpressed_capacitance_per_area
     assert at_rest == pytest.approx(1.46 * VACUUM_PERMITTIVITY / 4e-3, rel=3e-3)
 
 
@@ -134,4 +134,4 @@ def test_constant_permittivity_must_be_given():
     with pytest.raises(ValidationError, match="needs capacitance_per_area or relative_permitt"):
         Foam(thickness=4e-3, mechanics=constant)
     given = Foam(thickness=4e-3, relative_permittivity=2.0, mechanics=constant)
-    assert given.rest_capacitance_per_area == 2 * VACUUM_PERMITTIVITY / 4e-3
+    assert given.unpressed_capacitance_per_area == 2 * VACUUM_PERMITTIVITY / 4e-3

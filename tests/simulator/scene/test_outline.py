@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.scene.form.outline import Curve
 from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, sides
 from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene, scene_text
-from rcskin.simulator.scene.wiring_checks import joined
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 from rcskin.simulator.sweeps import InputError
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
@@ -46,7 +46,7 @@ def scene_of(outline, *edges):
 def test_scenes_with_outlines_are_written_and_read_back(outline, edges):
     scene = scene_of(outline, *edges)
     assert parse_scene(scene_text(scene), "text") == scene
-    assert not scene.plain
+    assert not scene.uniform
 
 
 def test_scenes_without_outline_are_written_as_before():
@@ -171,11 +171,11 @@ def test_foils_along_one_stretch_of_an_outline_overlap(first, edge, span):
 
 def test_foils_that_meet_at_a_corner_are_one_conductor():
     scene = with_another("outline.2", "outline.3", "0.0, 0.5")
-    assert joined(scene.contacts, scene.skin) == [0, 1, 0]
+    assert conductor_groups(scene.contacts, scene.skin) == [0, 1, 0]
     apart = with_another("outline.2", "outline.3", "0.2, 0.5")
-    assert joined(apart.contacts, apart.skin) == [0, 1, 2]
+    assert conductor_groups(apart.contacts, apart.skin) == [0, 1, 2]
     closing = with_another("outline.6", "outline.1", "0.0, 0.5")
-    assert joined(closing.contacts, closing.skin) == [0, 1, 0]
+    assert conductor_groups(closing.contacts, closing.skin) == [0, 1, 0]
 
 
 def test_foils_all_but_touching_are_refused():

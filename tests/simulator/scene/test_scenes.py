@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
-from rcskin.simulator.scene.wiring_checks import joined
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 
 STRIPS = ["strip-1x3", "strip-1x4", "strip-1x5"]
 SHEETS = [name for name in builtin_names() if name.startswith("sheet")]
@@ -20,7 +20,7 @@ def test_strips_have_the_loop_resistance_and_capacitance_of_section_3(name):
     loop = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) / skin.width
     assert (skin.length, skin.width) == (0.100, 0.020)
     assert loop == pytest.approx(50e3 / 1e-3, rel=1e-12)
-    per_metre = skin.foam.rest_capacitance_per_area * skin.width
+    per_metre = skin.foam.unpressed_capacitance_per_area * skin.width
     assert per_metre == pytest.approx(108e-15 / 1e-3, rel=1e-12)
 
 
@@ -39,7 +39,7 @@ def test_sheets_have_the_size_and_capacitance_of_figure_1(name):
     skin = load_scene(name).skin
     assert (skin.length, skin.width) == (0.120, 0.120)
     assert skin.top.sheet_resistance == skin.bottom.sheet_resistance == 50e3
-    picofarad = skin.foam.rest_capacitance_per_area * skin.length * skin.width * 1e12
+    picofarad = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width * 1e12
     assert round(picofarad, 2) == 70.0
 
 
@@ -65,7 +65,7 @@ def test_class_0_is_in_1x3_and_3x3_alone(name):
 
 def test_the_pairs_of_foils_on_two_edges_do_not_touch():
     scene = load_scene("sheet-5x5-two-interfaces")
-    assert len(set(joined(scene.contacts, scene.skin))) == 4
+    assert len(set(conductor_groups(scene.contacts, scene.skin))) == 4
     assert [drive.high for drive in two_fields(scene).excitations] == [(0,), (2,)]
 
 

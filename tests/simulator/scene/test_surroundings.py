@@ -162,7 +162,7 @@ def test_wide_foils_of_one_sheet_do_not_overlap_unless_they_are_one(make_scene, 
 )
 def test_what_takes_two_bare_sheets_alone_says_so(changes, key):
     scene = load_scene("sheet-3x3").with_(changes)
-    assert scene.beyond_plain == [key]
+    assert scene.beyond_uniform == [key]
     for model in ("line", "lumped"):
         with pytest.raises(InputError, match="cannot take `" + key.replace("[", r"\[")):
             Solver(scene, 1e-2, model).solve(Press())

@@ -8,7 +8,7 @@ from rcskin.simulator.mesh.quadrilaterals import singular_ends
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
-from rcskin.simulator.scene.wiring_checks import joined
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ from rcskin.simulator.scene.wiring_checks import joined
 def test_ideal_foils_that_touch_are_joined(make_scene, contacts, expected):
     contacts = {**contacts, "bottom-right": {}}
     scene = make_scene(contacts, {"meter": ("top-left", "bottom-right")})
-    assert joined(scene.contacts, scene.skin)[:-1] == expected
+    assert conductor_groups(scene.contacts, scene.skin)[:-1] == expected
 
 
 def test_joined_foils_are_one_terminal_and_floating_ones_their_own(make_scene):

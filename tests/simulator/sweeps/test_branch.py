@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import InputError, branch_reactance, impedance, parallel_capacitance
-from rcskin.simulator.sweeps.importing.branch import checked_branch, chosen
+from rcskin.simulator.sweeps.importing.branch import checked_branch, choose_branch
 from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file, import_files
 from rcskin.simulator.sweeps.input_files import read
@@ -23,7 +23,7 @@ def line(RC, resistance=0.0, stray=0.0):
 def from_pair(Z, branch="followed", noise=0.0, seed=0):
     factors = 1 + noise * np.random.default_rng(seed).standard_normal((2, *Z.shape))
     Rs, Cp = Z.real * factors[0], parallel_capacitance(Z, FREQUENCY) * factors[1]
-    return chosen(Rs + 1j * branch_reactance(Rs, Cp, FREQUENCY), FREQUENCY, branch)
+    return choose_branch(Rs + 1j * branch_reactance(Rs, Cp, FREQUENCY), FREQUENCY, branch)
 
 
 @given(RC=st.floats(1e-6, 1e-4), lead=st.floats(0, 1e5))
@@ -63,8 +63,8 @@ def test_every_reading_on_the_wrong_branch_is_in_doubt(seed, RC, lead):
 def test_both_sides_can_be_asked_for():
     Z = np.array([1 - 2j, 1 - 2j, 1 - 2j])
     f = np.array([1.0, 2.0, 3.0])
-    assert chosen(Z, f, "resistive").Z.tolist() == [1 - 0.5j] * 3
-    assert chosen(Z, f, "capacitive").Z.tolist() == Z.tolist()
+    assert choose_branch(Z, f, "resistive").Z.tolist() == [1 - 0.5j] * 3
+    assert choose_branch(Z, f, "capacitive").Z.tolist() == Z.tolist()
     with pytest.raises(InputError, match="`branch` must be one of followed, capacitive, resistive"):
         checked_branch("left")
 

@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import build, read, write
-from rcskin.simulator.sweeps.csv_cells import Writer, as_given, guarded
+from rcskin.simulator.sweeps.csv_cells import CsvWriter, guarded, unguarded
 
 NAMES = ["=1+1", "+cmd", "-left", "@sum", "\tx", "\rx", "'=x", "''", "'it", "-3", "+1e-3", "[red]"]
 
@@ -14,13 +14,13 @@ NAMES = ["=1+1", "+cmd", "-left", "@sum", "\tx", "\rx", "'=x", "''", "'it", "-3"
 @pytest.mark.parametrize("name", NAMES)
 def test_a_name_comes_back_and_is_no_formula(name):
     cell = guarded(name)
-    assert as_given(cell) == name
+    assert unguarded(cell) == name
     assert cell[0] not in "=@\t\r" and (cell[0] not in "+-" or float(cell))
 
 
 def test_numbers_stay_as_they_are():
     file = io.StringIO()
-    Writer(file).writerows([[-1.5e-3, -2, "-4.5"]])
+    CsvWriter(file).writerows([[-1.5e-3, -2, "-4.5"]])
     assert file.getvalue() == "-0.0015,-2,-4.5\n"
 
 

@@ -114,7 +114,7 @@ def test_small_files_that_declare_much_are_refused(tmp_path, make, name, reader,
 
 
 def test_an_archive_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(inputs, "MODEL", inputs.Kind("a model", 2**20))
+    monkeypatch.setattr(inputs, "MODEL", inputs.InputKind("a model", 2**20))
     with zipfile.ZipFile(tmp_path / "a.skops", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("schema.json", bytes(2**21))
     assert "unpacks to" in refusal(load, tmp_path / "a.skops")
@@ -177,6 +177,6 @@ def test_json_that_is_nested_too_deep_is_told():
 
 
 def test_a_scene_within_a_file_is_bounded_like_one_of_its_own(monkeypatch):
-    monkeypatch.setattr(inputs, "SCENE", inputs.Kind("a scene", 100))
+    monkeypatch.setattr(inputs, "SCENE", inputs.InputKind("a scene", 100))
     with pytest.raises(InputError, match="a scene has at most"):
         parse_scene(f"name = '{'x' * 100}'", "received")

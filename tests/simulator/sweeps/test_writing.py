@@ -9,7 +9,7 @@ import time
 import pytest
 from rcskin.simulator.sweeps import InputError, OutputError, checked_output, whole_file, write
 from rcskin.simulator.sweeps.schema import MEASURED
-from rcskin.simulator.sweeps.writing import Occasion, on_occasion, whole
+from rcskin.simulator.sweeps.writing import WriteContext, in_write_context, whole
 
 DIARY = "dear diary"
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such call")
@@ -66,7 +66,7 @@ def test_a_symbolic_link_stays_and_its_target_is_replaced(path, tmp_path):
     target = tmp_path / f"target{path.suffix}"
     put(target, "before")
     path.symlink_to(target)
-    with on_occasion(Occasion(overwrite=True)):
+    with in_write_context(WriteContext(overwrite=True)):
         put(path, "whole")
     assert path.is_symlink() and content(target).read_text() == "whole"
     assert names(path.parent) == [path.name]
@@ -93,11 +93,11 @@ def test_what_is_renamed_is_on_the_disk_first_and_its_name_after(path, monkeypat
 
 
 def test_writers_at_once_leave_one_whole_result(path):
-    with on_occasion(Occasion(overwrite=True)):
+    with in_write_context(WriteContext(overwrite=True)):
         put(path, "0")
 
     def often(text):
-        with on_occasion(Occasion(overwrite=True)):
+        with in_write_context(WriteContext(overwrite=True)):
             for _ in range(20):
                 put(path, text)
 
@@ -112,7 +112,7 @@ def test_writers_at_once_leave_one_whole_result(path):
 
 def test_a_writer_leaves_nothing_where_another_frees_the_name_just_then(tmp_path, monkeypatch):
     path = tmp_path / "here" / "out.zarr"
-    with on_occasion(Occasion(overwrite=True)):
+    with in_write_context(WriteContext(overwrite=True)):
         put(path, "before")
         rename = os.rename
 
@@ -236,7 +236,9 @@ def test_a_folder_that_goes_away_meanwhile_is_told(tmp_path):
 
 
 def by(command, path, demand=None, inputs=()):
-    with on_occasion(Occasion(command, inputs, demand == "overwrite", demand == "measured")):
+    with in_write_context(
+        WriteContext(command, inputs, demand == "overwrite", demand == "measured")
+    ):
         put(path, command)
 
 
@@ -268,7 +270,7 @@ def test_else_it_replaces_on_demand_only(path, found, demand):
 @pytest.mark.parametrize("attributes", [{"model": MEASURED, "rtol": 1e-4}, {}])
 def test_measured_sweeps_need_a_demand_of_their_own(make_sweeps, tmp_path, ending, attributes):
     path = tmp_path / f"run.{ending}"
-    with on_occasion(Occasion("meter record")):
+    with in_write_context(WriteContext("meter record")):
         write(make_sweeps(attributes=attributes), path)
     for demand in (None, "overwrite"):
         with pytest.raises(InputError, match="measured.*--overwrite-measured replaces it"):

@@ -233,7 +233,7 @@ def _bessel(problem: Problem, fed: float, other: float, r_c: float) -> Truth:
     skin = problem.scene.skin
     R = skin.both_sheets
     s = laplace_variable(problem.scene.frequencies, skin.foam.loss)
-    k = np.sqrt(s * skin.foam.rest_capacitance_per_area * R)
+    k = np.sqrt(s * skin.foam.unpressed_capacitance_per_area * R)
     x, y = k * fed, k * other
     if not other:
         ratio = ive(0, x) / ive(1, x)

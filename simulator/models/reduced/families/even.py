@@ -43,7 +43,7 @@ class EvenFamily(Family):
     @cached_property
     def masses(self) -> Masses:
         """As of `Family`."""
-        pixels, c = self.scene.pixels, self.scene.skin.foam.rest_capacitance_per_area
+        pixels, c = self.scene.pixels, self.scene.skin.foam.unpressed_capacitance_per_area
         return Masses(self.system, self.order, _parts(self.system, c, pixels.rows * pixels.columns))
 
     def masses_in(self, mode: int) -> Masses:
@@ -79,7 +79,7 @@ class EvenFamily(Family):
 
     def _parts_in(self, mode: int) -> Iterator[Part]:
         rule, points, wave = self._mode_at_points(mode)
-        system, c = self.system, self.scene.skin.foam.rest_capacitance_per_area * wave
+        system, c = self.system, self.scene.skin.foam.unpressed_capacitance_per_area * wave
         values = np.zeros(len(system.pattern.indices))
         for pixel in range(self.scene.pixels.rows * self.scene.pixels.columns):
             own = np.flatnonzero(system.pixels.pixel == pixel)

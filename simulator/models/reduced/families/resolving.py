@@ -59,9 +59,9 @@ def resolved(
     parts = parts_of(scene)
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
-    presses = [_everywhere(scene, rise)] if scene.plain else _in_turns(scene, rise, finger)
+    presses = [_everywhere(scene, rise)] if scene.uniform else _in_turns(scene, rise, finger)
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
-    each = [] if scene.plain else alone(held(scene).numbers, rise, MOST_ALONE)
+    each = [] if scene.uniform else alone(held(scene).numbers, rise, MOST_ALONE)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency)
 
@@ -101,7 +101,7 @@ def coarsest(
 def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Family:
     """A family for presses up to a frequency in Hz: the first that often serves of a plain scene,
     of others the first that serves a few presses."""
-    if scene.plain:
+    if scene.uniform:
         ladder = Ladder(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
         return EvenFamily(scene, circuit, resolution, modes=1)
@@ -132,7 +132,7 @@ def finer_families(
     frequency: NDArray[np.float64],
 ) -> Iterator[Family]:
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
-    if not scene.plain:
+    if not scene.uniform:
         for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
             yield UnevenFamily(scene, circuit, mesh, modes)
         return

@@ -22,7 +22,7 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     by_depth: whether they are so pressed; as the scene presses them for None. Raises InputError
     where this changes a sheet's resistance, too, or the field across the foam.
     """
-    by_depth = not scene.press.plain if by_depth is None else by_depth
+    by_depth = not scene.press.by_factor if by_depth is None else by_depth
     if not (by_depth and spreads(scene)):
         return False
     if gauged(scene.skin):
@@ -42,7 +42,7 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
 
 def felt_beside(scene: Scene) -> bool:
     """Whether the scene presses by depth or force, and that is felt beside an applicator."""
-    return not scene.press.plain and spreads(scene)
+    return not scene.press.by_factor and spreads(scene)
 
 
 def spreads(scene: Scene) -> bool:

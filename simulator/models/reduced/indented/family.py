@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....fem.circuit import Circuit
-from ....method_cache import remembered
+from ....method_cache import cached_method
 from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
@@ -160,7 +160,7 @@ class IndentedFamily(UnevenFamily):
         found = np.tensordot(coefficients, own.modes, axes=1)
         return Together(own.cells, found, max(rise, LEAST_RISE) * own.doubt)
 
-    @remembered(PRESSES_KEPT)
+    @cached_method(PRESSES_KEPT)
     def together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
         """By the mechanics of the whole press."""
         from ...mechanics.indentation import pressed

@@ -30,7 +30,7 @@ def text_of(foam=FOAM, press="depth = 2e-3"):
 def test_a_scene_is_read_back_as_it_was_written(press):
     scene = parse_scene(text_of(press=press), "scene")
     assert parse_scene(scene_text(scene), "again") == scene
-    assert scene.press.plain == (press == "capacitance_factor = 2.5")
+    assert scene.press.by_factor == (press == "capacitance_factor = 2.5")
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ def test_capacitance_of_foam_that_nearly_closes(foam_scene, part):
     press = parse_press(f"3,3:{1e3 * part * CLOSED}mm", 2.0)
     answer = Solver(scene, 1e-4).solve(press)
     skin = scene.skin
-    c, area = skin.foam.rest_capacitance_per_area, skin.length * skin.width
+    c, area = skin.foam.unpressed_capacitance_per_area, skin.length * skin.width
     true = c * (area + integral(pressed(scene, press, 5e-3)))
     Cp = parallel_capacitance(answer.Z, answer.frequency)
     assert (np.abs(Cp / true - 1) <= answer.relative_errors[1] + 2e-6).all()

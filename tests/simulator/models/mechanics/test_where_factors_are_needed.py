@@ -38,7 +38,7 @@ def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
     factors = folded(scene, "a test")
     assert factors.press.capacitance_factor == scene.pressed_factor
-    assert factors.press.plain
+    assert factors.press.by_factor
 
 
 def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(foam_scene):

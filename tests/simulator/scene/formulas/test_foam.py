@@ -82,9 +82,9 @@ def test_capacitance_at_rest(law, rng):
     d, phi0, eps_s, given = rng.uniform(1e-3, 1e-2), *rng.uniform(0.2, 0.9, 1), 2.79, 2.2
     made_of = {"porosity": phi0, "solid_permittivity": eps_s, "effective_medium": law}
     foam = Foam(thickness=d, mechanics=Mechanics(**made_of, modulus=30e3))
-    assert foam.rest_capacitance_per_area == pytest.approx(EPS0 * OWN[law](phi0, eps_s) / d)
+    assert foam.unpressed_capacitance_per_area == pytest.approx(EPS0 * OWN[law](phi0, eps_s) / d)
     measured = foam.model_copy(update={"relative_permittivity": given})
-    assert measured.rest_capacitance_per_area == pytest.approx(EPS0 * given / d)
+    assert measured.unpressed_capacitance_per_area == pytest.approx(EPS0 * given / d)
 
 
 def test_stress_of_an_elastomer(rng):

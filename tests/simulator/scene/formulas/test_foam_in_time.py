@@ -83,5 +83,5 @@ def test_the_weather(make_scene, rng):
     a, b = rng.uniform(-5e-3, 5e-3, 2)
     table = {"reference": 20.0, "capacitance": a, "sheet_resistance": b}
     scene = make_scene().with_({"skin.foam.humidity": table, "experiment.humidity": 55.0})
-    assert scene.skin.foam.rest_capacitance_per_area == pytest.approx(5e-9 * (1 + a * 35.0))
+    assert scene.skin.foam.unpressed_capacitance_per_area == pytest.approx(5e-9 * (1 + a * 35.0))
     assert scene.skin.bottom.sheet_resistance == pytest.approx(30e3 * (1 + b * 35.0))

@@ -39,7 +39,7 @@ def test_leads_and_guard(rng):
     Z = rng.uniform(1, 1e5, 30) - 1j * rng.uniform(1, 1e5, 30)
     leads = Leads(resistance=R_l, inductance=L_l, stray_capacitance=C_l, guard=g)
     Z_m = R_l + 1j * OMEGA * L_l + 1 / (1 / Z + 1j * OMEGA * (1 - g) * C_l)
-    np.testing.assert_allclose(leads.seen_through(Z, FREQUENCY), Z_m)
+    np.testing.assert_allclose(leads.at_meter(Z, FREQUENCY), Z_m)
 
 
 def test_what_the_meter_shows(rng):

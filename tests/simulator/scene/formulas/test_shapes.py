@@ -44,7 +44,7 @@ def test_even_stretch(make_scene, changed, rng):
     J = lx * ly
     assert found.sides == pytest.approx((lx * rest.skin.length, ly * rest.skin.width))
     assert found.top.sheet_resistance == pytest.approx(R0 * J ** (nu / (1 - nu)))
-    assert found.foam.rest_capacitance_per_area == pytest.approx(C0 * J ** (nu_f / (1 - nu_f)))
+    assert found.foam.unpressed_capacitance_per_area == pytest.approx(C0 * J ** (nu_f / (1 - nu_f)))
 
 
 @pytest.mark.parametrize("solved", ["stretched flat", "at rest"])

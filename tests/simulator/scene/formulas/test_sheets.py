@@ -126,7 +126,7 @@ def test_strain_with_mechanics(on_foam, make_scene, changed, rng, by):
     factor = float(scene.skin.foam.mechanics.factor(e))
     strength = f"{factor!r}" if by == "factor" else f"{4e-3 * e!r}m"
     R *= 1 + k_p * e
-    c = factor * scene.skin.foam.rest_capacitance_per_area
+    c = factor * scene.skin.foam.unpressed_capacitance_per_area
     same = make_scene(length=0.12, width=0.04, top=R, bottom=R, c=c)
     pressed = Solver(scene, 1e-5).solve(parse_press(f"1,1:{strength}", 2.0)).Z
     np.testing.assert_allclose(pressed, Solver(same, 1e-5).solve(Press()).Z, rtol=2e-5)
