@@ -91,6 +91,7 @@ def test_ctrl_c_ends_it_while_an_answer_is_awaited(start, instrument):
     process.stdout.readline()
     instrument.faults.add(Fault("silent", times=1000))
     while instrument.faults.waiting[0].times == 1000:
+        assert process.poll() is None, process.stderr.read()
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=SOON)
