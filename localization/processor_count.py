@@ -9,7 +9,7 @@ from joblib import cpu_count
 
 
 @cache
-def count_cores() -> int:
+def physical_cpu_count() -> int:
     """Physical cores, or logical ones on a machine that tells of no others.
 
     joblib, which scikit-learn asks, prints a warning and a traceback where it is the first to find

@@ -150,7 +150,7 @@ def main(run: Run) -> None:
         scene = spread_by(case.trial.believed, case.spread)
         sweeps = simulated(scene, reduced(scene, RTOL), run.sized(TRAINING, FEW_TRAINING))
         target = case.trial.target
-        model = train(sweeps, target, case.estimator, quantities=case.quantities).insisting()
+        model = train(sweeps, target, case.estimator, quantities=case.quantities).for_any_skin()
         family = reduced(family_scene(case.trial), RTOL)
         for number in range(run.sized(case.twins, 1)):
             sweeps = recorded(case.trial, family, number)

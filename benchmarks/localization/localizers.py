@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.evaluation.evaluation import ClassScore, score
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.inversion.estimators import NAME, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
 from rcskin.simulator.dataset.dataset_plan import Plan
@@ -128,7 +128,7 @@ def sweeps_of(case: Case, cases: tuple[Case, ...], folder: Path) -> xr.Dataset:
     path = folder / f"{kind}-{most}.zarr"
     if not path.exists():
         generate(Plan(drawn_scene(case), most, 1, RTOL), path, processes=1)
-    return read_some(path, case.sweeps)
+    return read_first(path, case.sweeps)
 
 
 def same_data(one: Case, other: Case) -> bool:

@@ -20,7 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
@@ -92,7 +92,7 @@ def sweeps_of(session: Session, count: int, seed: int) -> xr.Dataset:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sweeps.zarr"
         generate(Plan(scene_of(session), count, seed, RTOL), path)
-        return read_some(path, count).load()
+        return read_first(path, count).load()
 
 
 def rows_of(name: str, known: xr.Dataset, asked: xr.Dataset) -> list[dict[str, str]]:
@@ -101,8 +101,8 @@ def rows_of(name: str, known: xr.Dataset, asked: xr.Dataset) -> list[dict[str, s
     rows = []
     for quantities, pairs in ASKED_OF:
         model = train(shown[pairs], quantities=quantities)
-        X, told = model.told(asked)
-        novel = model.learned.novel(X, model.watched(asked, None, told))
+        X, told = model.usable_features(asked)
+        novel = model.learned.novel(X, model.guard_changes(asked, None, told))
         touches = counts_of(asked)[told]
         rows.append(
             {

@@ -82,7 +82,7 @@ def scores(asked: Mapping[float, xr.Dataset], spread: float, numbers: Sequence[i
         known = samples_of(sweeps, TRIAL.target, quantities)
         tests = {each: samples_of(of, TRIAL.target, quantities) for each, of in asked.items()}
         for number in numbers:
-            some = known.of_sessions(number)
+            some = known.first_sessions(number)
             model = chosen("ksvm-ovo", TRIAL.target).build(some.problem).fit(some.X, some.y)
             for own, test in tests.items():
                 right = model.predict(test.X) == test.y

@@ -188,7 +188,7 @@ def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     from .page_display import Shown
 
     model = localizer.model
-    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
+    taken = taken_at(model.interfaces, model.frequencies, model.own_frequencies)
     scene = with_frequencies(
         restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
     )

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...localization.commands.model_notes import tell_age
+from ...localization.commands.model_notes import note_versions
 from ...localization.filtering.adaptive_policy import Asker, skin_at_hand
 from ...localization.filtering.follower import MIDWAY, Followed, Follower
-from ...localization.inputs.features import needs_rest
+from ...localization.inputs.features import needs_baseline
 from ...localization.inversion.estimators import answer_at_once
 from ...localization.model.model_file import load
 from ...localization.trust.answers import CANNOT_TELL
@@ -38,7 +38,7 @@ def localizer_of(
     """
     model = load(path)
     answer_at_once(model.pipeline)
-    tell_age(model, path)
+    note_versions(model, path)
     follower = Follower(model, touching, certain) if touching else None
     asker = Asker(model, certain, follower, within) if adaptive else None
     return Localizer(model, model.known_scene, follower, asker)
@@ -60,11 +60,11 @@ class Localizer:
     @property
     def needs_rest(self) -> bool:
         """Whether it looks at what differs from the skin at rest."""
-        return needs_rest(self.model.quantities) or self.model.watches_changes
+        return needs_baseline(self.model.quantities) or self.model.guards_use_changes
 
     def prepare(self, rest: xr.Dataset | None) -> None:
         """Have tables of the skin made, where the model makes any, and begin to follow anew."""
-        if rest is not None and needs_rest(self.model.quantities):
+        if rest is not None and needs_baseline(self.model.quantities):
             skin_at_hand(self.model, rest)
         if self.follower is not None:
             self.follower.forget()

@@ -88,7 +88,7 @@ class Link:
             model.interfaces,
             self.turns,
             watch,
-            of_each=model.of_each,
+            of_each=model.own_frequencies,
         )
         self._look()
         return sweep
@@ -166,10 +166,10 @@ class Link:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
-            of_each=dict(model.of_each),
+            of_each=dict(model.own_frequencies),
         )
         frequency = np.array(model.frequencies)
-        self.judge = Judge(frequency, self._table, settings, self._limits, model.of_each)
+        self.judge = Judge(frequency, self._table, settings, self._limits, model.own_frequencies)
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT

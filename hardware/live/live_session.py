@@ -232,7 +232,7 @@ class Session:
     def _seen(self, measured: Measured) -> Seen:
         part, model = measured.part, self.localizer.model
         read = tuple(
-            model.of_each.get(trace.interface, model.frequencies)
+            model.own_frequencies.get(trace.interface, model.frequencies)
             if part is None
             else tuple(part.frequencies[k].tolist())
             for k, trace in enumerate(measured.sweep.traces)

@@ -38,7 +38,7 @@ def as_dataset(
         sweeps,
         model.interfaces,
         model.frequencies,
-        model.of_each,
+        model.own_frequencies,
         press=presses,
         row=places,
         column=places,
@@ -88,7 +88,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> l
     same = len(frequencies) == len(model.frequencies) and np.allclose(
         frequencies, model.frequencies, rtol=1e-9, atol=0
     )
-    taken = taken_at(model.interfaces, model.frequencies, model.of_each)
+    taken = taken_at(model.interfaces, model.frequencies, model.own_frequencies)
     if (
         not same
         or tuple(unpressed["interface"].values) != model.interfaces

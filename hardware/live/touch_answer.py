@@ -65,7 +65,7 @@ class Answer:
 
 def readings_of(model: Model) -> int:
     """How many readings a sweep is of."""
-    return sum(len(model.of_each.get(name, model.frequencies)) for name in model.interfaces)
+    return sum(len(model.own_frequencies.get(name, model.frequencies)) for name in model.interfaces)
 
 
 def answer_of_classes(

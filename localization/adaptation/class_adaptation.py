@@ -12,7 +12,7 @@ from sklearn.frozen import FrozenEstimator
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
-from ..evaluation.evaluation import ClassScore, Score, joined, score
+from ..evaluation.evaluation import ClassScore, Score, join_scores, score
 from ..inputs.samples import Samples
 from ..inversion.estimators import ADAPTED, NAME, estimators
 from ..learners.decisions import decisions
@@ -68,8 +68,8 @@ def adapted(model: Model, samples: Samples) -> Adaptation:
     right = probability.argmax(axis=1) == index
     threshold, notes = _threshold(model, learned, probability.max(axis=1), right)
     found = {"sharpness": sharpness, "threshold": threshold}
-    after = joined([score(replace(each, **found), test) for each, test in lessons])
-    before = joined([score(learned, test) for _, test in parts])
+    after = join_scores([score(replace(each, **found), test) for each, test in lessons])
+    before = join_scores([score(learned, test) for _, test in parts])
     assert isinstance(before, ClassScore) and isinstance(after, ClassScore)
     answered = int((probability.max(axis=1) >= threshold).sum())
     counts = {"right": int(right.sum()), "answered": answered, "held_out": right.size}

@@ -9,7 +9,7 @@ from sklearn.frozen import FrozenEstimator
 from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
-from ..evaluation.evaluation import PositionScore, joined, score
+from ..evaluation.evaluation import PositionScore, join_scores, score
 from ..inputs.samples import Samples
 from ..inversion.estimators import ADAPTED, NAME
 from ..learners.affine import Affine
@@ -34,7 +34,7 @@ def adapted_places(model: Model, samples: Samples, counted: Samples | None = Non
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
     lessons = [(_taught(learned, train), test) for train, test in parts]
     after, before = (
-        joined([score(each, test) for each, test in pairs])
+        join_scores([score(each, test) for each, test in pairs])
         for pairs in (lessons, [(learned, test) for _, test in parts])
     )
     assert isinstance(after, PositionScore) and isinstance(before, PositionScore)
@@ -83,6 +83,8 @@ def _opened(guards: Guards | None, samples: Samples) -> Guards | None:
 
 def _stretch(after: PositionScore) -> np.ndarray:
     """By how much deviations were too small, between that of a few touches and none, (3,)."""
-    off = np.square((after.told - after.truth) / np.maximum(after.deviation, 1e-9)).mean(axis=0)
+    off = np.square((after.predicted - after.truth) / np.maximum(after.deviation, 1e-9)).mean(
+        axis=0
+    )
     share = len(after.truth) / (len(after.truth) + STEADY)
     return np.exp(share * np.log(np.maximum(off, 1e-4)) / 2)

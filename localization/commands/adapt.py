@@ -40,14 +40,14 @@ def adapt(
     from ...simulator.sweeps import InputError, checked_output
     from ..adaptation.class_adaptation import adapted
     from ..adaptation.position_adaptation import adapted_places
-    from ..inputs.sweep_files import read_some
+    from ..inputs.sweep_files import read_first
     from ..model.model_file import ENDING, save
-    from .model_notes import model_for
+    from .model_notes import load_model_for
 
     checked_output(output, (ENDING,))
-    known = read_some(touches, most)
-    resting = None if rest is None else read_some(rest, most)
-    asked = model_for(known, touches, model, anyway=anyway)
+    known = read_first(touches, most)
+    resting = None if rest is None else read_first(rest, most)
+    asked = load_model_for(known, touches, model, anyway=anyway)
     samples = asked.samples(known, resting)
     try:
         if samples.problem.continuous:
@@ -58,7 +58,7 @@ def adapt(
     except InputError as error:
         files = ", ".join(map(str, touches))
         raise InputError(f"{files} for {model}: {error}") from error
-    save(output, found.model.marked(known.isel(sweep=samples.rows)))
+    save(output, found.model.with_fingerprints(known.isel(sweep=samples.rows)))
     for line in _told(found):
         say(line)
     say(f"model: adapted by {len(samples.X)} sweeps -> {output}")

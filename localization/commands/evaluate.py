@@ -51,9 +51,9 @@ def evaluate(
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
     from ..inputs.samples import samples_of
-    from ..inputs.sweep_files import read_some
+    from ..inputs.sweep_files import read_first
     from ..model.model_file import ENDING
-    from .model_notes import looked_at, model_for, tell_features, tell_known
+    from .model_notes import accuracy_meaning, load_model_for, note_features, note_known_sweeps
 
     by_model = files[0].suffix == ENDING
     recordings = files[by_model:]
@@ -63,22 +63,22 @@ def evaluate(
         raise InputError(f"--folds must be >= 2, got {folds}")
     ending = checked_ending(charts)
     folder = None if output is None else checked_folder(output, *WRITTEN)
-    sweeps = read_some(recordings, most)
-    resting = None if rest is None else read_some(rest, most)
+    sweeps = read_first(recordings, most)
+    resting = None if rest is None else read_first(rest, most)
     if by_model:
-        model = model_for(sweeps, recordings, files[0], anyway=anyway)
+        model = load_model_for(sweeps, recordings, files[0], anyway=anyway)
         found = evaluated(model.learned, model.samples(sweeps, resting))
         problem, judged = model.problem, "those given"
-        tell_known(model, sweeps, files[0])
+        note_known_sweeps(model, sweeps, files[0])
     else:
         samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=resting)
-        tell_features(quantities, samples.problem.quantities)
+        note_features(quantities, samples.problem.quantities)
         problem, judged = samples.problem, "not trained on"
         with on_terminal() as progress:
             found = _by_folds(
                 samples, name, certain=certain, tune=tune, folds=folds, progress=progress
             )
-    meaning = [] if problem.continuous else [looked_at(problem, judged, sweeps)]
+    meaning = [] if problem.continuous else [accuracy_meaning(problem, judged, sweeps)]
     for line in (*lines_of(found), *meaning):
         say(line)
     if folder is not None:
@@ -97,9 +97,9 @@ def _by_folds(
     progress: ProgressCallback,
 ) -> Evaluation:
     from ..evaluation.evaluation import nested
-    from ..evaluation.result import of_folds
+    from ..evaluation.result import evaluated_by_folds
     from ..inversion.estimators import chosen
 
     estimator = chosen(name, samples.problem.target)
     found = nested(samples, estimator, certain=certain, tune=tune, folds=folds, progress=progress)
-    return of_folds(samples, found)
+    return evaluated_by_folds(samples, found)

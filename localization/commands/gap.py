@@ -12,7 +12,7 @@ from . import options
 from .options import as_typed
 
 if TYPE_CHECKING:
-    from ..gap.gap_findings import Findings
+    from ..gap.gap_findings import GapFindings
 
 
 @as_typed
@@ -74,14 +74,14 @@ def gap(
     from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
-    from ..gap.comparison import prepared
-    from ..gap.gap_findings import find
-    from ..gap.options import Question
-    from ..gap.pair import paired
+    from ..gap.comparison import prepare_comparison
+    from ..gap.gap_findings import find_gap
+    from ..gap.options import GapOptions
+    from ..gap.pair import pair_sweeps
     from ..gap.report.html_report import HTML, JSON, write_report
     from ..gap.side_label import check_other, check_simulated
-    from ..inputs.features import seen_from
-    from .model_notes import model_for
+    from ..inputs.features import at_interfaces
+    from .model_notes import load_model_for
 
     ending = None if charts is None else checked_ending(charts)
     sides = read(simulated), read_joined(measured)
@@ -89,13 +89,13 @@ def gap(
     if own is not None:
         if target or estimator:
             raise InputError("--model tells target and estimator: leave these out")
-        model = model_for(sides[1], measured, own, anyway=anyway)
+        model = load_model_for(sides[1], measured, own, anyway=anyway)
         model.samples(sides[1])
-        simulation_side, other = (seen_from(each, model.interfaces) for each in sides)
+        simulation_side, other = (at_interfaces(each, model.interfaces) for each in sides)
         sides = simulation_side, other
         target, estimator = model.target, model.estimator
     target, estimator = target or "column", estimator or "ksvm-ovo"
-    question = Question(target, estimator, seed, draws, calibration_touches)
+    question = GapOptions(target, estimator, seed, draws, calibration_touches)
     check_simulated(sides[0], simulated)
     named = requested_scene(scene) if scene else None
     if not anyway:
@@ -104,27 +104,27 @@ def gap(
             scene_text(named) if named else str(sides[0].attrs.get("scene", "")),
             ", ".join(map(str, measured)),
         )
-    pair = paired(*sides, named, seed)
+    pair = pair_sweeps(*sides, named, seed)
     checked_folder(made_folder(output), JSON, HTML)
     with on_terminal() as progress:
-        findings = find(prepared(pair, question, model), progress)
+        findings = find_gap(prepare_comparison(pair, question, model), progress)
     write_report(output, findings, ending)
     _show(findings, output / HTML)
     if pair.scene is not None:
         warn_of_earth(pair.scene.name, pair.scene)
 
 
-def _show(findings: Findings, report: Path) -> None:
+def _show(findings: GapFindings, report: Path) -> None:
     from ...simulator.report.terminal import table
-    from ..gap.report.sentences import cause_told, heads, rows_of, summary
+    from ..gap.report.sentences import accuracy_rows, cause_sentence, column_headings, summary
 
-    rows = ([row.trained, *row.cells] for row in rows_of(findings))
-    terminal().print(table(["trained on", *heads(findings)], rows))
-    told = *summary(findings), cause_told(findings), *findings.notes, _written(findings, report)
+    rows = ([row.trained, *row.cells] for row in accuracy_rows(findings))
+    terminal().print(table(["trained on", *column_headings(findings)], rows))
+    told = *summary(findings), cause_sentence(findings), *findings.notes, _written(findings, report)
     say(*filter(None, told))
 
 
-def _written(findings: Findings, report: Path) -> str:
+def _written(findings: GapFindings, report: Path) -> str:
     pair = findings.trial.pair
     ours, theirs = pair.simulated.sizes["sweep"], pair.other.sizes["sweep"]
-    return f"gap: {ours} simulated and {theirs} {pair.noun.adjective} sweeps -> {report}"
+    return f"gap: {ours} simulated and {theirs} {pair.label.adjective} sweeps -> {report}"

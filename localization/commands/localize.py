@@ -44,22 +44,22 @@ def localize(
     from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.csv_cells import guarded
-    from ..inputs.sweep_files import read_some
+    from ..inputs.sweep_files import read_first
     from ..trust.answers import CANNOT_TELL
-    from .model_notes import model_for, tell_known
+    from .model_notes import load_model_for, note_known_sweeps
 
     if output is not None:
         checked_output(output, (".csv",))
-    resting = None if rest is None else read_some(rest, most)
-    asked = read_some(sweeps, most)
-    told = model_for(asked, sweeps, model, anyway=anyway)
+    resting = None if rest is None else read_first(rest, most)
+    asked = read_first(sweeps, most)
+    told = load_model_for(asked, sweeps, model, anyway=anyway)
     if filtered:
         touching = touch_lasts, touch_every, touch_speed
         header, rows = _followed(told, asked, resting, touching, pace)
     else:
         header, rows = _table(told, asked, resting)
     _tell_unguarded(told, asked, resting)
-    tell_known(told, asked, model)
+    note_known_sweeps(told, asked, model)
     if output is not None:
         write_rows(output, header, rows)
         silent = sum(row[2] == CANNOT_TELL for row in rows)
@@ -75,7 +75,7 @@ def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -
 
     from ..trust.fitted import known_at_rest
 
-    changes = model.watched(sweeps, rest, np.arange(sweeps.sizes["sweep"]))
+    changes = model.guard_changes(sweeps, rest, np.arange(sweeps.sizes["sweep"]))
     unguarded = 0 if changes is None else len(changes) - known_at_rest(changes).size
     if unguarded:
         why = "no skin at rest before them; two touches may pass for one, which --rest guards from"
@@ -115,7 +115,7 @@ def _table(
     from ..inputs.targets import COORDINATES
 
     told = model.answers(sweeps, rest)
-    early = sweeps.sizes["sweep"] - model.told(sweeps, rest)[1].size
+    early = sweeps.sizes["sweep"] - model.usable_features(sweeps, rest)[1].size
     if early:
         why = "nothing at rest was measured before them in their session; --rest can tell it"
         say(

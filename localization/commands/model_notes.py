@@ -11,11 +11,11 @@ from ...simulator.safe_text import say
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..inputs.samples import Problem
+    from ..inputs.samples import LocalizationProblem
     from ..model.localizer_model import Model
 
 
-def model_for(
+def load_model_for(
     sweeps: xr.Dataset,
     files: Sequence[Path],
     path: Path,
@@ -33,47 +33,47 @@ def model_for(
     if model.problem.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
         say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
-    tell_age(model, path)
-    return model.insisting() if anyway else model
+    note_versions(model, path)
+    return model.for_any_skin() if anyway else model
 
 
-def tell_age(model: Model, path: Path) -> None:
+def note_versions(model: Model, path: Path) -> None:
     """A note where the model was trained with other versions than those here."""
-    if model.aged:
-        say(f"rcskin: note: {path}: was trained with {model.aged}", err=True)
+    if model.version_differences:
+        say(f"rcskin: note: {path}: was trained with {model.version_differences}", err=True)
 
 
-def looked_at(problem: Problem, judged: str, sweeps: xr.Dataset) -> str:
+def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Dataset) -> str:
     """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
-    from ..inputs.features import AGAINST_REST
+    from ..inputs.features import RELATIVE
 
     used = ", ".join(problem.quantities)
-    features = CHANGES if problem.quantities == AGAINST_REST else used
+    features = CHANGES if problem.quantities == RELATIVE else used
     noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
     return accuracy_text(problem.target, features, judged, noisy=noisy)
 
 
-def tell_features(asked: str | None, used: Sequence[str]) -> None:
+def note_features(asked: str | None, used: Sequence[str]) -> None:
     """A note where features were not chosen, and the sweeps have none of the default ones."""
-    from ..inputs.features import AGAINST_REST
+    from ..inputs.features import RELATIVE
 
-    if asked is None and tuple(used) != AGAINST_REST:
+    if asked is None and tuple(used) != RELATIVE:
         say(
             f"rcskin: note: --features {','.join(used)} is taken, for most presses have no sweep "
             "of the unpressed skin before them in their session; with such sweeps, "
-            f"{','.join(AGAINST_REST)} mostly finds more",
+            f"{','.join(RELATIVE)} mostly finds more",
             err=True,
         )
 
 
-def tell_known(model: Model, sweeps: xr.Dataset, path: Path) -> None:
+def note_known_sweeps(model: Model, sweeps: xr.Dataset, path: Path) -> None:
     """A note where the model was trained or adapted on some of these sweeps."""
     import numpy as np
 
-    from ..inputs.fingerprints import marks_of
+    from ..inputs.fingerprints import fingerprints_of
 
-    known = int(np.isin(marks_of(sweeps), model.marks).sum())
+    known = int(np.isin(fingerprints_of(sweeps), model.fingerprints).sum())
     if known:
         told = f"{known} of these {sweeps.sizes['sweep']} sweeps taught it, in `train` or `adapt`"
         say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)

@@ -37,13 +37,13 @@ def train(
     """
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
-    from ..inputs.sweep_files import read_some
+    from ..inputs.sweep_files import read_first
     from ..model.model_file import ENDING, save
     from ..model.training import train as train_model
-    from .model_notes import tell_features
+    from .model_notes import note_features
 
     checked_output(output, (ENDING,))
-    known = read_some(sweeps, most, in_parts=True)
+    known = read_first(sweeps, most, lazy=True)
     with on_terminal() as progress:
         model = train_model(
             known,
@@ -56,7 +56,7 @@ def train(
             progress=progress,
         )
     save(output, model)
-    tell_features(quantities, model.quantities)
+    note_features(quantities, model.quantities)
     for line in [*_told(model), *_meaning(model, known), *_hints(model, known)]:
         say(f"{output}: {line}")
     say(f"model: {_size(model)} -> {output}")
@@ -73,25 +73,25 @@ def _told(model: Model) -> list[str]:
     if model.certain is not None:
         rate = f"answers only where it is right at a rate of {model.certain:g} or more"
         lines.append(rate + _coverage(model))
-    if not model.knows_rest:
+    if not model.knows_unpressed:
         lines.append("cannot tell that nothing is pressed: the sweeps show no skin at rest")
     return lines
 
 
 def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
     """What the accuracy is of, where one is stated."""
-    from .model_notes import looked_at
+    from .model_notes import accuracy_meaning
 
     if model.target == "position":
         return []
-    return [looked_at(model.problem, "not trained on", sweeps)]
+    return [accuracy_meaning(model.problem, "not trained on", sweeps)]
 
 
 def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
     """Of what would serve better, where skins at rest are there to compare with."""
     import numpy as np
 
-    if not model.watches_changes or np.unique(sweeps["session"]).size < 2:
+    if not model.guards_use_changes or np.unique(sweeps["session"]).size < 2:
         return []
     return [
         "looks at readings as they stand, which differ from skin to skin; changes from the skin at "

@@ -11,7 +11,7 @@ from sklearn import config_context
 
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.scene.scene_files import carried_scene
-from ..inputs.features import Quantities, chosen_quantities, told_features
+from ..inputs.features import Quantities, available_features, chosen_quantities
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
 from ..inversion.region import Region, region_of
@@ -45,22 +45,22 @@ class ClassScore:
     """
 
     truth: NDArray
-    told: NDArray
+    predicted: NDArray
     answers: Answers
 
     @property
     def right(self) -> NDArray[np.bool_]:
         """Whether the most probable class was the true one, shape (sweep,)."""
-        return self.truth == self.told
+        return self.truth == self.predicted
 
     @property
     def confusion(self) -> Confusion:
         """Counts of truth against the most probable class."""
-        return compare(self.truth, self.told)
+        return compare(self.truth, self.predicted)
 
     def rates(self) -> dict[str, tuple[int, int]]:
         """Of `figures` those that are rates: how many, and of how many sweeps."""
-        answered, total = self.answers.told, self.right.size
+        answered, total = self.answers.answered, self.right.size
         return {
             "accuracy": (int(self.right.sum()), total),
             "answered": (int(answered.sum()), total),
@@ -69,7 +69,7 @@ class ClassScore:
 
     def figures(self) -> dict[str, float]:
         """Accuracy, fraction answered, accuracy of these if any, expected calibration error."""
-        answered = self.answers.told
+        answered = self.answers.answered
         found = {"accuracy": float(self.right.mean()), "answered": float(answered.mean())}
         if answered.any():
             found["accuracy of answers"] = float(self.right[answered].mean())
@@ -86,7 +86,7 @@ class PositionScore:
     """
 
     truth: NDArray[np.float64]
-    told: NDArray[np.float64]
+    predicted: NDArray[np.float64]
     deviation: NDArray[np.float64]
     content: NDArray[np.float64]
     examples: Mapping[int, Region]
@@ -94,7 +94,7 @@ class PositionScore:
     @property
     def distance(self) -> NDArray[np.float64]:
         """Between touch and answer, mm, shape (sweep,)."""
-        return np.linalg.norm((self.told - self.truth)[:, :2], axis=1)
+        return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 
     def rates(self) -> dict[str, tuple[int, int]]:
         """Of `figures` those that are rates: how many, and of how many sweeps."""
@@ -102,7 +102,7 @@ class PositionScore:
 
     def figures(self) -> dict[str, float]:
         """Errors in mm and of the factor, and how often they lie within what is stated."""
-        away = np.abs(self.told - self.truth)
+        away = np.abs(self.predicted - self.truth)
         return {
             "median error, mm": float(np.median(self.distance)),
             "90 % error, mm": float(np.quantile(self.distance, 0.9)),
@@ -146,7 +146,7 @@ class Nested:
     @property
     def whole(self) -> Score:
         """Of all sweeps, each told by the fold that did not train on it."""
-        return joined(self.folds)
+        return join_scores(self.folds)
 
     def figures(self) -> dict[str, tuple[float, float | None]]:
         """Mean over the folds that have the figure and their standard deviation."""
@@ -202,14 +202,14 @@ def cross_validate(
     quantities: as of `samples_of`. folds, grouping, seed: as of `folds_of`. Raises InputError as
     these do.
     """
-    X, rows = told_features(sweeps, chosen_quantities(quantities, sweeps))
+    X, rows = available_features(sweeps, chosen_quantities(quantities, sweeps))
     told = sweeps.isel(sweep=rows)
     y = labels(told, target)
     splits = folds_of(told, y, folds=folds, grouping=grouping, seed=seed)
     return over_folds(reference(X.shape[1]), X, y, splits)
 
 
-def held_out(sweeps: xr.Dataset, target: str = "column") -> list[float]:
+def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[float]:
     """The accuracies that `train` states by default, one for each part that is held out in turn.
 
     Whole sessions are held out where there are two. Raises InputError as `samples_of` and
@@ -223,16 +223,16 @@ def held_out(sweeps: xr.Dataset, target: str = "column") -> list[float]:
         return [float(np.mean(each.predict(X[test]) == y[test])) for each, test in learned]
 
 
-def joined(folds: Sequence[Score]) -> Score:
+def join_scores(folds: Sequence[Score]) -> Score:
     """Of all the sweeps of several, which are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        names = ("truth", "told", "deviation", "content")
+        names = ("truth", "predicted", "deviation", "content")
         columns = {name: _column(folds, name) for name in names}
         return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
-    return ClassScore(_column(folds, "truth"), _column(folds, "told"), joined)
+    return ClassScore(_column(folds, "truth"), _column(folds, "predicted"), joined)
 
 
 def _column(parts: Sequence[object], name: str) -> NDArray:

@@ -24,7 +24,9 @@ SHOWN = 61
 """Lines of a grid that regions are drawn on."""
 
 
-def draw_belief(path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
+def draw_reliability_and_risk(
+    path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]
+) -> None:
     """Reliability, and risk against coverage, side by side; arguments as of `draw_reliability`."""
     with chart(path, 9.5, 4.4) as figure:
         stated, told = figure.subplots(1, 2)

@@ -11,7 +11,7 @@ from ..inputs.targets import COORDINATES
 from ..trust.rates import rate_told
 from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore
-from .skin_outline import draw_plan
+from .skin_outline import draw_skin_outline
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
@@ -53,7 +53,7 @@ def write_report(
     folder: made where it is not there. scene: of the skin that positions are on. ending: of the
     charts.
     """
-    from .reliability import draw_belief
+    from .reliability import draw_reliability_and_risk
 
     score = found.score
     table = [(name, *values) for name, values in found.figures.items()]
@@ -62,9 +62,11 @@ def write_report(
         if isinstance(score, ClassScore):
             write_csv(score.confusion, made / "confusion.csv")
             _draw_confusion(score, made / f"confusion{ending}")
-            draw_belief(made / f"belief{ending}", score.answers.probability, score.right)
+            draw_reliability_and_risk(
+                made / f"belief{ending}", score.answers.probability, score.right
+            )
         else:
-            rows = zip(score.truth, score.told, score.deviation, strict=True)
+            rows = zip(score.truth, score.predicted, score.deviation, strict=True)
             flat = ([f"{value:.6g}" for part in row for value in part] for row in rows)
             write_rows(made / "positions.csv", POSITIONS, flat)
             _draw_positions(score, scene, made / f"positions{ending}")
@@ -85,7 +87,7 @@ def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> No
     with chart(path, *PAIR) as figure:
         where, how_often = figure.subplots(1, 2)
         draw_error_map(where, score.truth, score.distance)
-        draw_plan(where, scene)
+        draw_skin_outline(where, scene)
         draw_errors(how_often, score.distance)
 
 
@@ -96,4 +98,4 @@ def _draw_regions(score: PositionScore, scene: Scene | None, path: Path) -> None
         how_often, where = figure.subplots(1, 2)
         draw_coverage(how_often, score.content)
         draw_regions(where, score.truth, score.examples)
-        draw_plan(where, scene)
+        draw_skin_outline(where, scene)

@@ -81,11 +81,11 @@ def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
     return _of(samples, scored, figures, "sweeps of their own")
 
 
-def of_folds(samples: Samples, found: Nested) -> Evaluation:
+def evaluated_by_folds(samples: Samples, found: Nested) -> Evaluation:
     """A localizer on the parts of samples that were held out from it in turn."""
     return _of(samples, found.whole, found.figures(), found.validation)
 
 
 def _of(samples: Samples, scored: Score, figures: Figures, validation: str) -> Evaluation:
     target = samples.problem.target
-    return Evaluation(scored, target, figures, validation, samples.left_out.told(target))
+    return Evaluation(scored, target, figures, validation, samples.left_out.describe(target))

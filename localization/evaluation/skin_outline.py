@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
 
 
-def draw_plan(axes: Axes, scene: Scene | None) -> None:
+def draw_skin_outline(axes: Axes, scene: Scene | None) -> None:
     """Draw the skin's outline and its foils, where they are known and on no mesh from a file."""
     from ...simulator.report.from_above import draw_foils, draw_outline
 

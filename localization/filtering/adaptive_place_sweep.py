@@ -49,7 +49,7 @@ class OfPlaces(Questioning):
         """By the readings so far. during: s that they took."""
         placing, follower = self._placing, self._terms.follower
         if follower is not None:
-            told = placing.log_densities[0 if self._terms.model.knows_rest else 1 :]
+            told = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
             cells = self._grid.stretched(cells_of(placing.posterior))
             return follower.seen(Evidence(told), self.gap, during, cells)
         rest, nothing = placing.at_rest, np.zeros(0)
@@ -74,7 +74,7 @@ class OfPlaces(Questioning):
     def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
         """ln chance of the skin at rest and of each cell."""
         terms = self._terms
-        rest = AT_REST if terms.model.knows_rest else 0.0
+        rest = AT_REST if terms.model.knows_unpressed else 0.0
         own = prior_of(step, rest)
         if terms.follower is None:
             return own

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.schema import taken_of
-from ..inputs.baselines import means_at_rest
-from ..inputs.features import seen_from
+from ..inputs.baselines import mean_baselines
+from ..inputs.features import at_interfaces
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
@@ -70,10 +70,10 @@ def skin_at_hand(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.comple
 
     Tables that have yet to be made of it are made. Of other models, the last step of its pipeline.
     """
-    seen = seen_from(rest, model.interfaces)
+    seen = at_interfaces(rest, model.interfaces)
     taken = taken_of(seen)
     latest, opening = (
-        mean.ravel() if taken is None else mean[taken] for mean in means_at_rest(seen)
+        mean.ravel() if taken is None else mean[taken] for mean in mean_baselines(seen)
     )
     step = model.pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):

@@ -43,7 +43,7 @@ class Observer:
     ) -> list[Evidence]:
         """Of rows of features; each follows the one before, of this call or the last.
 
-        changes: as of `Model.watched`.
+        changes: as of `Model.guard_changes`.
         """
         if inverts(self.model):
             return self._by_tables(X)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs.sweep_touches import pitch
+from ..inputs.sweep_touches import pixel_pitch
 from ..inversion.position import GRID
 from ..inversion.region import Region
 from ..model.localizer_model import Model
@@ -79,20 +79,20 @@ class Follower:
         """Of the next sweep. gap: s from the end of the one before to its beginning. during: s that
         it took. Raises InputError as `Model.predict`."""
         X = self.model.features(sweep, rest)
-        changes = self.model.watched(sweep, rest, np.arange(1))
+        changes = self.model.guard_changes(sweep, rest, np.arange(1))
         return self._through(X, changes, np.array([gap]), np.array([during]))[0]
 
     def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
         """Of sweeps in the order in which they were taken, each session by itself.
 
         pace: s from sweep to sweep where no `time` of theirs is known. A sweep that has nothing at
-        rest before it cannot be told. Raises InputError as `Model.told`.
+        rest before it cannot be told. Raises InputError as `Model.usable_features`.
         """
-        X, rows = self.model.told(sweeps, rest)
+        X, rows = self.model.usable_features(sweeps, rest)
         count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
         known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(count)
         known, found = known[rows], dict[int, Followed]()
-        changes = self.model.watched(sweeps, rest, rows)
+        changes = self.model.guard_changes(sweeps, rest, rows)
         for each in np.unique(session):
             here = np.flatnonzero(session == each)
             apart = np.maximum(np.diff(known[here]), 0.0)
@@ -138,7 +138,7 @@ class Follower:
         if self.grid is None:
             return [str(label) for label in self.model.classes], states
         cells, other = states[-1 - GRID[0] * GRID[1] : -1].sum(), states[-1]
-        if self.model.knows_rest:
+        if self.model.knows_unpressed:
             return ["0", "1"], np.array([states[0], cells, other])
         return ["1"], np.array([cells, other])
 
@@ -146,7 +146,7 @@ class Follower:
 def _chain(model: Model, touching: Touching) -> tuple[Grid | None, Chain]:
     if isinstance(model.learned, Regressor):
         grid = grid_of(model)
-        rest = model.knows_rest
+        rest = model.knows_unpressed
         return grid, chain_of_places(GRID[0], GRID[1], grid.cell, touching, rest=rest)
-    steps = pitch(model.known_scene)
+    steps = pixel_pitch(model.known_scene)
     return None, chain_of_classes(model.target, model.classes, steps, touching)

@@ -17,11 +17,11 @@ from ...simulator.scene.scene_files import scene_of_sweeps
 from ...simulator.sweeps import InputError
 from ..inversion.estimators import chosen
 from ..learners.registry import Estimator
-from .distance import MeterError, meter_error
-from .model_accuracy import BY_MODEL
-from .options import Question
-from .pair import Pair, pixel_of
-from .paired_samples import FEATURE_SETS, TOLD, Samples, samples_of
+from .distance import ReadingDeviation, meter_error
+from .model_accuracy import MODEL_FEATURES
+from .options import GapOptions
+from .pair import SweepPair, pixel_of
+from .paired_samples import FEATURE_LABELS, FEATURE_SETS, PairedSamples, paired_samples
 from .splits import Split, largest_k, reserved_for_calibration, touch_splits
 from .versions import Version, versions_of
 
@@ -36,7 +36,7 @@ TOUCHES = (0, 1, 2, 5)
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Comparison:
     """A pair made ready.
 
     reserved: the other side's sweeps that calibrate, shape (sweep,). versions: of the simulated
@@ -45,18 +45,18 @@ class Trial:
     asked, if none is to be trained.
     """
 
-    pair: Pair
-    question: Question
+    pair: SweepPair
+    options: GapOptions
     estimator: Estimator
-    error: MeterError | None
+    reading_deviation: ReadingDeviation | None
     reserved: NDArray[np.bool_]
     versions: Mapping[str, Version]
     estimates: Sequence[Quantity]
     features: Mapping[str, Sequence[str]]
-    others: Mapping[str, Samples]
+    others: Mapping[str, PairedSamples]
     splits: Mapping[int, Sequence[Split]]
     notes: Sequence[str]
-    asked: Model | None
+    model: Model | None
 
     @property
     def common(self) -> NDArray[np.int64]:
@@ -64,33 +64,33 @@ class Trial:
         return np.intersect1d(pixel_of(self.pair.simulated), pixel_of(self.pair.other))
 
     @property
-    def described(self) -> NDArray[np.bool_]:
+    def not_calibrating(self) -> NDArray[np.bool_]:
         """The other side's sweeps that calibrated nothing; of a pixel without such, all of it."""
         pixel = pixel_of(self.pair.other)
         return ~self.reserved | ~np.isin(pixel, pixel[~self.reserved])
 
 
-def prepared(
-    pair: Pair,
-    question: Question,
+def prepare_comparison(
+    pair: SweepPair,
+    options: GapOptions,
     model: Model | None = None,
-) -> Trial:
+) -> Comparison:
     """model: to be asked.
 
     Raises InputError where there is no such estimator, nothing is left to test, or the classes
     cannot be told.
     """
-    estimator = chosen(question.estimator, question.target)
-    sets = FEATURE_SETS if model is None else {BY_MODEL: model.quantities}
+    estimator = chosen(options.estimator, options.target)
+    sets = FEATURE_SETS if model is None else {MODEL_FEATURES: model.quantities}
     row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
-    reserved = reserved_for_calibration(row, column, question.touches, session)
-    splits, left_out = _splits(pair, question, reserved)
-    versions = versions_of(pair, reserved, question.seed)
+    reserved = reserved_for_calibration(row, column, options.calibration_touches, session)
+    splits, left_out = _splits(pair, options, reserved)
+    versions = versions_of(pair, reserved, options.seed)
     rest = pair.other.isel(sweep=reserved & (row == 0))
-    others, not_told = _others(pair, rest, versions.by_stage, question.target, estimator, sets)
-    return Trial(
+    others, not_told = _others(pair, rest, versions.by_stage, options.target, estimator, sets)
+    return Comparison(
         pair,
-        question,
+        options,
         estimator,
         meter_error(pair.other, _reading_error(pair)),
         reserved,
@@ -104,7 +104,7 @@ def prepared(
     )
 
 
-def _reading_error(pair: Pair) -> ReadingError | None:
+def _reading_error(pair: SweepPair) -> ReadingError | None:
     """Of the other side's meter or, where that is not told, of the simulated one."""
     scenes = (scene_of_sweeps(pair.other), pair.scene)
     errors = (reading_error(each) for each in scenes if each is not None)
@@ -112,7 +112,7 @@ def _reading_error(pair: Pair) -> ReadingError | None:
 
 
 def _splits(
-    pair: Pair, question: Question, reserved: NDArray[np.bool_]
+    pair: SweepPair, question: GapOptions, reserved: NDArray[np.bool_]
 ) -> tuple[dict[int, list[Split]], list[str]]:
     """Of the pixels that both sides have; and what is left out."""
     common = np.flatnonzero(np.isin(pixel_of(pair.other), pixel_of(pair.simulated)))
@@ -121,7 +121,7 @@ def _splits(
     if found[0] is None:
         raise InputError(
             "no sweep is left to test: there must be more of them, or `calibration-touches` less "
-            f"than {question.touches}"
+            f"than {question.calibration_touches}"
         )
     splits = {
         k: [Split(common[added], common[tested]) for added, tested in each]
@@ -137,13 +137,13 @@ def _splits(
 
 
 def _others(
-    pair: Pair,
+    pair: SweepPair,
     rest: xr.Dataset,
     versions: Mapping[str, Version],
     target: str,
     estimator: Estimator,
     sets: Mapping[str, Sequence[str]],
-) -> tuple[dict[str, Samples], list[str]]:
+) -> tuple[dict[str, PairedSamples], list[str]]:
     """The other side's samples of each set of features that all have; why there are no others.
 
     Raises InputError where there is none at all.
@@ -153,17 +153,19 @@ def _others(
         try:
             for version in versions.values():
                 _check_learnable(
-                    samples_of(version.read, quantities, target, version.rest), estimator
+                    paired_samples(version.read, quantities, target, version.rest), estimator
                 )
-            found[name] = samples_of(pair.other, quantities, target, rest)
+            found[name] = paired_samples(pair.other, quantities, target, rest)
         except InputError as error:
             refused[name] = error
     if not found:
         raise next(iter(refused.values()))
-    return found, [f"Nothing is told by {TOLD[name]}: {why}." for name, why in refused.items()]
+    return found, [
+        f"Nothing is told by {FEATURE_LABELS[name]}: {why}." for name, why in refused.items()
+    ]
 
 
-def _check_learnable(samples: Samples, estimator: Estimator) -> None:
+def _check_learnable(samples: PairedSamples, estimator: Estimator) -> None:
     count, target = np.unique(samples.y).size, samples.problem.target
     if count < 2:
         raise InputError(f"`target` {target}: the simulated sweeps are of {count} class")

@@ -22,12 +22,12 @@ QUANTITIES = {"Rs": "ohm", "Cp": "F"}
 TOGETHER = 1e-3
 """Of the largest distance of classes at any frequency: below it, where Cp is the same for all
 pixels, the error of the simulation decides how far they are apart."""
-FEWEST_FREQUENCIES = 3
+MIN_FREQUENCIES = 3
 """That a roughness, and so a repeatability, can be told from."""
 
 
 @dataclass(frozen=True, eq=False)
-class MeterError:
+class ReadingDeviation:
     """Standard deviation of one reading at each frequency: of |Z|, and of the phase in rad.
 
     Both of shape (frequency,). source: where they are from.
@@ -72,7 +72,7 @@ class Distance:
         return self.mean / apart
 
 
-def meter_error(other: xr.Dataset, given: ReadingError | None) -> MeterError | None:
+def meter_error(other: xr.Dataset, given: ReadingError | None) -> ReadingDeviation | None:
     """Of the meter as the scene has it, or told from repeated sweeps; None where neither can.
 
     From repeats, the noise is that of real and imaginary part over |Z|: what differs from one
@@ -81,16 +81,20 @@ def meter_error(other: xr.Dataset, given: ReadingError | None) -> MeterError | N
     count = other.sizes["frequency"]
     if given is not None:
         even = np.ones(count)
-        return MeterError(given.magnitude * even, given.phase * even, "the scene's [readout]")
-    if count < FEWEST_FREQUENCIES:
+        return ReadingDeviation(given.magnitude * even, given.phase * even, "the scene's [readout]")
+    if count < MIN_FREQUENCIES:
         return None
     found = _from_repeats(other)
     source = "the repeatability of the sweeps, for no scene tells the meter's"
-    return MeterError(found, found, source) if found is not None and found.all() else None
+    return ReadingDeviation(found, found, source) if found is not None and found.all() else None
 
 
 def distances(
-    simulated: xr.Dataset, other: xr.Dataset, error: MeterError | None, target: str, pressed: bool
+    simulated: xr.Dataset,
+    other: xr.Dataset,
+    error: ReadingDeviation | None,
+    target: str,
+    pressed: bool,
 ) -> dict[str, Distance] | None:
     """Of Rs and Cp, over the pixels pressed on both sides, or at rest; None where there are none.
 
@@ -107,7 +111,7 @@ def _distance(
     name: str,
     simulated: xr.Dataset,
     other: xr.Dataset,
-    error: MeterError | None,
+    error: ReadingDeviation | None,
     target: str,
     pixels: NDArray[np.int64],
 ) -> Distance:
@@ -134,7 +138,7 @@ def _values(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
 
 
 def _errors(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], error: MeterError
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], error: ReadingDeviation
 ) -> dict[str, NDArray[np.float64]]:
     """Of Rs = |Z| cos(phase) and Cp = -sin(phase)/(omega |Z|), by those of |Z| and phase."""
     Y, omega = 1 / Z, 2 * np.pi * frequency
@@ -176,7 +180,7 @@ def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
     Z, read = impedance(other), read_mask(other)
     square, count = np.zeros(Z.shape[2]), np.zeros(Z.shape[2])
     for interface, own in enumerate(read):
-        if own.sum() < FEWEST_FREQUENCIES:
+        if own.sum() < MIN_FREQUENCIES:
             continue
         found = repeatability(Z[:, interface, own], groups)
         if found is not None:

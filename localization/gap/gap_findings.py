@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
-from .comparison import Trial
+from .comparison import Comparison
 from .discrepancy import Discrepancy, discrepancy
 from .distance import Distance, distances
-from .mean_accuracy import Accuracy, CrossValidated, cross_validated, transferred
-from .model_accuracy import BY_MODEL, accuracies_of, judged
+from .mean_accuracy import CrossValidated, MeanAccuracy, cross_validated, transfer_accuracy
+from .model_accuracy import MODEL_FEATURES, model_accuracies, scored
 from .pair import pixel_of
-from .paired_samples import TOLD, Samples, samples_of
+from .paired_samples import FEATURE_LABELS, PairedSamples, paired_samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +29,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class CalibrationStage:
     """Before or after calibration.
 
     pressed, rest: distances of Rs and Cp; None where no such press is on both sides. transfer: by
@@ -39,35 +39,35 @@ class Stage:
 
     pressed: Mapping[str, Distance] | None
     rest: Mapping[str, Distance] | None
-    transfer: Mapping[str, Mapping[int, Accuracy]]
+    transfer: Mapping[str, Mapping[int, MeanAccuracy]]
     discrepancies: Mapping[str, Mapping[str, Discrepancy]]
 
 
 @dataclass(frozen=True, eq=False)
-class ByModel:
+class ModelFindings:
     """accuracies: by how many sweeps of every pixel adapted it. judged: as it is, of all tested."""
 
-    accuracies: Mapping[int, Accuracy]
-    judged: ClassScore
+    accuracies: Mapping[int, MeanAccuracy]
+    score: ClassScore
 
 
 @dataclass(frozen=True, eq=False)
-class Findings:
+class GapFindings:
     """stages: before and after. own: trained and tested on the other side, by set of features,
     `grouped` as hard as can be and of `single` sweeps. causes: what each
     parameter explains when it alone is fitted, the one that explains most first.
     model: what the user's own model tells, where it is asked.
     """
 
-    trial: Trial
-    stages: Mapping[str, Stage]
+    trial: Comparison
+    stages: Mapping[str, CalibrationStage]
     own: Mapping[str, Mapping[str, CrossValidated]]
     causes: Sequence[Explained]
     notes: Sequence[str]
-    model: ByModel | None = None
+    model: ModelFindings | None = None
 
 
-def find(trial: Trial, progress: ProgressCallback) -> Findings:
+def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
     """Ask everything of a trial; what cannot be asked is left out and told in the notes.
 
     progress: as of `ProgressCallback`.
@@ -79,57 +79,57 @@ def find(trial: Trial, progress: ProgressCallback) -> Findings:
     notes = [*trial.notes, *why, *unasked]
     if not all(own.values()):
         notes.append(
-            f"A class has a single {trial.pair.noun.adjective} sweep: nothing is trained on them."
+            f"A class has a single {trial.pair.label.adjective} sweep: nothing is trained on them."
         )
-    return Findings(trial, stages, own, causes, notes, model)
+    return GapFindings(trial, stages, own, causes, notes, model)
 
 
-def _by_model(trial: Trial) -> tuple[ByModel | None, list[str]]:
-    if trial.asked is None:
+def _by_model(trial: Comparison) -> tuple[ModelFindings | None, list[str]]:
+    if trial.model is None:
         return None, []
-    other = trial.others[BY_MODEL]
-    accuracies, notes = accuracies_of(trial.asked, other, trial.splits)
+    other = trial.others[MODEL_FEATURES]
+    accuracies, notes = model_accuracies(trial.model, other, trial.splits)
     tested = np.unique(np.concatenate([split.tested for split in trial.splits[0]]))
-    return ByModel(accuracies, judged(trial.asked, other.chosen(tested))), notes
+    return ModelFindings(accuracies, scored(trial.model, other.chosen(tested))), notes
 
 
-def _stage(trial: Trial, name: str, progress: ProgressCallback) -> Stage:
-    version, target = trial.versions[name], trial.question.target
-    other = trial.pair.other.isel(sweep=trial.described)
+def _stage(trial: Comparison, name: str, progress: ProgressCallback) -> CalibrationStage:
+    version, target = trial.versions[name], trial.options.target
+    other = trial.pair.other.isel(sweep=trial.not_calibrating)
     ours = {
-        each: _common(trial, samples_of(version.read, quantities, target, version.rest))
+        each: _common(trial, paired_samples(version.read, quantities, target, version.rest))
         for each, quantities in trial.features.items()
         if each in trial.others
     }
-    return Stage(
-        pressed=distances(version.exact, other, trial.error, target, pressed=True),
-        rest=distances(version.exact, other, trial.error, target, pressed=False),
+    return CalibrationStage(
+        pressed=distances(version.exact, other, trial.reading_deviation, target, pressed=True),
+        rest=distances(version.exact, other, trial.reading_deviation, target, pressed=False),
         transfer={}
-        if trial.asked
+        if trial.model
         else {each: _transfer(trial, ours[each], each, name, progress) for each in ours},
         discrepancies={each: _discrepancies(trial, ours[each], each) for each in ours},
     )
 
 
-def _common(trial: Trial, samples: Samples) -> Samples:
-    return samples.chosen(samples.told & np.isin(samples.pixel, trial.common))
+def _common(trial: Comparison, samples: PairedSamples) -> PairedSamples:
+    return samples.chosen(samples.has_features & np.isin(samples.pixel, trial.common))
 
 
 def _transfer(
-    trial: Trial, ours: Samples, feature_set: str, stage: str, progress: ProgressCallback
-) -> dict[int, Accuracy]:
+    trial: Comparison, ours: PairedSamples, feature_set: str, stage: str, progress: ProgressCallback
+) -> dict[int, MeanAccuracy]:
     other, estimator = trial.others[feature_set], trial.estimator
-    told = f"{stage} calibration, {TOLD[feature_set]}"
+    told = f"{stage} calibration, {FEATURE_LABELS[feature_set]}"
     return {
-        k: transferred(ours, other, trial.splits[k], estimator)
+        k: transfer_accuracy(ours, other, trial.splits[k], estimator)
         for k in tracked(list(trial.splits), told, progress)
     }
 
 
-def _own(trial: Trial, samples: Samples) -> dict[str, CrossValidated]:
-    which = samples.told & np.isin(samples.pixel, trial.common)
+def _own(trial: Comparison, samples: PairedSamples) -> dict[str, CrossValidated]:
+    which = samples.has_features & np.isin(samples.pixel, trial.common)
     sweeps, samples = trial.pair.other.isel(sweep=which), samples.chosen(which)
-    estimator, seed = trial.estimator, trial.question.seed
+    estimator, seed = trial.estimator, trial.options.seed
     found = {
         kind: cross_validated(sweeps, samples, estimator, seed, grouped=kind == "grouped")
         for kind in ("grouped", "single")
@@ -137,10 +137,12 @@ def _own(trial: Trial, samples: Samples) -> dict[str, CrossValidated]:
     return {kind: each for kind, each in found.items() if each is not None}
 
 
-def _discrepancies(trial: Trial, ours: Samples, feature_set: str) -> dict[str, Discrepancy]:
+def _discrepancies(
+    trial: Comparison, ours: PairedSamples, feature_set: str
+) -> dict[str, Discrepancy]:
     """Of features in units of their spread over the other side's sweeps."""
-    theirs = _common(trial, trial.others[feature_set].chosen(trial.described))
-    scale, random = _spread(theirs.X), np.random.default_rng(trial.question.seed)
+    theirs = _common(trial, trial.others[feature_set].chosen(trial.not_calibrating))
+    scale, random = _spread(theirs.X), np.random.default_rng(trial.options.seed)
     found = {ALL: discrepancy(ours.X / scale, theirs.X / scale, random)}
     for label in np.unique(theirs.y).tolist():
         X, Y = (part.X[part.y == label] / scale for part in (ours, theirs))
@@ -161,7 +163,7 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Trial) -> tuple[Sequence[Explained], list[str]]:
+def _causes(trial: Comparison) -> tuple[Sequence[Explained], list[str]]:
     from ...simulator.calibration.misfit import gap_by_parameter
 
     notes: list[str] = []

@@ -13,7 +13,7 @@ from ..evaluation.confusion import Confusion, compare, over_folds
 from ..evaluation.evaluation import UNCHECKED
 from ..learners.registry import Estimator
 from ..trust.folds import folds_of
-from .paired_samples import Samples
+from .paired_samples import PairedSamples
 from .splits import Split
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ GROUPINGS = ("session", "press", None)
 
 
 @dataclass(frozen=True, eq=False)
-class Accuracy:
+class MeanAccuracy:
     """Fraction right: mean and standard deviation over the draws of what is added and tested.
 
     confusion: of all draws together.
@@ -44,25 +44,29 @@ class Accuracy:
 class CrossValidated:
     """grouping: what is left out as a whole, None for single sweeps."""
 
-    accuracy: Accuracy
+    accuracy: MeanAccuracy
     grouping: str | None
     folds: int
 
 
-def transferred(
-    simulated: Samples, other: Samples, splits: Sequence[Split], estimator: Estimator
-) -> Accuracy:
+def transfer_accuracy(
+    simulated: PairedSamples, other: PairedSamples, splits: Sequence[Split], estimator: Estimator
+) -> MeanAccuracy:
     """Trained on all that is simulated and on what a split adds, tested on what it tests."""
     outcomes = []
     for added, tested in splits:
         training = simulated.joined(other.chosen(added))
-        test = other.chosen(tested[other.told[tested]])
-        outcomes.append(compare(test.y, answered(training, test, estimator)))
-    return over_draws(outcomes)
+        test = other.chosen(tested[other.has_features[tested]])
+        outcomes.append(compare(test.y, predictions(training, test, estimator)))
+    return mean_over_draws(outcomes)
 
 
 def cross_validated(
-    sweeps: xr.Dataset, samples: Samples, estimator: Estimator, seed: int, grouped: bool = True
+    sweeps: xr.Dataset,
+    samples: PairedSamples,
+    estimator: Estimator,
+    seed: int,
+    grouped: bool = True,
 ) -> CrossValidated | None:
     """Trained and tested on the same side; None where it has too few sweeps of a class.
 
@@ -80,27 +84,27 @@ def cross_validated(
     return None
 
 
-def answered(training: Samples, test: Samples, estimator: Estimator) -> NDArray:
+def predictions(training: PairedSamples, test: PairedSamples, estimator: Estimator) -> NDArray:
     """What a localizer that is trained on the ones tells of the others."""
-    training = training.chosen(training.told)
+    training = training.chosen(training.has_features)
     with config_context(**UNCHECKED):
         trained = estimator.build(training.problem).fit(training.X, training.y)
         return trained.predict(test.X)
 
 
 def _over_folds(
-    samples: Samples, folds: Sequence[tuple[NDArray, NDArray]], estimator: Estimator
-) -> Accuracy:
+    samples: PairedSamples, folds: Sequence[tuple[NDArray, NDArray]], estimator: Estimator
+) -> MeanAccuracy:
     with config_context(**UNCHECKED):
         untrained = estimator.build(samples.problem)
         confusion = over_folds(untrained, samples.X, samples.y, folds)
-    return Accuracy(confusion.accuracy, 0.0, 1, confusion)
+    return MeanAccuracy(confusion.accuracy, 0.0, 1, confusion)
 
 
-def over_draws(outcomes: Sequence[Confusion]) -> Accuracy:
+def mean_over_draws(outcomes: Sequence[Confusion]) -> MeanAccuracy:
     """Mean and spread, and all counted together."""
     values = [outcome.accuracy for outcome in outcomes]
-    return Accuracy(
+    return MeanAccuracy(
         mean=float(np.mean(values)),
         spread=float(np.std(values, ddof=1)) if len(values) > 1 else 0.0,
         draws=len(values),

@@ -11,14 +11,14 @@ CLASSES = ("column", "row", "pixel")
 
 
 @dataclass(frozen=True)
-class Question:
+class GapOptions:
     """target: one of CLASSES. draws: of the sweeps added to training. touches: that calibrate."""
 
     target: str
     estimator: str
     seed: int = 0
     draws: int = 5
-    touches: int = 5
+    calibration_touches: int = 5
 
     def __post_init__(self) -> None:
         """Raises InputError where a value is out of range."""
@@ -27,7 +27,7 @@ class Question:
         for name, value, least in (
             ("draws", self.draws, 1),
             ("seed", self.seed, 0),
-            ("calibration-touches", self.touches, 0),
+            ("calibration-touches", self.calibration_touches, 0),
         ):
             if value < least:
                 raise InputError(f"`{name}` must be >= {least}, got {value}")

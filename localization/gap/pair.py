@@ -13,8 +13,8 @@ from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_subset import read_mask, restricted
-from .side_label import Noun, noun_of
-from .subsampling import thinned
+from .side_label import SideLabel, label_of_side
+from .subsampling import subsampled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,7 @@ SAME_FREQUENCY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class SweepPair:
     """Simulated sweeps and those they are held against, of the same interfaces and readings.
 
     scene: of the simulated skin, None where unknown. noise_free: whether the simulated
@@ -34,13 +34,15 @@ class Pair:
 
     simulated: xr.Dataset
     other: xr.Dataset
-    noun: Noun
+    label: SideLabel
     scene: Scene | None
     noise_free: bool
     notes: Sequence[str] = field(default_factory=tuple)
 
 
-def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: int) -> Pair:
+def pair_sweeps(
+    simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: int
+) -> SweepPair:
     """Both sides, reduced to what they share.
 
     scene: None for that of the simulated sweeps. seed: of what is kept of many sweeps.
@@ -49,7 +51,7 @@ def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: 
     """
     notes: list[str] = []
     scene = scene or scene_of_sweeps(simulated)
-    noun, noise_free = noun_of(other), "readout" not in simulated.attrs and _exact(simulated)
+    noun, noise_free = label_of_side(other), "readout" not in simulated.attrs and _exact(simulated)
     simulated, other = (
         _single(simulated, "simulated", notes),
         _single(other, noun.adjective, notes),
@@ -62,7 +64,7 @@ def paired(simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: 
     simulated, other = _of_common_readings(simulated, other, notes)
     _check_common_press(simulated, other)
     simulated = simulated.assign_attrs(scene=scene_text(scene) if scene else "")
-    return Pair(simulated, other, noun, scene, noise_free, notes)
+    return SweepPair(simulated, other, noun, scene, noise_free, notes)
 
 
 def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
@@ -87,7 +89,7 @@ def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:
 
 
 def _fewer(sweeps: xr.Dataset, notes: list[str], seed: int) -> xr.Dataset:
-    kept = thinned(sweeps, np.random.default_rng(seed))
+    kept = subsampled(sweeps, np.random.default_rng(seed))
     if kept.sizes["sweep"] < sweeps.sizes["sweep"]:
         numbers = f"{kept.sizes['sweep']} of {sweeps.sizes['sweep']}"
         notes.append(f"{numbers} simulated sweeps are used, drawn at random.")

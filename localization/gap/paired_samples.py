@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs.samples import Problem
+from ..inputs.samples import LocalizationProblem
 from ..inputs.samples import samples_of as learnable
 from ..inputs.targets import labels
 from .pair import pixel_of
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
 """The paper's, and those relative to the skin at rest in the same session."""
-TOLD = {
+FEATURE_LABELS = {
     "absolute": "Rs and Cp",
     "relative": "ln|Z| and phase less those at rest",
     "model": "the model's own features",
@@ -27,27 +27,27 @@ TOLD = {
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class PairedSamples:
     """X: features, shape (sweep, feature), NaN for a sweep that has nothing at rest to be told
     against. y: class, pixel: its number; both of shape (sweep,)."""
 
-    problem: Problem
+    problem: LocalizationProblem
     X: NDArray[np.float64]
     y: NDArray
     pixel: NDArray[np.int64]
 
     @property
-    def told(self) -> NDArray[np.bool_]:
+    def has_features(self) -> NDArray[np.bool_]:
         """Which sweeps have features, shape (sweep,)."""
         return np.isfinite(self.X[:, 0])
 
-    def chosen(self, which: NDArray) -> Samples:
+    def chosen(self, which: NDArray) -> PairedSamples:
         """Those of an index or a mask."""
-        return Samples(self.problem, self.X[which], self.y[which], self.pixel[which])
+        return PairedSamples(self.problem, self.X[which], self.y[which], self.pixel[which])
 
-    def joined(self, more: Samples) -> Samples:
+    def joined(self, more: PairedSamples) -> PairedSamples:
         """These and more of the same features."""
-        return Samples(
+        return PairedSamples(
             self.problem,
             np.concatenate([self.X, more.X]),
             np.concatenate([self.y, more.y]),
@@ -55,9 +55,9 @@ class Samples:
         )
 
 
-def samples_of(
+def paired_samples(
     sweeps: xr.Dataset, quantities: Sequence[str], target: str, rest: xr.Dataset | None = None
-) -> Samples:
+) -> PairedSamples:
     """Raises InputError as the features and the labels do.
 
     rest: sweeps of the skin at rest that others are told against, those among `sweeps` without.
@@ -65,4 +65,4 @@ def samples_of(
     found = learnable(sweeps, target, quantities, rest=rest)
     X = np.full((sweeps.sizes["sweep"], found.X.shape[1]), np.nan)
     X[found.rows] = found.X
-    return Samples(found.problem, X, labels(sweeps, target), pixel_of(sweeps))
+    return PairedSamples(found.problem, X, labels(sweeps, target), pixel_of(sweeps))

@@ -17,19 +17,19 @@ VIRTUAL_SERIAL = "000000000"
 
 
 @dataclass(frozen=True)
-class Noun:
+class SideLabel:
     """How the report calls the other side: `the measurement`, `measured sweeps`."""
 
     name: str
     adjective: str
 
 
-MEASUREMENT = Noun("measurement", "measured")
-TWIN = Noun("twin", "twin")
-SECOND = Noun("second simulation", "second simulated")
+MEASUREMENT = SideLabel("measurement", "measured")
+TWIN = SideLabel("twin", "twin")
+SECOND = SideLabel("second simulation", "second simulated")
 
 
-def noun_of(sweeps: xr.Dataset) -> Noun:
+def label_of_side(sweeps: xr.Dataset) -> SideLabel:
     """From the attributes: `twin`, the virtual meter, a simulation's tolerance, or none of them."""
     attributes = sweeps.attrs
     virtual = VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(",")
@@ -42,7 +42,7 @@ def noun_of(sweeps: xr.Dataset) -> Noun:
 def check_simulated(sweeps: xr.Dataset, path: object) -> None:
     """Raises InputError where sweeps given as simulated say that they are not."""
     if sweeps.attrs.get("model") in (MEASURED, VIRTUAL) or "twin" in sweeps.attrs:
-        called = noun_of(sweeps).adjective
+        called = label_of_side(sweeps).adjective
         raise InputError(
             f"{path}: holds {called} sweeps; the simulated sweeps are to be named first"
         )

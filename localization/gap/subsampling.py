@@ -19,7 +19,7 @@ REST = 5
 them."""
 
 
-def thinned(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
+def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
     """At most MOST of the sweeps, of sessions drawn at random; first those at rest."""
     if sweeps.sizes["sweep"] <= MOST:
         return sweeps

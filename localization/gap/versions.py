@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.measure.simulate import read_by_meter, resimulated
 from ...simulator.sweeps import InputError, ToleranceError
-from .pair import Pair, pixel_of
+from .pair import SweepPair, pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,7 @@ class Versions(NamedTuple):
     notes: list[str]
 
 
-def versions_of(pair: Pair, reserved: NDArray[np.bool_], seed: int) -> Versions:
+def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Versions:
     """reserved: the other side's sweeps to calibrate on, shape (sweep,). seed: of the meter."""
     from ...simulator.calibration.run import calibrate
 
@@ -61,7 +61,7 @@ def versions_of(pair: Pair, reserved: NDArray[np.bool_], seed: int) -> Versions:
     return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
 
 
-def _before(pair: Pair, seed: int) -> tuple[Version, list[str]]:
+def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
     given = pair.simulated
     if not pair.noise_free:
         return Version(given, given), []
@@ -72,18 +72,18 @@ def _before(pair: Pair, seed: int) -> tuple[Version, list[str]]:
     return Version(given, read_by_meter(given, pair.scene, seed)), [told]
 
 
-def _hindrance(pair: Pair, reserved: NDArray[np.bool_]) -> str:
+def _hindrance(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     """Why there is no calibration, empty where there is."""
     if pair.scene is None:
         return "No calibration and no causes: the scene is unknown; --scene names it."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 
 
-def _calibration_told(pair: Pair, reserved: NDArray[np.bool_]) -> str:
+def _calibration_told(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     pixel, skins = pixel_of(pair.other)[reserved], np.unique(pair.simulated["session"].values).size
     told = (
         f"Calibrated on {np.sum(pixel == 0)} unpressed and {np.sum(pixel > 0)} pressed "
-        f"{pair.noun.adjective} sweeps, which are never tested"
+        f"{pair.label.adjective} sweeps, which are never tested"
     )
     return (
         f"{told}; the presses of {skins} sessions are then of one skin."

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-FEWEST, RECENT, OPENING = 1, 3, 8
+MIN_BASELINES, RECENT, OPENING = 1, 3, 8
 """Sweeps at rest that a change is told against at least and at most, skins being slow to drift, and
 those at the opening of a session that show which skin it is."""
 TIME = "time"
@@ -27,7 +27,7 @@ EARLY = 0.1
 """Part of a session within which sweeps at rest must come to be waited for."""
 
 
-class AtRest(NamedTuple):
+class Baselines(NamedTuple):
     """ln (Z / ohm) of the skin at rest, for some of the sweeps.
 
     rows: of which sweeps, ascending. recent: the mean of the latest, opening: of the first sweeps
@@ -39,7 +39,7 @@ class AtRest(NamedTuple):
     opening: NDArray[np.complex128]
 
 
-def log_at_rest(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> AtRest:
+def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselines:
     """The skin at rest as it was known when each sweep was taken, in its own session.
 
     rest: sweeps of the skin at rest, all of them unpressed, of which the mean of a session counts;
@@ -51,13 +51,13 @@ def log_at_rest(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> AtRest:
     """
     absolute = np.log(impedance(sweeps).astype(complex))
     parts = list(_before(sweeps, absolute) if rest is None else _beside(sweeps, absolute, rest))
-    none = AtRest(np.zeros(0, dtype=np.intp), absolute[:0], absolute[:0])
+    none = Baselines(np.zeros(0, dtype=np.intp), absolute[:0], absolute[:0])
     rows, recent, opening = (np.concatenate(each) for each in zip(none, *parts, strict=True))
     order = np.argsort(rows)
-    return AtRest(rows[order], recent[order], opening[order])
+    return Baselines(rows[order], recent[order], opening[order])
 
 
-def check_told(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
+def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
     """Raises InputError naming a session without the skin at rest, or the first sweep before it."""
     session = sweeps["session"].values
     restless = np.setdiff1d(session, session[rows])
@@ -74,7 +74,7 @@ def check_told(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
         )
 
 
-def has_rest_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     """Whether each sweep has the unpressed skin measured before it in its session, (sweep,)."""
     known = np.zeros(sweeps.sizes["sweep"], dtype=bool)
     for here, moments, count in _resting(sweeps):
@@ -91,23 +91,23 @@ def _resting(
     for each in np.unique(session[unpressed]):
         here = _in_time(sweeps, np.flatnonzero(session == each))
         moments = np.flatnonzero(unpressed[here])
-        count = max(FEWEST, int(np.count_nonzero(moments[:RECENT] < EARLY * here.size)))
+        count = max(MIN_BASELINES, int(np.count_nonzero(moments[:RECENT] < EARLY * here.size)))
         yield here, moments, count
 
 
-def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[AtRest]:
+def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Baselines]:
     for here, moments, count in _resting(sweeps):
         told = np.arange(moments[count - 1] + 1, here.size)
         rows, known = here[told], np.searchsorted(moments, told)
         at_rest = absolute[here[moments]]
         recent = at_rest[known[:, None] - np.arange(count) - 1].mean(axis=1)
         firsts = np.stack([at_rest[:count].mean(axis=0), at_rest[:OPENING].mean(axis=0)])
-        yield AtRest(rows, recent, firsts[(known >= OPENING).astype(int)])
+        yield Baselines(rows, recent, firsts[(known >= OPENING).astype(int)])
 
 
 def _beside(
     sweeps: xr.Dataset, absolute: NDArray[np.complex128], rest: xr.Dataset
-) -> Iterator[AtRest]:
+) -> Iterator[Baselines]:
     known, asked = rest["session"].values, sweeps["session"].values
     if np.unique(known).size == 1:
         known, asked = np.zeros_like(known), np.zeros_like(asked)
@@ -116,10 +116,10 @@ def _beside(
         here, of_session = np.flatnonzero(asked == session), known == session
         told = [_mean_of_others(absolute[here], at_rest[of_session & of]) for of in _parts(rest)]
         (recent, there), (opening, _) = told
-        yield AtRest(here[there], recent[there], opening[there])
+        yield Baselines(here[there], recent[there], opening[there])
 
 
-def means_at_rest(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Means of ln (Z / ohm) of the latest sweeps at rest, and of those of the opening.
 
     Of all, where they are not told apart. Shape (interface, frequency) each.

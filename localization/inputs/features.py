@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
 from ...simulator.sweeps.schema import taken_of
-from .baselines import check_told, has_rest_before, log_at_rest
+from .baselines import check_baselines, has_baseline_before, log_baselines
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,12 +19,12 @@ READ = ("Rs", "X", "Cp")
 """As they stand in the sweeps, in SI units."""
 ABSOLUTE = ("lnZ", "phase")
 """ln |Z / ohm|, and the phase of Z in rad."""
-AGAINST_REST = ("dlnZ", "dphase")
+RELATIVE = ("dlnZ", "dphase")
 """The same, less those of the skin at rest shortly before in the same session: what the meter's
 errors of the session, and most of what differs between skins, drop out of."""
-AT_REST = ("lnZ0", "phase0")
+BASELINE = ("lnZ0", "phase0")
 """Those of the skin at rest at the opening of the session: they tell which skin it is."""
-QUANTITIES = (*READ, *ABSOLUTE, *AGAINST_REST, *AT_REST)
+QUANTITIES = (*READ, *ABSOLUTE, *RELATIVE, *BASELINE)
 PAPER = ("Rs", "Cp")
 """The paper's choice, and the default where the unpressed skin was not measured."""
 BLOCK = 10_000
@@ -35,15 +35,15 @@ Quantities = str | Sequence[str]
 """Names of QUANTITIES, in one text joined by commas or one by one."""
 
 
-def usual_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
+def default_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
     """The default features: changes from the unpressed skin, where most presses can have them.
 
     AGAINST_REST where sweeps of the unpressed skin are given by `rest`, or come in the same session
     before more than half of the pressed sweeps. PAPER otherwise.
     """
     pressed = sweeps["row"].values != 0
-    known = has_rest_before(sweeps)[pressed]
-    return AGAINST_REST if rest is not None or 2 * known.sum() > known.size else PAPER
+    known = has_baseline_before(sweeps)[pressed]
+    return RELATIVE if rest is not None or 2 * known.sum() > known.size else PAPER
 
 
 def features(
@@ -55,15 +55,15 @@ def features(
 ) -> NDArray[np.float64]:
     """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
-    As `told_features`. Raises InputError as it does, and where a sweep cannot be told for lack of
-    the skin at rest before it.
+    Arguments as of `available_features`. Raises InputError as it does, and for a sweep without a
+    baseline sweep before it.
     """
-    X, rows = told_features(sweeps, quantities, interfaces=interfaces, rest=rest)
-    check_told(sweeps, rows)
+    X, rows = available_features(sweeps, quantities, interfaces=interfaces, rest=rest)
+    check_baselines(sweeps, rows)
     return X
 
 
-def told_features(
+def available_features(
     sweeps: xr.Dataset,
     quantities: Quantities = PAPER,
     *,
@@ -74,23 +74,23 @@ def told_features(
 
     Quantity by quantity as asked, within it interface by interface, within it by ascending
     frequency, only what was read (`taken_of`). interfaces: those looked at, in that order; all
-    without. rest: sweeps of the skin at rest, if they are not among `sweeps` (see `log_at_rest`).
+    without. rest: sweeps of the skin at rest, if they are not among `sweeps` (see `log_baselines`).
     Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
     an interface that the sweeps lack.
     """
     asked = checked_quantities(quantities)
-    seen = seen_from(sweeps, interfaces)
-    at_rest = None if rest is None else seen_from(rest, interfaces)
+    seen = at_interfaces(sweeps, interfaces)
+    at_rest = None if rest is None else at_interfaces(rest, interfaces)
     count = seen.sizes["sweep"]
-    width = len(asked) * readings_of(seen)
+    width = len(asked) * readings_per_sweep(seen)
     X, told = np.empty((count, width)), np.zeros(count, dtype=bool)
-    for block in _blocks(seen, needs_rest(asked)):
+    for block in _blocks(seen, needs_baseline(asked)):
         found, rows = _of_block(seen.isel(sweep=block), asked, at_rest)
         X[block[rows]], told[block[rows]] = found, True
     return packed(X, told), np.flatnonzero(told)
 
 
-def changes_from_rest(
+def baseline_changes(
     sweeps: xr.Dataset,
     *,
     interfaces: Sequence[str] | None = None,
@@ -98,9 +98,9 @@ def changes_from_rest(
 ) -> NDArray[np.float64]:
     """AGAINST_REST of each sweep, shape (sweep, feature): NaN where the skin at rest is not known.
 
-    Arguments as of `told_features`; raises InputError as it does.
+    Arguments as of `available_features`; raises InputError as it does.
     """
-    found, rows = told_features(sweeps, AGAINST_REST, interfaces=interfaces, rest=rest)
+    found, rows = available_features(sweeps, RELATIVE, interfaces=interfaces, rest=rest)
     changes = np.full((sweeps.sizes["sweep"], found.shape[1]), np.nan)
     changes[rows] = found
     return changes
@@ -137,18 +137,18 @@ def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
 def _of_block(
     seen: xr.Dataset, asked: tuple[str, ...], rest: xr.Dataset | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """As `told_features`, of sweeps that hold whole sessions where that matters."""
+    """As `available_features`, of sweeps that hold whole sessions where that matters."""
     rows = np.arange(seen.sizes["sweep"])
     found = {name: _read(seen, name) for name in asked if name in READ}
     if len(found) < len(asked):
         absolute = np.log(impedance(seen).astype(complex))
         found |= _parts(absolute, ABSOLUTE)
-    if needs_rest(asked):
-        at_rest = log_at_rest(seen, rest)
+    if needs_baseline(asked):
+        at_rest = log_baselines(seen, rest)
         rows = at_rest.rows
         found = {name: values[rows] for name, values in found.items()}
-        found |= _parts(absolute[rows] - at_rest.recent, AGAINST_REST)
-        found |= _parts(at_rest.opening, AT_REST)
+        found |= _parts(absolute[rows] - at_rest.recent, RELATIVE)
+        found |= _parts(at_rest.opening, BASELINE)
     taken = taken_of(seen)
     blocks = [_flat(found[name], taken) for name in asked]
     return np.concatenate(blocks, axis=1), rows
@@ -161,7 +161,7 @@ def _flat(values: NDArray[np.float64], taken: NDArray[np.bool_] | None) -> NDArr
     return values.reshape(len(values), np.prod(values.shape[1:]))
 
 
-def readings_of(sweeps: xr.Dataset) -> int:
+def readings_per_sweep(sweeps: xr.Dataset) -> int:
     """How many readings a sweep is of."""
     taken = taken_of(sweeps)
     whole = sweeps.sizes["interface"] * sweeps.sizes["frequency"]
@@ -174,7 +174,7 @@ def taken_rows(sweeps: xr.Dataset) -> tuple[tuple[bool, ...], ...]:
     return () if taken is None else tuple(tuple(row) for row in taken.tolist())
 
 
-def seen_from(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
+def at_interfaces(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
     """The sweeps at these interfaces only, in that order; all without.
 
     Raises InputError naming an interface that the sweeps lack, or that is asked twice.
@@ -205,23 +205,25 @@ def checked_quantities(quantities: Quantities) -> tuple[str, ...]:
 def chosen_quantities(
     quantities: Quantities | None, sweeps: xr.Dataset, rest: xr.Dataset | None = None
 ) -> tuple[str, ...]:
-    """As `checked_quantities`; those of `usual_quantities` for None."""
-    return usual_quantities(sweeps, rest) if quantities is None else checked_quantities(quantities)
+    """As `checked_quantities`; those of `default_quantities` for None."""
+    return (
+        default_quantities(sweeps, rest) if quantities is None else checked_quantities(quantities)
+    )
 
 
-def needs_rest(quantities: Sequence[str]) -> bool:
+def needs_baseline(quantities: Sequence[str]) -> bool:
     """Whether any of them takes the skin at rest."""
-    return any(name in (*AGAINST_REST, *AT_REST) for name in quantities)
+    return any(name in (*RELATIVE, *BASELINE) for name in quantities)
 
 
-def told_by_press(quantities: Sequence[str], count: int) -> tuple[NDArray[np.intp], bool]:
+def press_features(quantities: Sequence[str], count: int) -> tuple[NDArray[np.intp], bool]:
     """Indices of the features that a press changes most clearly, and whether these err alike.
 
     Those against the skin at rest, if there are any; else all but those of the skin at rest.
     count: of all features of the quantities.
     """
-    relative = [name for name in quantities if name in AGAINST_REST]
-    wanted = relative or [name for name in quantities if name not in AT_REST] or list(quantities)
+    relative = [name for name in quantities if name in RELATIVE]
+    wanted = relative or [name for name in quantities if name not in BASELINE] or list(quantities)
     blocks = np.arange(count).reshape(len(quantities), -1)
     told = np.concatenate([blocks[quantities.index(name)] for name in wanted])
     return told, not any(name in READ for name in wanted)

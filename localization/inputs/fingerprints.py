@@ -13,10 +13,10 @@ from .features import in_blocks
 if TYPE_CHECKING:
     import xarray as xr
 
-MARK_BYTES = 8
+FINGERPRINT_BYTES = 8
 
 
-def marks_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
+def fingerprints_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     """A number for the readings of each sweep in single precision, as files of text keep them, too;
     shape (sweep,)."""
     parts = in_blocks(np.arange(sweeps.sizes["sweep"]))
@@ -26,5 +26,7 @@ def marks_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
 def _marks(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     readings = np.stack([sweeps[name].values for name in ("Rs", "X")], axis=1)
     rows = np.ascontiguousarray(readings.reshape(len(readings), -1), dtype=np.float32)
-    digests = b"".join(blake2b(row.tobytes(), digest_size=MARK_BYTES).digest() for row in rows)
+    digests = b"".join(
+        blake2b(row.tobytes(), digest_size=FINGERPRINT_BYTES).digest() for row in rows
+    )
     return np.frombuffer(digests, dtype=np.uint64)

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .baselines import check_told
+from .baselines import check_baselines
 from .features import (
-    AGAINST_REST,
+    RELATIVE,
     Quantities,
-    changes_from_rest,
+    at_interfaces,
+    available_features,
+    baseline_changes,
     chosen_quantities,
     packed,
-    seen_from,
     taken_rows,
-    told_features,
 )
 from .sweep_touches import counts_of
 from .targets import PIXELS, has_target, labels, positions
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Problem:
+class LocalizationProblem:
     """What a localizer is to tell, and from what.
 
     target: as of `labels`, or "position". features: how many numbers a sweep has. frequencies: Hz,
@@ -51,7 +51,7 @@ class Problem:
         return self.target == "position"
 
     @property
-    def of_one_touch(self) -> bool:
+    def single_touch(self) -> bool:
         """Whether it is asked of sweeps of one touch at most."""
         return self.target in (*PIXELS, "position")
 
@@ -62,9 +62,9 @@ class Problem:
         return dict(zip(self.quantities, each, strict=True))
 
     @property
-    def unaware_of_change(self) -> bool:
+    def ignores_baseline(self) -> bool:
         """Whether a sweep is told as it stands, whatever the skin at rest read before it."""
-        return not set(AGAINST_REST) & set(self.quantities)
+        return not set(RELATIVE) & set(self.quantities)
 
 
 class LeftOut(NamedTuple):
@@ -76,22 +76,22 @@ class LeftOut(NamedTuple):
     """
 
     other: int = 0
-    restless: int = 0
+    without_baseline: int = 0
     sessions: int = 0
     early: int = 0
 
-    def told(self, target: str) -> str:
+    def describe(self, target: str) -> str:
         """In words."""
         parts = [f"{self.other} without a {target}"]
-        if self.restless:
+        if self.without_baseline:
             plural = "" if self.sessions == 1 else "s"
-            parts.append(f"{self.restless} of {self.sessions} session{plural} without rest")
+            parts.append(f"{self.without_baseline} of {self.sessions} session{plural} without rest")
         if self.early:
             parts.append(f"{self.early} before the first at rest of their session")
         return f"{', '.join(parts)} left out"
 
 
-class Several(NamedTuple):
+class SeveralTouches(NamedTuple):
     """Sweeps of more touches than one, where the target is of one.
 
     X: features, shape (n, feature). sessions: shape (n,). changes: as of `Samples`.
@@ -102,7 +102,7 @@ class Several(NamedTuple):
     changes: NDArray[np.float64] | None = None
 
 
-NONE_SEVERAL = Several(np.zeros((0, 0)), np.zeros(0, dtype=np.int64))
+NO_SEVERAL_TOUCHES = SeveralTouches(np.zeros((0, 0)), np.zeros(0, dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,17 +112,17 @@ class Samples:
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
     sessions: shape (sweep,). rows: which of the sweeps that were given these are, shape (sweep,).
     several: of other touches than the target's, whatever part of the sweeps this is. changes: from
-    the skin at rest, as of `changes_from_rest`, for guards of what is told of one touch by readings
+    the skin at rest, as of `baseline_changes`, for guards of what is told of one touch by readings
     as they stand; None where these are told by changes themselves, or of more touches.
     """
 
-    problem: Problem
+    problem: LocalizationProblem
     X: NDArray[np.float64]
     y: NDArray
     sessions: NDArray[np.int64]
     rows: NDArray[np.intp]
     left_out: LeftOut = LeftOut()
-    several: Several = NONE_SEVERAL
+    several: SeveralTouches = NO_SEVERAL_TOUCHES
     changes: NDArray[np.float64] | None = None
 
     @property
@@ -138,7 +138,7 @@ class Samples:
         changes = None if self.changes is None else self.changes[index]
         return replace(self, **parts, changes=changes)
 
-    def of_sessions(self, count: int | None) -> Samples:
+    def first_sessions(self, count: int | None) -> Samples:
         """The first so many sessions, all of them for None; more where a class lacks sweeps.
 
         Folds need two of each class: sessions are taken until there are, or none is left.
@@ -159,30 +159,30 @@ class Samples:
         seen = self.strata[np.isin(self.sessions, sessions)]
         return all((seen == label).sum() >= 2 for label in np.unique(self.strata))
 
-    def at_most(self, count: int) -> Samples:
+    def subsampled(self, count: int) -> Samples:
         """So many of them or all, drawn in like shares of each class, the same at every call."""
         if len(self.X) <= count:
             return self
         groups = self.sessions if self.problem.continuous else self.y
-        return self.part(drawn(groups, count))
+        return self.part(draw_stratified(groups, count))
 
 
-def told_by_changes(samples: Samples) -> Samples:
+def as_changes(samples: Samples) -> Samples:
     """The same sweeps by their changes from the skin at rest, NaN where that is not known."""
     several, changes = samples.several, samples.changes
     assert changes is not None and several.changes is not None
-    features = {"quantities": AGAINST_REST, "features": changes.shape[1]}
+    features = {"quantities": RELATIVE, "features": changes.shape[1]}
     known = np.isfinite(several.changes).all(axis=1)
     return replace(
         samples,
         problem=replace(samples.problem, **features),
         X=changes,
-        several=Several(several.changes[known], several.sessions[known]),
+        several=SeveralTouches(several.changes[known], several.sessions[known]),
         changes=None,
     )
 
 
-def drawn(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
+def draw_stratified(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
     """Indices, ascending, of so many at random, of each group in proportion and one at least.
 
     The order within a group tells nothing of what is drawn. groups: shape (n,). count: < n.
@@ -205,20 +205,21 @@ def samples_of(
 ) -> Samples:
     """Features and targets of the sweeps that have both; the others are counted.
 
-    Arguments as of `told_features` and `has_target`; quantities by default `usual_quantities`.
-    Raises InputError as these do, as `touches_of` for positions, and where no sweep is left.
+    Arguments as of `available_features` and `has_target`; quantities default to those of
+    `default_quantities`. Raises InputError as these do, as `touches_of` for positions, and where no
+    sweep is left.
     """
     fitting = has_target(sweeps, target)
     if not fitting.any():
         raise InputError(f"no sweep has a press that `target` {target} can be told of")
     asked = chosen_quantities(quantities, sweeps, rest)
-    X, rows = told_features(sweeps, asked, interfaces=interfaces, rest=rest)
+    X, rows = available_features(sweeps, asked, interfaces=interfaces, rest=rest)
     usable = rows[fitting[rows]]
     if not usable.size:
-        check_told(sweeps, rows)
+        check_baselines(sweeps, rows)
         raise InputError(f"no sweep that `target` {target} can be told of has the skin at rest")
-    some, seen = sweeps.isel(sweep=usable), seen_from(sweeps, interfaces)
-    problem = Problem(
+    some, seen = sweeps.isel(sweep=usable), at_interfaces(sweeps, interfaces)
+    problem = LocalizationProblem(
         target=target,
         features=X.shape[1],
         quantities=asked,
@@ -230,8 +231,8 @@ def samples_of(
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)
     changes = None
-    if problem.of_one_touch and problem.unaware_of_change:
-        changes = changes_from_rest(sweeps, interfaces=interfaces, rest=rest)
+    if problem.single_touch and problem.ignores_baseline:
+        changes = baseline_changes(sweeps, interfaces=interfaces, rest=rest)
     several = _several(sweeps, ~fitting[rows], X, rows, changes)
     sessions = some["session"].values
     X = packed(X, fitting[rows])
@@ -245,7 +246,7 @@ def _several(
     X: NDArray[np.float64],
     rows: NDArray[np.intp],
     changes: NDArray[np.float64] | None,
-) -> Several:
+) -> SeveralTouches:
     """Of the rows without the target, (row,), those of more touches than one.
 
     changes: of all sweeps.
@@ -253,7 +254,7 @@ def _several(
     some = sweeps.isel(sweep=rows[other])
     more = counts_of(some) > 1
     own = None if changes is None else changes[rows[other][more]]
-    return Several(X[other][more], some["session"].values[more], own)
+    return SeveralTouches(X[other][more], some["session"].values[more], own)
 
 
 def _left_out(

@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def read_some(files: Path | Sequence[Path], most: int, *, in_parts: bool = False) -> xr.Dataset:
+def read_first(files: Path | Sequence[Path], max_sweeps: int, *, lazy: bool = False) -> xr.Dataset:
     """The first sweeps of a file or several, at most so many, and of whole sessions if it can be.
 
     Of a `.zarr` no more than these are read; in_parts: its readings stay there, and are read anew
     as each part is asked for. Raises InputError as `read` and `join`, and for `most` < 1.
     """
-    if most < 1:
-        raise InputError(f"--most must be >= 1, got {most}")
+    if max_sweeps < 1:
+        raise InputError(f"--most must be >= 1, got {max_sweeps}")
     paths = [files] if isinstance(files, Path) else files
-    parts = [_some_of(path, most, in_parts) for path in paths]
+    parts = [_some_of(path, max_sweeps, lazy) for path in paths]
     sweeps = join(parts, paths)
-    return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, most))
+    return sweeps.isel(sweep=_whole_sessions(sweeps["session"].values, max_sweeps))
 
 
 def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:

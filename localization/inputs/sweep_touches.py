@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
     from ...simulator.scene.scene import Scene
 
-MOST = 2
+MAX_TOUCHES = 2
 """Touches that a localizer tells apart."""
 NUMBERS = ("touches", "touch_x", "touch_y", "touch_factor")
 """Variables of data sets."""
 
 
 @dataclass(frozen=True, eq=False)
-class Touches:
+class SweepTouches:
     """How many touches each sweep has, shape (sweep,), and their centres and strengths.
 
     x, y [m], factor [capacitance over that at rest]: shape (sweep, MOST); 0, 0 and 1 where there is
@@ -37,7 +37,7 @@ class Touches:
     factor: NDArray[np.float64]
 
 
-def touches_of(sweeps: xr.Dataset) -> Touches:
+def touches_of(sweeps: xr.Dataset) -> SweepTouches:
     """The touches of each sweep; of a depth or a force the factor is that on the sweeps' scene.
 
     Raises InputError naming a press of another syntax or of more than MOST touches, where a place
@@ -45,15 +45,15 @@ def touches_of(sweeps: xr.Dataset) -> Touches:
     """
     if all(name in sweeps for name in NUMBERS):
         count, x, y, factor = (sweeps[name].values for name in NUMBERS)
-        return Touches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
+        return SweepTouches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
     scene = scene_of_sweeps(sweeps)
     told = [_touches(str(text), scene) for text in texts]
-    numbers = np.zeros((3, len(texts), MOST)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
+    numbers = np.zeros((3, len(texts), MAX_TOUCHES)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
     for k, touches in enumerate(told):
         for t, touch in enumerate(touches):
             numbers[:, k, t] = touch
-    return Touches(np.array([len(each) for each in told])[index], *numbers[:, index])
+    return SweepTouches(np.array([len(each) for each in told])[index], *numbers[:, index])
 
 
 def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
@@ -70,20 +70,20 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
     Raises InputError on another syntax.
     """
     touches = parse_touches(text)
-    if len(touches) > MOST or any(touch.kind != "pixel" for touch in touches):
+    if len(touches) > MAX_TOUCHES or any(touch.kind != "pixel" for touch in touches):
         return None
     return sorted(touch.pixel for touch in touches)
 
 
-def pitch(scene: Scene) -> tuple[float, float]:
+def pixel_pitch(scene: Scene) -> tuple[float, float]:
     """From a row of pixels to the next, and from a column to the next, m."""
     return scene.skin.width / scene.pixels.rows, scene.skin.length / scene.pixels.columns
 
 
 def _written(text: str) -> list[WrittenTouch]:
     touches = parse_touches(text)
-    if len(touches) > MOST:
-        raise InputError(f"press {text!r}: must be at most {MOST} touches, joined by '+'")
+    if len(touches) > MAX_TOUCHES:
+        raise InputError(f"press {text!r}: must be at most {MAX_TOUCHES} touches, joined by '+'")
     return touches
 
 
@@ -114,7 +114,7 @@ def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float,
     if scene is None:
         raise InputError(f"press {text!r}: its pixels have no place, the sweeps carry no scene")
     row, column = touch.pixel
-    height, width = pitch(scene)
+    height, width = pixel_pitch(scene)
     return (column - 0.5) * width, (row - 0.5) * height
 
 

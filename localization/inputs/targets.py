@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from .sweep_touches import MOST, counts_of, pressed_pixels, touches_of
+from .sweep_touches import MAX_TOUCHES, counts_of, pressed_pixels, touches_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,11 +72,11 @@ def has_target(sweeps: xr.Dataset, target: str) -> NDArray[np.bool_]:
         texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
         return np.array([pressed_pixels(str(text)) is not None for text in texts])[index]
     count = counts_of(sweeps)
-    return count <= MOST if target == "touches" else count == 1
+    return count <= MAX_TOUCHES if target == "touches" else count == 1
 
 
 def _pair(text: str) -> str:
     pixels = pressed_pixels(text)
     if pixels is None:
-        raise InputError(f"press {text!r}: is no press of at most {MOST} whole pixels")
+        raise InputError(f"press {text!r}: is no press of at most {MAX_TOUCHES} whole pixels")
     return "+".join(f"{row},{column}" for row, column in pixels) or "0,0"

@@ -11,8 +11,8 @@ from sklearn.pipeline import Pipeline
 
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
-from ..inputs.baselines import FEWEST
-from ..inputs.samples import Problem
+from ..inputs.baselines import MIN_BASELINES
+from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
 from ..learners.registry import GONE, Estimator, gone, learners
@@ -89,20 +89,20 @@ def answer_at_once(pipeline: Pipeline) -> None:
         step.beside = True
 
 
-def _pipeline(name: str, problem: Problem) -> Pipeline:
+def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
     takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
     _check(problem, name, takes)
     step: Any = (
-        ModelBasedPosition(problem.scene, rest_sweeps=FEWEST)
+        ModelBasedPosition(problem.scene, rest_sweeps=MIN_BASELINES)
         if problem.continuous
-        else ModelBased(problem.scene, problem.target, rest_sweeps=FEWEST)
+        else ModelBased(problem.scene, problem.target, rest_sweeps=MIN_BASELINES)
     )
     if name == ADAPTED:
         step = (AdaptedPosition if problem.continuous else AdaptedClassifier)(step)
     return Pipeline([("invert", step)])
 
 
-def _check(problem: Problem, name: str, takes: Sequence[str]) -> None:
+def _check(problem: LocalizationProblem, name: str, takes: Sequence[str]) -> None:
     """Raises InputError where the simulator would tell other features than the sweeps."""
     if problem.quantities != tuple(takes):
         raise InputError(

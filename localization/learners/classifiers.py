@@ -7,8 +7,8 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
 from ...simulator.sweeps import InputError
-from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST, READ
-from ..inputs.samples import Problem
+from ..inputs.features import ABSOLUTE, BASELINE, READ, RELATIVE
+from ..inputs.samples import LocalizationProblem
 from .components import Components
 from .ecoc import ECOCClassifier
 from .gaussians import GaussianClassifier
@@ -50,10 +50,10 @@ def network() -> Pipeline:
     return Pipeline([*alike, ("classify", NetworkClassifier())])
 
 
-def gaussian(problem: Problem) -> Pipeline:
+def gaussian(problem: LocalizationProblem) -> Pipeline:
     """An untrained pipeline: a normal density of each class, given the curve at rest if known."""
     blocks = problem.blocks
-    if all(name in AT_REST for name in problem.quantities):
+    if all(name in BASELINE for name in problem.quantities):
         raise InputError(
             f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
         )
@@ -64,7 +64,7 @@ def gaussian(problem: Problem) -> Pipeline:
     return Pipeline([("classify", GaussianClassifier(curve, absolute))])
 
 
-def on_one_scale(pipeline: Pipeline, problem: Problem) -> Pipeline:
+def on_one_scale(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
     """For quantities that do not err alike, as Rs and Cp: each feature of unit variance at first.
 
     In their own units, Rs would leave nothing of Cp in components, or in distances.
@@ -79,11 +79,11 @@ def _partners(quantities: Sequence[str]) -> tuple[list[str], list[str]]:
 
     Those as read only where each change has both beside it, and nothing else is there.
     """
-    changes = [name for name in quantities if name in AGAINST_REST]
-    curve = [AT_REST[AGAINST_REST.index(name)] for name in changes]
-    absolute = [ABSOLUTE[AGAINST_REST.index(name)] for name in changes]
+    changes = [name for name in quantities if name in RELATIVE]
+    curve = [BASELINE[RELATIVE.index(name)] for name in changes]
+    absolute = [ABSOLUTE[RELATIVE.index(name)] for name in changes]
     if set(quantities) == {*changes, *curve, *absolute}:
         return curve, absolute
     if set(quantities) == {*changes, *curve}:
         return curve, []
-    return [name for name in quantities if name in AT_REST], []
+    return [name for name in quantities if name in BASELINE], []

@@ -14,8 +14,8 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.pipeline import Pipeline
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..inputs.features import ABSOLUTE, AGAINST_REST, AT_REST, in_blocks
-from ..inputs.samples import Problem
+from ..inputs.features import ABSOLUTE, BASELINE, RELATIVE, in_blocks
+from ..inputs.samples import LocalizationProblem
 
 DRIFT = 0.02
 """Of how far skins differ, as by 0.3 % of sheets that differ by 15 %."""
@@ -71,14 +71,14 @@ def moved_by_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift
     return found
 
 
-def with_drift(pipeline: Pipeline, problem: Problem) -> Pipeline:
+def with_drift(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
     """The same, learned from skins that drift, if each change has the curve at rest beside it."""
     blocks = problem.blocks
-    changes = [name for name in AGAINST_REST if name in blocks]
-    partners = [AT_REST[AGAINST_REST.index(name)] for name in changes]
+    changes = [name for name in RELATIVE if name in blocks]
+    partners = [BASELINE[RELATIVE.index(name)] for name in changes]
     if not changes or not set(partners) <= set(blocks):
         return pipeline
-    read = [ABSOLUTE[AGAINST_REST.index(name)] for name in changes]
+    read = [ABSOLUTE[RELATIVE.index(name)] for name in changes]
     moved = [changes, read] if set(read) <= set(blocks) else [changes]
     drifting = Drifting(_indices(blocks, partners), tuple(_indices(blocks, each) for each in moved))
     return Pipeline([("drift", drifting), *pipeline.steps])

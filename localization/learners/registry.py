@@ -8,7 +8,7 @@ from typing import Any
 
 from sklearn.pipeline import Pipeline
 
-from ..inputs.samples import Problem
+from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from . import classifiers, regressors
 from .classifiers import (
@@ -39,13 +39,13 @@ class Estimator:
 
     name: str
     targets: tuple[str, ...]
-    build: Callable[[Problem], Pipeline]
-    grid: Grid | Callable[[Problem], Grid] = field(default_factory=dict)
+    build: Callable[[LocalizationProblem], Pipeline]
+    grid: Grid | Callable[[LocalizationProblem], Grid] = field(default_factory=dict)
     most: int = 20_000
     sessions: int | None = None
     taught: bool = True
 
-    def grid_for(self, problem: Problem) -> Grid:
+    def grid_for(self, problem: LocalizationProblem) -> Grid:
         """What tuning tries for a problem."""
         return self.grid(problem) if callable(self.grid) else self.grid
 
@@ -90,23 +90,23 @@ def learners() -> dict[str, Estimator]:
 
 
 def _network() -> Estimator:
-    def build(problem: Problem) -> Pipeline:
+    def build(problem: LocalizationProblem) -> Pipeline:
         network = regressors.network() if problem.continuous else classifiers.network()
         return with_drift(on_one_scale(network, problem), problem)
 
-    def grid(problem: Problem) -> Grid:
+    def grid(problem: LocalizationProblem) -> Grid:
         last = "regress__regressor" if problem.continuous else "classify"
         return {f"{last}__stages": [STAGES, SHORT]}
 
     return Estimator("network", TARGETS, build, grid, most=500_000)
 
 
-def _alike(build: Callable[[], Pipeline]) -> Callable[[Problem], Pipeline]:
+def _alike(build: Callable[[], Pipeline]) -> Callable[[LocalizationProblem], Pipeline]:
     """The same of features that err alike, whatever they are."""
     return lambda problem: on_one_scale(build(), problem)
 
 
-def _reference_grid(problem: Problem) -> Grid:
+def _reference_grid(problem: LocalizationProblem) -> Grid:
     widths = [factor * KERNEL_WIDTH / problem.features for factor in (0.1, 1.0, 10.0)]
     return {
         "classify__estimator__C": [10.0, 100.0, 1000.0],

@@ -8,16 +8,16 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.features import seen_from, taken_rows
+from ..inputs.features import at_interfaces, taken_rows
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..inputs.samples import Problem
+    from ..inputs.samples import LocalizationProblem
 
 
-def check_like_training(
-    trained: Problem, sweeps: xr.Dataset, rest: xr.Dataset | None, *, anyway: bool
+def check_compatible(
+    trained: LocalizationProblem, sweeps: xr.Dataset, rest: xr.Dataset | None, *, any_skin: bool
 ) -> None:
     """Raises InputError where sweeps, or those at rest, are not like those that were trained on.
 
@@ -25,7 +25,7 @@ def check_like_training(
     """
     for part in (sweeps,) if rest is None else (sweeps, rest):
         asked = str(part.attrs.get("scene", ""))
-        if asked != trained.scene and not anyway:
+        if asked != trained.scene and not any_skin:
             check_same_skin(trained.scene, asked, "the model", "trained")
     given_names = [str(name) for name in sweeps["interface"].values]
     if not set(trained.interfaces) <= set(given_names):
@@ -33,7 +33,7 @@ def check_like_training(
             f"the model was trained on interfaces {', '.join(trained.interfaces)}, "
             f"the sweeps have {', '.join(given_names)}"
         )
-    if taken_rows(seen_from(sweeps, trained.interfaces)) != trained.taken:
+    if taken_rows(at_interfaces(sweeps, trained.interfaces)) != trained.taken:
         raise InputError(
             "the model was trained on interfaces read at other `frequencies` of their own "
             "than the sweeps"

@@ -12,15 +12,15 @@ from sklearn.pipeline import Pipeline
 from ...simulator.safe_text import Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
-from ..inputs.baselines import check_told
-from ..inputs.features import changes_from_rest, told_features
-from ..inputs.fingerprints import marks_of
-from ..inputs.samples import Problem, Samples, samples_of
+from ..inputs.baselines import check_baselines
+from ..inputs.features import available_features, baseline_changes
+from ..inputs.fingerprints import fingerprints_of
+from ..inputs.samples import LocalizationProblem, Samples, samples_of
 from ..inversion.region import Region
 from ..inversion.regions import regions_of
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.fitted import Classifier, Regressor
-from .compatibility import check_like_training
+from .compatibility import check_compatible
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ SOFTWARE = ("rcskin", "scikit-learn", "skops")
 """What made a model and its file."""
 
 
-def versions_here() -> dict[str, str]:
+def current_versions() -> dict[str, str]:
     """Of SOFTWARE."""
     return {name: version(name) for name in SOFTWARE}
 
@@ -45,7 +45,7 @@ class Model(Tabular):
     learned: Classifier | Regressor
     estimator: str
     """Its name."""
-    problem: Problem
+    problem: LocalizationProblem
     certain: float | None
     """The rate at which its answers are to be right; None where it always answers."""
     validation: str
@@ -56,11 +56,11 @@ class Model(Tabular):
     """Sweeps."""
     left_out: str
     """Which sweeps were left out, as text."""
-    marks: NDArray[np.uint64] = field(compare=False)
-    """Of the sweeps that it was trained or adapted on, see `marks_of`."""
+    fingerprints: NDArray[np.uint64] = field(compare=False)
+    """Of the sweeps that it was trained or adapted on, see `fingerprints_of`."""
     gate: Model | None = None
     """Of positions: tells how many touches there are; None where the training showed only one."""
-    anyway: bool = False
+    any_skin: bool = False
     """Whether it answers sweeps of another skin too."""
     source: str = field(default="the model", compare=False)
     """What errors call it: its file."""
@@ -73,22 +73,22 @@ class Model(Tabular):
         return "Model", [header, row]
 
     @property
-    def aged(self) -> str:
+    def version_differences(self) -> str:
         """With which other versions it was trained, as text; empty where they are those here."""
-        here = versions_here()
+        here = current_versions()
         return ", ".join(
             f"{name} {then} (here {here[name]})"
             for name, then in self.versions.items()
             if here[name] != then
         )
 
-    def insisting(self) -> Model:
+    def for_any_skin(self) -> Model:
         """The same model, which answers sweeps of another skin too."""
-        return replace(self, anyway=True, gate=self.gate and self.gate.insisting())
+        return replace(self, anyway=True, gate=self.gate and self.gate.for_any_skin())
 
-    def marked(self, sweeps: xr.Dataset) -> Model:
+    def with_fingerprints(self, sweeps: xr.Dataset) -> Model:
         """The same model, whose `marks` hold those of sweeps that it was adapted on, too."""
-        return replace(self, marks=np.concatenate([self.marks, marks_of(sweeps)]))
+        return replace(self, marks=np.concatenate([self.fingerprints, fingerprints_of(sweeps)]))
 
     @property
     def pipeline(self) -> Pipeline:
@@ -116,7 +116,7 @@ class Model(Tabular):
         return self.problem.frequencies
 
     @property
-    def of_each(self) -> dict[str, tuple[float, ...]]:
+    def own_frequencies(self) -> dict[str, tuple[float, ...]]:
         """Hz, ascending, of the interfaces that it looks at, by name, if some have their own."""
         return {
             name: tuple(f for f, read in zip(self.frequencies, row, strict=True) if read)
@@ -142,7 +142,7 @@ class Model(Tabular):
         return tuple(self.learned.classes.tolist()) if isinstance(self.learned, Classifier) else ()
 
     @property
-    def knows_rest(self) -> bool:
+    def knows_unpressed(self) -> bool:
         """Whether it can answer that nothing is pressed: it was shown the skin at rest."""
         known = self.gate.classes if self.gate else self.classes
         return any(str(label) in NOTHING_PRESSED for label in known)
@@ -152,11 +152,11 @@ class Model(Tabular):
 
         Raises InputError as `told`, and where the skin at rest is not known before each sweep.
         """
-        X, rows = self.told(sweeps, rest)
-        check_told(sweeps, rows)
+        X, rows = self.usable_features(sweeps, rest)
+        check_baselines(sweeps, rows)
         return X
 
-    def told(
+    def usable_features(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """What it looks at of the sweeps that it can tell, (row, feature), and which these are.
@@ -166,34 +166,34 @@ class Model(Tabular):
         tells, or have other frequencies than in training or lack an interface of it, and where the
         skin at rest is never seen.
         """
-        check_like_training(self.problem, sweeps, rest, anyway=self.anyway)
-        X, rows = told_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
+        check_compatible(self.problem, sweeps, rest, any_skin=self.any_skin)
+        X, rows = available_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
         if not rows.size:
-            check_told(sweeps, rows)
+            check_baselines(sweeps, rows)
         return X, rows
 
     @property
-    def watches_changes(self) -> bool:
+    def guards_use_changes(self) -> bool:
         """Whether its guards look at changes from the skin at rest, though it itself does not."""
         return self.learned.guards is not None and self.learned.guards.changes is not None
 
-    def watched(
+    def guard_changes(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, rows: NDArray[np.intp]
     ) -> NDArray[np.float64] | None:
         """Changes from the skin at rest of these rows, (row, feature), if its guards look at them.
 
         NaN where the skin at rest is not known: nothing is guarded by it there.
         """
-        if not self.watches_changes:
+        if not self.guards_use_changes:
             return None
-        return changes_from_rest(sweeps, interfaces=self.interfaces, rest=rest)[rows]
+        return baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
 
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
         """What it looks at and what it should tell, of the sweeps with such a target.
 
         Raises InputError as `told`, and as `samples_of`.
         """
-        check_like_training(self.problem, sweeps, rest, anyway=self.anyway)
+        check_compatible(self.problem, sweeps, rest, any_skin=self.any_skin)
         return samples_of(
             sweeps, self.target, self.quantities, interfaces=self.interfaces, rest=rest
         )
@@ -215,7 +215,7 @@ class Model(Tabular):
         """
         if isinstance(self.learned, Regressor):
             raise InputError("a model of positions tells deviations, not probabilities")
-        X, rows = self.told(sweeps, rest)
+        X, rows = self.usable_features(sweeps, rest)
         found = np.full((sweeps.sizes["sweep"], len(self.classes)), 1 / len(self.classes))
         found[rows] = self.learned.probabilities(X)
         return self.learned.classes, found
@@ -231,7 +231,7 @@ class Model(Tabular):
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no positions")
-        X, rows = self.told(sweeps, rest)
+        X, rows = self.usable_features(sweeps, rest)
         place, deviation = np.full((2, sweeps.sizes["sweep"], 3), np.nan)
         place[rows], deviation[rows] = self.learned.positions(X)
         return place, deviation
@@ -244,7 +244,7 @@ class Model(Tabular):
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no regions")
-        X, rows = self.told(sweeps, rest)
+        X, rows = self.usable_features(sweeps, rest)
         told = dict(zip(rows.tolist(), regions_of(self.learned, X, self.scene), strict=True))
         return [told.get(row) for row in range(sweeps.sizes["sweep"])]
 
@@ -254,12 +254,12 @@ class Model(Tabular):
         A model of positions answers "0" touches, "1" where there is one to place, or CANNOT_TELL. A
         sweep that has nothing at rest before it cannot be told. Raises InputError as `told`.
         """
-        X, rows = self.told(sweeps, rest)
+        X, rows = self.usable_features(sweeps, rest)
         if isinstance(self.learned, Classifier):
             guess = 1 / len(self.classes)
-            told = self.learned.answers(X, self.watched(sweeps, rest, rows))
+            told = self.learned.answers(X, self.guard_changes(sweeps, rest, rows))
             return told.among(rows, sweeps.sizes["sweep"], guess)
-        novel = self.learned.novel(X, self.watched(sweeps, rest, rows))
+        novel = self.learned.novel(X, self.guard_changes(sweeps, rest, rows))
         if self.gate is None:
             labels, of_no_class = np.where(novel, CANNOT_TELL, "1"), np.empty((novel.size, 0))
             one = Answers(labels, np.ones(novel.size), novel, of_no_class)

@@ -12,7 +12,7 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
-from ..inputs.samples import Problem
+from ..inputs.samples import LocalizationProblem
 from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
@@ -80,8 +80,8 @@ GUARDS = {
     "several": SeveralGuard | None,
     "changes": dict | None,
 }
-COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out", "marks")
-"""Fields of a model that stand in the file as they are."""
+COPIED = ("estimator", "certain", "validation", "versions", "trained_on", "left_out")
+"""Fields of a model that are stored under their own names."""
 PROBLEM = {
     "target": str,
     "features": int,
@@ -120,6 +120,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         "median_error": getattr(learned, "median_error", 0.0),
         "problem": _told(model.problem),
         **{name: getattr(model, name) for name in COPIED},
+        "marks": model.fingerprints,
         "gate": None if model.gate is None else fields_of(model.gate),
     }
 
@@ -140,7 +141,7 @@ def _guards(fields: dict[str, Any] | None) -> Guards | None:
     return Guards(**own, changes=_guards(fields["changes"]))
 
 
-def _told(problem: Problem) -> dict[str, Any]:
+def _told(problem: LocalizationProblem) -> dict[str, Any]:
     told = asdict(problem)
     return {name: told[name] for name in told if name not in OWN_FREQUENCIES or told[name]}
 
@@ -152,11 +153,12 @@ def model_of(fields: Any) -> Model:
     _check(fields, {"layout": int, **KINDS})
     own = fields["problem"]
     _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)
-    problem = Problem(**fields["problem"])
+    problem = LocalizationProblem(**fields["problem"])
     return Model(
         learned=_learned(fields, problem.continuous),
         problem=problem,
         gate=None if fields["gate"] is None else model_of(fields["gate"]),
+        fingerprints=fields["marks"],
         **{name: fields[name] for name in COPIED},
     )
 

@@ -16,7 +16,7 @@ from sklearn.exceptions import InconsistentVersionWarning
 from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
 from ..learners.registry import GONE, gone
-from ..processor_count import count_cores
+from ..processor_count import physical_cpu_count
 from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
 from .localizer_model import Model
@@ -60,7 +60,7 @@ def load(path: str | Path) -> Model:
         raise InputError(f"{path}: not a model in the format of skops: it is empty")
     fields = _trusted_content(path, data)
     try:
-        count_cores()
+        physical_cpu_count()
         return replace(_sound(model_of(fields)), source=str(path))
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error

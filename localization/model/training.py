@@ -9,13 +9,13 @@ import numpy as np
 
 from ...simulator.progress import ProgressCallback, silent
 from ..inputs.features import Quantities
-from ..inputs.fingerprints import marks_of
+from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
 from ..inversion.estimators import chosen
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import judging, told
-from .localizer_model import Model, versions_here
+from .localizer_model import Model, current_versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,10 +56,10 @@ def train(
         problem=samples.problem,
         certain=certain,
         validation=held_out,
-        versions=versions_here(),
-        trained_on=min(len(samples.of_sessions(made.sessions).X), made.most),
-        left_out=samples.left_out.told(target),
-        marks=marks_of(sweeps)[samples.rows],
+        versions=current_versions(),
+        trained_on=min(len(samples.first_sessions(made.sessions).X), made.most),
+        left_out=samples.left_out.describe(target),
+        fingerprints=fingerprints_of(sweeps)[samples.rows],
         gate=gate,
     )
 

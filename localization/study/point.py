@@ -26,7 +26,7 @@ from ...simulator.scene.meter import Experiment, Readout
 from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.scene.scene import Pressing, Scene
 from ...simulator.sweeps import InputError
-from ..evaluation.evaluation import held_out
+from ..evaluation.evaluation import held_out_accuracies
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
 
 FOLDS, LOOSEST = 5, 1e-4
@@ -137,7 +137,7 @@ def judge(
     family = _family(_unread(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
     Z = impedances(scene, nominal, family, rtol)
     readings = in_units_of_error(Z, scene.readout, scene.taken)
-    shares = [held_out(in_memory(plan, family), trial.target) for plan in plans]
+    shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
     return Findings(
         tuple(share for each in shares for share in each),
         separation(readings, labels, scene.frequencies),

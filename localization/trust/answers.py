@@ -38,7 +38,7 @@ class Answers(Tabular):
     chances: NDArray[np.float64]
 
     @property
-    def told(self) -> NDArray[np.bool_]:
+    def answered(self) -> NDArray[np.bool_]:
         """Where there is an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
 

@@ -35,7 +35,7 @@ class Guards:
     ) -> NDArray[np.bool_]:
         """Which sweeps are unlike those of the training, shape (n,).
 
-        X: shape (n, feature). changes: as of `changes_from_rest`, shape (n, feature).
+        X: shape (n, feature). changes: as of `baseline_changes`, shape (n, feature).
         """
         told = self.kinds.predict(X) < 0
         if self.several is not None:

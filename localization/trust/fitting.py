@@ -13,10 +13,10 @@ from sklearn.preprocessing import StandardScaler
 
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.sweeps import InputError
-from ..inputs.samples import Samples, told_by_changes
+from ..inputs.samples import Samples, as_changes
 from ..learners.drift import drifting
 from ..learners.registry import Estimator
-from ..processor_count import count_cores
+from ..processor_count import physical_cpu_count
 from .answers import threshold_of
 from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
 from .folds import PLENTY, Splits, held_out_of, judging
@@ -49,7 +49,7 @@ def learn_classes(
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
-    samples = samples.of_sessions(estimator.sessions)
+    samples = samples.first_sessions(estimator.sessions)
     splits = judging(samples.strata, samples.sessions)
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
@@ -79,7 +79,7 @@ def learn_positions(
 
     progress: of the fits.
     """
-    samples = samples.of_sessions(estimator.sessions)
+    samples = samples.first_sessions(estimator.sessions)
     splits = judging(None, samples.sessions)
     unseen = held_out_of(splits)
     train = trainer(estimator, tune=tune)
@@ -108,7 +108,7 @@ def _again(
 
 def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
     """Tells squares of errors by those of the nearest answers to sweeps held out."""
-    count_cores()
+    physical_cpu_count()
     kept = np.random.default_rng(0).permutation(len(told))[:RESIDUALS]
     near = KNeighborsRegressor(min(NEIGHBOURS, len(kept)), algorithm="brute")
     return make_pipeline(StandardScaler(), near).fit(told[kept], np.square(residual[kept]))
@@ -123,7 +123,7 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
 
 
 def _guards_of(samples: Samples, splits: Splits) -> Guards:
-    some = samples.at_most(PLENTY)
+    some = samples.subsampled(PLENTY)
     own = splits if some is samples else judging(some.strata, some.sessions)
     return Guards(kind_guard(some, own), several_guard(samples, splits))
 
@@ -136,4 +136,4 @@ def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
     apart = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
     if min(part.size for split in apart for part in split) < FEWEST:
         return None
-    return _guards_of(told_by_changes(samples).part(known), [(a, b) for a, b in apart])
+    return _guards_of(as_changes(samples).part(known), [(a, b) for a, b in apart])

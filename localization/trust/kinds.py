@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import validate_data
 
-from ..inputs.features import told_by_press
+from ..inputs.features import press_features
 from ..inputs.samples import Samples
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
@@ -127,7 +127,7 @@ class KindGuard(Guard):
 def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
     """Of the classes of a target, or of places. splits: sweeps to learn from and to hold out."""
     problem = samples.problem
-    told, alike = told_by_press(problem.quantities, problem.features)
+    told, alike = press_features(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y
     reach = FURTHER if by_session(samples.sessions) else FURTHER_UNSEEN
     return KindGuard(reach=reach).fit(samples.X, kinds, splits=splits, told=told, alike=alike)

@@ -14,9 +14,9 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 from sklearn.utils.validation import validate_data
 
-from ..inputs.features import told_by_press
-from ..inputs.samples import Samples, drawn
-from ..processor_count import count_cores
+from ..inputs.features import press_features
+from ..inputs.samples import Samples, draw_stratified
+from ..processor_count import physical_cpu_count
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
 from .guard import Guard
@@ -75,7 +75,7 @@ class SeveralGuard(Guard):
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """exp of the decision for several touches, shape (n,)."""
-        count_cores()
+        physical_cpu_count()
         return np.exp(self.parting_.decision_function(X[:, self.told_])) if len(X) else np.zeros(0)
 
 
@@ -87,7 +87,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     nothing, of several touches neither.
     """
     problem = samples.problem
-    if not problem.of_one_touch or problem.unaware_of_change:
+    if not problem.single_touch or problem.ignores_baseline:
         return None
     here = np.isin(samples.several.sessions, samples.sessions)
     several, sessions = samples.several.X[here], samples.several.sessions[here]
@@ -98,7 +98,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     ]
     if min(map(len, apart)) < FEWEST:
         return None
-    told, _ = told_by_press(problem.quantities, problem.features)
+    told, _ = press_features(problem.quantities, problem.features)
     one = problem.continuous or ~np.isin(samples.y.astype(str), NOTHING_PRESSED)
     touched = np.broadcast_to(one, len(samples.X))
     return SeveralGuard().fit(
@@ -115,4 +115,4 @@ def _parting(one: NDArray[np.float64], several: NDArray[np.float64]) -> Pipeline
 
 
 def _at_most(X: NDArray[np.float64]) -> NDArray[np.float64]:
-    return X if len(X) <= MOST else X[drawn(np.zeros(len(X)), MOST)]
+    return X if len(X) <= MOST else X[draw_stratified(np.zeros(len(X)), MOST)]

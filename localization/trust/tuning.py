@@ -10,7 +10,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import Pipeline
 
-from ..inputs.samples import Problem, Samples
+from ..inputs.samples import LocalizationProblem, Samples
 from ..learners.registry import Estimator
 from .folds import splits_of
 
@@ -22,7 +22,7 @@ def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline
     """
 
     def train(some: Samples) -> Pipeline:
-        few = some.at_most(estimator.most)
+        few = some.subsampled(estimator.most)
         chosen = _best(estimator, few) if tune else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ConvergenceWarning)  # a kernel's parameter at its bound
@@ -51,7 +51,7 @@ def _shared(strata: np.ndarray | None) -> np.ndarray | None:
     return None if few else strata
 
 
-def _score(problem: Problem) -> Callable[..., float]:
+def _score(problem: LocalizationProblem) -> Callable[..., float]:
     return _minus_distance if problem.continuous else _accuracy
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import rcskin
 from rcskin import __main__ as front
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read
 from typer.testing import CliRunner
@@ -85,7 +85,7 @@ def test_a_data_set_is_exported_as_what_was_read(data, folder):
 
 
 def test_data_sets_are_joined_by_what_was_read(data):
-    joined = read_some([data, data], 1000)
+    joined = read_first([data, data], 1000)
     assert joined.sizes["sweep"] == 480
     np.testing.assert_array_equal(joined["taken"].values, TAKEN)
 

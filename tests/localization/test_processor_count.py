@@ -6,11 +6,11 @@ import sys
 
 NEIGHBOURS = """
 import numpy as np
-from rcskin.localization.processor_count import count_cores
+from rcskin.localization.processor_count import physical_cpu_count
 from sklearn.neighbors import KNeighborsRegressor
 
 X = np.random.default_rng(0).standard_normal((300, 3))
-count_cores()
+physical_cpu_count()
 KNeighborsRegressor(algorithm="brute").fit(X, X).predict(X)
 """
 

@@ -64,7 +64,7 @@ def test_a_model_in_memory_keeps_to_its_skin(model, files):
     other = read(files / "other.nc")
     with pytest.raises(InputError, match=REFUSED):
         localize(model, other)
-    assert localize(model.insisting(), other).labels.size == other.sizes["sweep"]
+    assert localize(model.for_any_skin(), other).labels.size == other.sizes["sweep"]
 
 
 def test_live_takes_rest_of_its_own_skin_only(model, files):

@@ -77,7 +77,7 @@ def trained(scene: Scene, way: str, target: str, count: int, path: Path) -> Mode
         estimator, quantities = LEARNED.get(way, ("ksvm-ovo", CHANGE))
         sweeps = simulated(scene, reduced(scene, RTOL), count)
         save_model(path, train(sweeps, target, estimator, quantities=quantities))
-    return load_model(path).insisting()
+    return load_model(path).for_any_skin()
 
 
 def after_touches(model: Model, sweeps: xr.Dataset) -> tuple[Model, xr.Dataset]:

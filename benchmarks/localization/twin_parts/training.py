@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
@@ -50,7 +50,7 @@ def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
         generate(Plan(scene, count, SEED, RTOL), path, training=training)
-        yield read_some(path, count, in_parts=True)
+        yield read_first(path, count, lazy=True)
 
 
 def localized(trial: Trial, sweeps: xr.Dataset) -> dict[str, Model]:

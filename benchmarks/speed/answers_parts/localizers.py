@@ -13,7 +13,7 @@ from rcskin.benchmarks.bench import Run, best_time
 from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweeps_of
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
-from rcskin.localization.inputs.samples import Problem, Samples, samples_of
+from rcskin.localization.inputs.samples import LocalizationProblem, Samples, samples_of
 from rcskin.localization.inversion.estimators import NAME, chosen
 from rcskin.localization.learners.networks import SHORT
 from rcskin.localization.learners.registry import Estimator
@@ -54,7 +54,7 @@ def answers(run: Run) -> Iterator[Answer]:
     yield _answered(MODEL, NAME, against_rest, sessions[0])
 
 
-def _built(estimator: Estimator, problem: Problem) -> Pipeline:
+def _built(estimator: Estimator, problem: LocalizationProblem) -> Pipeline:
     return estimator.build(problem).set_params(**SET.get(estimator.name, {}))
 
 

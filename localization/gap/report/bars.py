@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....simulator.chart_style import COLOURS, chart
-from ..paired_samples import TOLD
+from ..paired_samples import FEATURE_LABELS
 from ..versions import BEFORE
-from .sentences import called
+from .sentences import cause_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ..gap_findings import Findings
+    from ..gap_findings import GapFindings
 
 SIGNIFICANT = 0.05
 WIDEST, MANY = 0.8, 12
 MEASURES = {"coefficient": "energy coefficient", "mmd2": "MMD²"}
 
 
-def draw_distributions(findings: Findings, path: Path) -> None:
+def draw_distributions(findings: GapFindings, path: Path) -> None:
     """A row for each set of features, a group of bars for each class."""
     sets = list(findings.own)
     classes = len(findings.stages[BEFORE].discrepancies[sets[0]])
@@ -32,14 +32,14 @@ def draw_distributions(findings: Findings, path: Path) -> None:
             for axes, measure in zip(row, MEASURES, strict=True):
                 _draw_measure(axes, findings, name, measure)
                 axes.set_ylabel(MEASURES[measure][0].upper() + MEASURES[measure][1:])
-                axes.set_title(TOLD[name])
+                axes.set_title(FEATURE_LABELS[name])
         for axes in panels[-1]:
-            axes.set_xlabel(findings.trial.question.target.capitalize())
+            axes.set_xlabel(findings.trial.options.target.capitalize())
         handles = panels[0, 0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside lower center", ncols=2)
 
 
-def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str) -> None:
+def _draw_measure(axes: Axes, findings: GapFindings, name: str, measure: str) -> None:
     labels = list(findings.stages[BEFORE].discrepancies[name])
     count = len(findings.stages)
     width, places = WIDEST / count, np.arange(len(labels))
@@ -57,9 +57,9 @@ def _draw_measure(axes: Axes, findings: Findings, name: str, measure: str) -> No
     axes.set_axisbelow(True)
 
 
-def draw_causes(findings: Findings, path: Path) -> None:
+def draw_causes(findings: GapFindings, path: Path) -> None:
     """A bar for each parameter, the longest first."""
-    names = [called(each) for each in findings.causes]
+    names = [cause_label(each) for each in findings.causes]
     shares = [100 * each.removed for each in findings.causes]
     with chart(path, 7, 0.9 + 0.32 * len(names)) as figure:
         axes = figure.subplots()

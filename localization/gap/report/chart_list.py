@@ -6,15 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...evaluation.reliability import draw_belief
-from ..paired_samples import TOLD
+from ...evaluation.reliability import draw_reliability_and_risk
+from ..paired_samples import FEATURE_LABELS
 from ..versions import BEFORE
 from .bars import draw_causes, draw_distributions
 from .gap_curves import draw_accuracies, draw_distances
 from .matrices import draw_confusions
 
 if TYPE_CHECKING:
-    from ..gap_findings import Findings
+    from ..gap_findings import GapFindings
 
 PRESSES = {"pressed": "over the pressed pixels", "rest": "with nothing pressed"}
 
@@ -27,7 +27,7 @@ class Chart(NamedTuple):
     draw: Callable[[Path], None]
 
 
-def charts_of(findings: Findings) -> list[Chart]:
+def charts_of(findings: GapFindings) -> list[Chart]:
     """All that the findings have something to show in."""
     return [
         *_distance_charts(findings),
@@ -38,16 +38,16 @@ def charts_of(findings: Findings) -> list[Chart]:
     ]
 
 
-def _distance_charts(findings: Findings) -> list[Chart]:
+def _distance_charts(findings: GapFindings) -> list[Chart]:
     stages = "; ".join(
         f"{'solid' if name == BEFORE else 'dashed'}: {name} calibration" for name in findings.stages
     )
     return [
         Chart(
             f"distance-{kind}",
-            f"Mean of the {findings.trial.pair.noun.name} less mean of the simulation, {told}; "
+            f"Mean of the {findings.trial.pair.label.name} less mean of the simulation, {told}; "
             f"{stages}. A class separation is the distance of neighbouring "
-            f"{findings.trial.question.target}s in the same quantity.",
+            f"{findings.trial.options.target}s in the same quantity.",
             lambda path, kind=kind: draw_distances(findings, kind, path),
         )
         for kind, told in PRESSES.items()
@@ -55,8 +55,8 @@ def _distance_charts(findings: Findings) -> list[Chart]:
     ]
 
 
-def _accuracy_charts(findings: Findings) -> list[Chart]:
-    noun, target = findings.trial.pair.noun, findings.trial.question.target
+def _accuracy_charts(findings: GapFindings) -> list[Chart]:
+    noun, target = findings.trial.pair.label, findings.trial.options.target
     curves = Chart(
         "accuracy",
         f"{target.capitalize()}s right on {noun.adjective} sweeps never trained on, against how "
@@ -68,7 +68,7 @@ def _accuracy_charts(findings: Findings) -> list[Chart]:
     matrices = [
         Chart(
             f"confusion-{name}",
-            f"Confusion of {target}s by {TOLD[name]}; counts are of all draws together.",
+            f"Confusion of {target}s by {FEATURE_LABELS[name]}; counts are of all draws together.",
             lambda path, name=name: draw_confusions(findings, name, path),
         )
         for name in findings.own
@@ -76,19 +76,19 @@ def _accuracy_charts(findings: Findings) -> list[Chart]:
     return [curves, *matrices]
 
 
-def _belief_chart(findings: Findings) -> list[Chart]:
+def _belief_chart(findings: GapFindings) -> list[Chart]:
     told = (
         "How often answers of the model as it is are right against how probable it says they are, "
         "with 95 % intervals; and how many are wrong if only the most probable ones are told."
     )
     if findings.model is None:
         return []
-    judged = findings.model.judged
+    judged = findings.model.score
     shown = judged.answers.probability, judged.right
-    return [Chart("belief", told, lambda path: draw_belief(path, *shown))]
+    return [Chart("belief", told, lambda path: draw_reliability_and_risk(path, *shown))]
 
 
-def _distribution_chart(findings: Findings) -> list[Chart]:
+def _distribution_chart(findings: GapFindings) -> list[Chart]:
     told = (
         "Distance of the distributions of the features: energy coefficient, 0 for the same and 1 "
         "for ones far apart, and unbiased MMD²; a star where the chance of one as large without "
@@ -98,7 +98,7 @@ def _distribution_chart(findings: Findings) -> list[Chart]:
     return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
 
 
-def _cause_chart(findings: Findings) -> list[Chart]:
+def _cause_chart(findings: GapFindings) -> list[Chart]:
     told = "How much of the misfit goes when one parameter alone is fitted."
     chart = Chart("causes", told, lambda path: draw_causes(findings, path))
     return [chart] if findings.causes else []

@@ -10,7 +10,7 @@ import numpy as np
 from ....simulator.chart_style import COLOURS, chart, frequency_axis
 from ....simulator.sweeps.reading_subset import read_mask
 from ..distance import QUANTITIES
-from ..paired_samples import TOLD
+from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..distance import Distance
-    from ..gap_findings import Findings
+    from ..gap_findings import GapFindings
 
 STAGE_STYLE = {BEFORE: "-", AFTER: "--"}
 UNITS = {
@@ -34,7 +34,7 @@ FAR = 30
 """Times that, from which it has to be."""
 
 
-def draw_distances(findings: Findings, kind: str, path: Path) -> None:
+def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
     """Rs and Cp, a row for each unit; a colour for each interface. kind: pressed or rest."""
     shown = {name: getattr(stage, kind) for name, stage in findings.stages.items()}
     units = [unit for unit in UNITS if _known(shown[BEFORE]["Rs"], unit)]
@@ -57,7 +57,7 @@ def _known(distance: Distance, unit: str) -> bool:
 
 
 def _draw_distance(
-    axes: Axes, findings: Findings, found: Mapping[str, Distance], unit: str
+    axes: Axes, findings: GapFindings, found: Mapping[str, Distance], unit: str
 ) -> None:
     other = findings.trial.pair.other
     read = read_mask(other)
@@ -80,22 +80,22 @@ def _draw_distance(
     axes.axhline(0, color="0.4", linewidth=0.8)
 
 
-def draw_accuracies(findings: Findings, path: Path) -> None:
+def draw_accuracies(findings: GapFindings, path: Path) -> None:
     """A panel for each set of features."""
-    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    noun, target = findings.trial.pair.label, findings.trial.options.target
     with chart(path, 9, 3.9) as figure:
         panels = figure.subplots(1, len(findings.own), sharey=True, squeeze=False)[0]
         for axes, name in zip(panels, findings.own, strict=True):
             _draw_transfer(axes, findings, name)
             _draw_own(axes, findings, name)
-            axes.set_title(TOLD[name])
+            axes.set_title(FEATURE_LABELS[name])
             axes.set_xlabel(f"{noun.adjective.capitalize()} sweeps of each pixel added")
             axes.set_ylim(0, 103)
         panels[0].set_ylabel(f"{target.capitalize()}s right (%)")
         _legend(figure, panels[0])
 
 
-def _draw_transfer(axes: Axes, findings: Findings, name: str) -> None:
+def _draw_transfer(axes: Axes, findings: GapFindings, name: str) -> None:
     by_stage = {
         f"trained on simulation, {stage} calibration": (stage, found.transfer[name])
         for stage, found in findings.stages.items()
@@ -119,7 +119,7 @@ def _draw_transfer(axes: Axes, findings: Findings, name: str) -> None:
         axes.set_xticks(range(len(transfer)), [str(k) for k in transfer])
 
 
-def _draw_own(axes: Axes, findings: Findings, name: str) -> None:
+def _draw_own(axes: Axes, findings: GapFindings, name: str) -> None:
     by_grouping = {found.grouping: found for found in findings.own[name].values()}
     for (grouping, found), look in zip(by_grouping.items(), ("-.", ":"), strict=False):
         told = f"cross-validated by {grouping or 'sweep'}"
@@ -127,7 +127,7 @@ def _draw_own(axes: Axes, findings: Findings, name: str) -> None:
             100 * found.accuracy.mean,
             linestyle=look,
             color="0.35",
-            label=f"trained on {findings.trial.pair.noun.adjective} sweeps, {told}",
+            label=f"trained on {findings.trial.pair.label.adjective} sweeps, {told}",
         )
 
 

@@ -13,10 +13,10 @@ from ....simulator.report.files import filled_at_once, write_json
 from ....simulator.report.page import Grid, Items, Picture, Section, write_page
 from .chart_list import charts_of
 from .json_data import numbers
-from .sentences import cause_told, estimate_told, heads, rows_of, summary
+from .sentences import accuracy_rows, cause_sentence, column_headings, estimate_row, summary
 
 if TYPE_CHECKING:
-    from ..gap_findings import Findings
+    from ..gap_findings import GapFindings
 
 HTML, JSON = "gap.html", "gap.json"
 HEADINGS = {
@@ -30,7 +30,7 @@ HEADINGS = {
 """Of the sections of charts, by how the names of these begin."""
 
 
-def write_report(folder: Path, findings: Findings, ending: str | None = None) -> None:
+def write_report(folder: Path, findings: GapFindings, ending: str | None = None) -> None:
     """Write gap.html and gap.json, both whole or neither. ending: of charts beside them, if any."""
     charts = charts_of(findings)
     with filled_at_once(folder) as made, TemporaryDirectory() as drawn:
@@ -38,19 +38,19 @@ def write_report(folder: Path, findings: Findings, ending: str | None = None) ->
         for chart, picture in zip(charts, pictures, strict=True):
             chart.draw(picture.path)
         write_json(made / JSON, numbers(findings), indent=1)
-        title = f"Simulation and {findings.trial.pair.noun.name}: the gap"
+        title = f"Simulation and {findings.trial.pair.label.name}: the gap"
         write_page(made / HTML, title, _sections(findings, pictures))
         for chart in charts if ending else ():
             chart.draw(made / f"{chart.name}{ending}")
 
 
-def _sections(findings: Findings, pictures: Sequence[Picture]) -> list[Section]:
+def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[Section]:
     shown = {
         title: [each for each in pictures if each.name.startswith(kind)]
         for kind, title in HEADINGS.items()
     }
     calibrated = ["", "Scene", "Calibrated", "95 % interval"]
-    estimates = [estimate_told(each) for each in findings.trial.estimates]
+    estimates = [estimate_row(each) for each in findings.trial.estimates]
     return [
         Section("", [_compared(findings), Items([*summary(findings), *_cause(findings)])]),
         _accuracies(findings),
@@ -60,29 +60,29 @@ def _sections(findings: Findings, pictures: Sequence[Picture]) -> list[Section]:
     ]
 
 
-def _compared(findings: Findings) -> str:
-    pair, question = findings.trial.pair, findings.trial.question
+def _compared(findings: GapFindings) -> str:
+    pair, question = findings.trial.pair, findings.trial.options
     other, names = pair.other, [str(name) for name in pair.other["interface"].values]
     return (
         f"{pair.simulated.sizes['sweep']} simulated sweeps against {other.sizes['sweep']} "
-        f"{pair.noun.adjective} sweeps at {other.sizes['frequency']} frequencies and the "
+        f"{pair.label.adjective} sweeps at {other.sizes['frequency']} frequencies and the "
         f"interface{'s' if len(names) > 1 else ''} {', '.join(names)}; {question.target}s by "
         f"{question.estimator}, seed {question.seed}."
     )
 
 
-def _cause(findings: Findings) -> list[str]:
-    told = cause_told(findings)
+def _cause(findings: GapFindings) -> list[str]:
+    told = cause_sentence(findings)
     return [told] if told else []
 
 
-def _accuracies(findings: Findings) -> Section:
-    adjective, columns = findings.trial.pair.noun.adjective, heads(findings)
-    rows = [[row.trained, *row.cells] for row in rows_of(findings)]
+def _accuracies(findings: GapFindings) -> Section:
+    adjective, columns = findings.trial.pair.label.adjective, column_headings(findings)
+    rows = [[row.trained, *row.cells] for row in accuracy_rows(findings)]
     done = "adapt the model" if findings.model else "are added to the simulated ones"
     told = (
         f"k {adjective} sweeps of each pixel {done}; ± is one standard deviation over "
-        f"{findings.trial.question.draws} draws of them. No sweep is tested that was trained or "
+        f"{findings.trial.options.draws} draws of them. No sweep is tested that was trained or "
         "calibrated on; those that calibrated are the first of the k. dlnZ and dphase are ln|Z| "
         "and phase less those at rest in the same session."
     )
@@ -91,8 +91,8 @@ def _accuracies(findings: Findings) -> Section:
     return Section(title, [Grid(["Trained on", *columns], rows, numbered), told])
 
 
-def _error(findings: Findings) -> str:
-    error = findings.trial.error
+def _error(findings: GapFindings) -> str:
+    error = findings.trial.reading_deviation
     if error is None:
         return "The meter's error is unknown: neither a scene nor repeated sweeps tell it."
     return (

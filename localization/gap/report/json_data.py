@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...evaluation.confusion import Confusion
-    from ..comparison import Trial
-    from ..gap_findings import Findings, Stage
-    from ..mean_accuracy import Accuracy, CrossValidated
+    from ..comparison import Comparison
+    from ..gap_findings import CalibrationStage, GapFindings
+    from ..mean_accuracy import CrossValidated, MeanAccuracy
 
 ESTIMATED = ("name", "unit", "start", "value", "low", "high")
 """What is written of each calibrated number."""
@@ -58,14 +58,14 @@ KEYS = {
 }
 
 
-def numbers(findings: Findings) -> dict[str, Any]:
+def numbers(findings: GapFindings) -> dict[str, Any]:
     """The findings under the keys of KEYS, which are told under `about`. All numbers are finite."""
     trial = findings.trial
     return {
         "about": KEYS,
         "software": f"rcskin {version('rcskin')}",
         "compared": _compared(trial),
-        "question": _asked(trial),
+        "question": asdict(trial.options),
         "interfaces": [str(name) for name in trial.pair.other["interface"].values],
         "frequency_Hz": trial.pair.other["frequency"].values.tolist(),
         "meter_error": _meter_error(trial),
@@ -89,14 +89,14 @@ def numbers(findings: Findings) -> dict[str, Any]:
     }
 
 
-def _by_model(findings: Findings) -> dict[str, Any] | None:
+def _by_model(findings: GapFindings) -> dict[str, Any] | None:
     if findings.model is None:
         return None
     found = {str(k): _accuracy(each) for k, each in findings.model.accuracies.items()}
-    return {"adapted": found, "as it is": findings.model.judged.figures()}
+    return {"adapted": found, "as it is": findings.model.score.figures()}
 
 
-def _compared(trial: Trial) -> dict[str, Any]:
+def _compared(trial: Comparison) -> dict[str, Any]:
     sides = {"simulated": trial.pair.simulated, "other": trial.pair.other}
     counted: dict[str, dict[str, Any]] = {
         name: {
@@ -105,17 +105,12 @@ def _compared(trial: Trial) -> dict[str, Any]:
         }
         for name, side in sides.items()
     }
-    counted["other"] |= {"noun": trial.pair.noun.name, "calibrating": int(trial.reserved.sum())}
+    counted["other"] |= {"noun": trial.pair.label.name, "calibrating": int(trial.reserved.sum())}
     return counted
 
 
-def _asked(trial: Trial) -> dict[str, Any]:
-    question = asdict(trial.question)
-    return question | {"calibration_touches": question.pop("touches")}
-
-
-def _meter_error(trial: Trial) -> dict[str, Any] | None:
-    error = trial.error
+def _meter_error(trial: Comparison) -> dict[str, Any] | None:
+    error = trial.reading_deviation
     if error is None:
         return None
     return {
@@ -125,7 +120,7 @@ def _meter_error(trial: Trial) -> dict[str, Any] | None:
     }
 
 
-def _distance(stage: Stage) -> dict[str, Any]:
+def _distance(stage: CalibrationStage) -> dict[str, Any]:
     presses = {"pressed": stage.pressed, "rest": stage.rest}
     return {
         name: {quantity: _tables(quantity, each) for quantity, each in found.items()}
@@ -149,7 +144,7 @@ def _known(table: NDArray[np.float64]) -> list[list[float | None]]:
     return [[each if math.isfinite(each) else None for each in line] for line in table.tolist()]
 
 
-def _transfer(stage: Stage) -> dict[str, Any]:
+def _transfer(stage: CalibrationStage) -> dict[str, Any]:
     return {
         name: {str(k): _accuracy(each) for k, each in found.items()}
         for name, found in stage.transfer.items()
@@ -160,7 +155,7 @@ def _validated(found: CrossValidated) -> dict[str, Any]:
     return _accuracy(found.accuracy) | {"grouping": found.grouping, "folds": found.folds}
 
 
-def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
+def _accuracy(accuracy: MeanAccuracy) -> dict[str, Any]:
     return {
         "mean": accuracy.mean,
         "spread": accuracy.spread,
@@ -174,7 +169,7 @@ def _confusion(confusion: Confusion) -> dict[str, Any]:
     return {"labels": list(confusion.labels), "counts": confusion.counts.tolist()}
 
 
-def _discrepancy(stage: Stage) -> Mapping[str, Any]:
+def _discrepancy(stage: CalibrationStage) -> Mapping[str, Any]:
     return {
         name: {label: asdict(each) for label, each in found.items()}
         for name, found in stage.discrepancies.items()

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from ....simulator.chart_style import chart
 from ...evaluation.confusion_chart import draw_confusion
-from .sentences import model_told
+from .sentences import model_label
 
 if TYPE_CHECKING:
-    from ..gap_findings import Findings
-    from ..mean_accuracy import Accuracy
+    from ..gap_findings import GapFindings
+    from ..mean_accuracy import MeanAccuracy
 
 SIDE, EACH_CLASS = 3.6, 0.3
 """Inches: of a matrix at least, and of a class in a large one."""
@@ -20,11 +20,11 @@ TITLE_WIDTH = 46
 """Letters of a line above a matrix."""
 
 
-def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
+def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
     """Accuracies that are worth a matrix, by what they were trained on. name: of the features."""
-    noun, stages = findings.trial.pair.noun, list(findings.stages)
+    noun, stages = findings.trial.pair.label, list(findings.stages)
     if findings.model:
-        cases = {model_told(k).capitalize(): a for k, a in findings.model.accuracies.items()}
+        cases = {model_label(k).capitalize(): a for k, a in findings.model.accuracies.items()}
         return dict([*cases.items()][:: max(1, len(cases) - 1)])
     cases = {
         f"Trained on simulation, {stage} calibration": findings.stages[stage].transfer[name][0]
@@ -41,7 +41,7 @@ def main_cases(findings: Findings, name: str) -> dict[str, Accuracy]:
     return cases
 
 
-def draw_confusions(findings: Findings, name: str, path: Path) -> None:
+def draw_confusions(findings: GapFindings, name: str, path: Path) -> None:
     """The main cases of one set of features, two side by side."""
     cases = main_cases(findings, name)
     classes = max(len(each.confusion.labels) for each in cases.values())

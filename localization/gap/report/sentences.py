@@ -8,14 +8,14 @@ import numpy as np
 
 from ....simulator.models.effects import EFFECTS
 from ...trust.rates import rate_told
-from ..paired_samples import TOLD
+from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from ....simulator.calibration.estimates import Quantity
     from ....simulator.calibration.misfit import Explained
-    from ..gap_findings import Findings
-    from ..mean_accuracy import Accuracy
+    from ..gap_findings import GapFindings
+    from ..mean_accuracy import MeanAccuracy
 
 
 MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
@@ -23,51 +23,51 @@ MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
 which on a second one is told."""
 
 
-class Row(NamedTuple):
+class AccuracyRow(NamedTuple):
     """A way to train and test, and by each set of features what it reaches, as text."""
 
     trained: str
     cells: tuple[str, ...]
 
 
-def rows_of(findings: Findings) -> list[Row]:
+def accuracy_rows(findings: GapFindings) -> list[AccuracyRow]:
     """Every accuracy, one way to train a row."""
-    adjective = findings.trial.pair.noun.adjective
+    adjective = findings.trial.pair.label.adjective
     rows = []
     for k, accuracy in findings.model.accuracies.items() if findings.model else ():
-        rows.append(Row(model_told(k), (_percent(accuracy),)))
+        rows.append(AccuracyRow(model_label(k), (_percent(accuracy),)))
     for stage, found in findings.stages.items() if not findings.model else ():
         for k in findings.trial.splits:
             cells = tuple(_percent(found.transfer[name][k]) for name in findings.own)
-            rows.append(Row(f"simulated, {stage} calibration, k = {k}", cells))
+            rows.append(AccuracyRow(f"simulated, {stage} calibration, k = {k}", cells))
     for kind in ("grouped", "single"):
         found = [each.get(kind) for each in findings.own.values()]
         if all(found):
             told = next(each.grouping for each in found if each) or "sweep"
             cells = tuple(_percent(each.accuracy) for each in found if each)
-            rows.append(Row(f"{adjective}, cross-validated by {told}", cells))
+            rows.append(AccuracyRow(f"{adjective}, cross-validated by {told}", cells))
     return list(dict.fromkeys(rows))
 
 
-def heads(findings: Findings) -> list[str]:
+def column_headings(findings: GapFindings) -> list[str]:
     """What stands above the cells of a row."""
     return [", ".join(findings.trial.features[name]) for name in findings.own]
 
 
-def model_told(k: int) -> str:
+def model_label(k: int) -> str:
     """The user's model, adapted by k sweeps of every pixel."""
     return f"the model, adapted by k = {k}" if k else "the model as it is"
 
 
-def summary(findings: Findings) -> list[str]:
+def summary(findings: GapFindings) -> list[str]:
     """What matters most, a sentence each."""
-    noun, target = findings.trial.pair.noun, findings.trial.question.target
+    noun, target = findings.trial.pair.label, findings.trial.options.target
     before = _largest(findings, BEFORE)
     told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
     if AFTER in findings.stages:
         told.append(f"After calibration it is {_largest(findings, AFTER)}.")
     if findings.model:
-        judged = findings.model.judged
+        judged = findings.model.score
         told.append(
             f"Of the {noun.adjective} sweeps' {target}s the model tells "
             f"{rate_told(*judged.rates()['accuracy'])} right, and answers "
@@ -80,18 +80,18 @@ def summary(findings: Findings) -> list[str]:
             for stage, found in findings.stages.items()
         ]
         told.append(
-            f"Trained on simulation alone and by {TOLD[name]}, {' and '.join(names)} of the "
-            f"{noun.adjective} sweeps' {target}s are right."
+            f"Trained on simulation alone and by {FEATURE_LABELS[name]}, {' and '.join(names)} of "
+            f"the {noun.adjective} sweeps' {target}s are right."
         )
     return told
 
 
-def cause_told(findings: Findings) -> str:
+def cause_sentence(findings: GapFindings) -> str:
     """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
     if not findings.causes:
         return ""
     first, *others = findings.causes
-    name, share = called(first), f"{100 * first.removed:.0f} % of the misfit"
+    name, share = cause_label(first), f"{100 * first.removed:.0f} % of the misfit"
     if first.removed >= MOST:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
     elif first.removed >= PART:
@@ -99,16 +99,16 @@ def cause_told(findings: Findings) -> str:
     else:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
     if others and others[0].removed >= WORTH_TELLING:
-        told += f"; next is {called(others[0])} with {100 * others[0].removed:.0f} %"
+        told += f"; next is {cause_label(others[0])} with {100 * others[0].removed:.0f} %"
     return told[0].upper() + told[1:] + "."
 
 
-def called(cause: Explained) -> str:
+def cause_label(cause: Explained) -> str:
     """A parameter by its name; one of EFFECTS by what it is, as `a body at about 6 mm`."""
     return cause.told if cause.name in EFFECTS else _spaced(cause.name)
 
 
-def estimate_told(estimate: Quantity) -> tuple[str, str, str, str]:
+def estimate_row(estimate: Quantity) -> tuple[str, str, str, str]:
     """Name, value in the scene, calibrated value and its interval."""
     start, value, low, high = (
         _written(number, estimate.unit)
@@ -125,7 +125,7 @@ def _written(number: float, unit: str) -> str:
     return EngFormatter(unit=unit)(float(rounded)) if unit else rounded
 
 
-def _largest(findings: Findings, stage: str) -> str:
+def _largest(findings: GapFindings, stage: str) -> str:
     """The root mean square over frequencies and interfaces, Rs and Cp apart."""
     found = findings.stages[stage].pressed
     assert found is not None
@@ -143,7 +143,7 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.nanmean(np.square(values))))
 
 
-def _percent(accuracy: Accuracy) -> str:
+def _percent(accuracy: MeanAccuracy) -> str:
     """Mean and spread over draws, of which many test the same sweeps; of one draw, how many."""
     if accuracy.draws == 1:
         return rate_told(accuracy.confusion.correct, accuracy.confusion.total)

@@ -9,7 +9,7 @@ from rcskin.hardware.live.live_baseline import RENEWED_AFTER, Rest
 from rcskin.hardware.live.session_log import rest_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, Answer
 from rcskin.hardware.record.measured_sweep import Sweep, Trace
-from rcskin.localization.inputs.baselines import OPENING, RECENT, log_at_rest, means_at_rest
+from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
 from rcskin.simulator.sweeps import build
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
@@ -35,14 +35,14 @@ def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_d
             rest.add(each)
             taken.append(k)
             continue
-        known.append((k, *means_at_rest(rest_dataset(rest, MODEL))))
+        known.append((k, *mean_baselines(rest_dataset(rest, MODEL))))
         if rest.follow(each, answer):
             taken.append(next(j for j in range(k + 1) if sweeps[j] is rest.sweeps[-1]))
     row = np.isin(np.arange(150), taken).astype(int) ^ 1
     Z = np.array([[trace.Z for trace in each.traces] for each in sweeps])
     press = ["none" if k in taken else "1,1" for k in range(150)]
     recording = build(Z, MODEL.frequencies, interface=["left"], press=press, row=row, column=row)
-    judged = log_at_rest(recording)
+    judged = log_baselines(recording)
     place = {k: number for number, k in enumerate(judged.rows.tolist())}
     same = [(k, *means) for k, *means in known if k - 1 not in taken]
     assert len(taken) > OPENING + RECENT and len(same) > 100

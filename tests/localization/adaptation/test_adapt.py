@@ -81,7 +81,7 @@ def test_an_adapted_model_is_read_back_and_taught_only_once(model, other, tmp_pa
 def test_sweeps_unlike_the_training_are_answered_once_the_skin_is_known(make_sweeps, model, other):
     touches = other(2)
     found = adapted(model, model.samples(touches))
-    told = [each.answers(touches).told.mean() for each in (model, found.model)]
+    told = [each.answers(touches).answered.mean() for each in (model, found.model)]
     assert told[0] < told[1] and told[1] > 0.9
 
 
@@ -103,7 +103,7 @@ def test_places_on_other_sessions_are_told_better_after_than_before(placing, oth
     assert np.median(found.after.distance) < 0.8 * np.median(found.before.distance)
     ratio = (after[truth.rows, 0] - truth.y[:, 0]) / deviation[truth.rows, 0]
     assert 0.4 < np.sqrt(np.mean(ratio**2)) < 2.0
-    shown = [each.answers(unseen).told.mean() for each in (placing, found.model)]
+    shown = [each.answers(unseen).answered.mean() for each in (placing, found.model)]
     assert shown[0] < 0.5 and shown[1] > 0.7
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from rcskin.localization.evaluation.skin_outline import draw_plan
+from rcskin.localization.evaluation.skin_outline import draw_skin_outline
 from rcskin.simulator.scene.scene_files import load_scene
 
 GLOVE = load_scene("glove")
@@ -12,7 +12,7 @@ GLOVE = load_scene("glove")
 def lines(scene):
     """What is drawn of a scene, by label, mm."""
     axes = Figure().subplots()
-    draw_plan(axes, scene)
+    draw_skin_outline(axes, scene)
     return {str(line.get_label()): line.get_xydata() for line in axes.lines}
 
 

@@ -50,7 +50,7 @@ def builder(scene, target, presses):
     }
 
 
-def model_of(step, learned, target, knows_rest=True):
+def model_of(step, learned, target, knows_unpressed=True):
     """What of a trained model is asked for."""
     return SimpleNamespace(
         pipeline=Pipeline([("invert", step)]),
@@ -60,7 +60,7 @@ def model_of(step, learned, target, knows_rest=True):
         interfaces=INTERFACES,
         frequencies=FREQUENCIES,
         classes=tuple(step.classes_.tolist()) if target != "position" else (),
-        knows_rest=knows_rest,
+        knows_unpressed=knows_unpressed,
         problem=SimpleNamespace(taken=()),
         known_scene=SCENE,
         gate=None,

@@ -5,10 +5,10 @@ from functools import cached_property
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.comparison import prepared
-from rcskin.localization.gap.gap_findings import find
-from rcskin.localization.gap.options import Question
-from rcskin.localization.gap.pair import paired
+from rcskin.localization.gap.comparison import prepare_comparison
+from rcskin.localization.gap.gap_findings import find_gap
+from rcskin.localization.gap.options import GapOptions
+from rcskin.localization.gap.pair import pair_sweeps
 from rcskin.simulator.progress import silent
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import UNPRESSED, InputError, build, impedance
@@ -142,11 +142,11 @@ def make_findings():
     """A function that asks everything of a pair."""
 
     def make(simulated, other, target="column", touches=2, estimator="ksvm-ovo"):
-        question = Question(target, estimator, seed=0, draws=2, touches=touches)
-        pair = paired(simulated, other, scene=None, seed=0)
+        question = GapOptions(target, estimator, seed=0, draws=2, calibration_touches=touches)
+        pair = pair_sweeps(simulated, other, scene=None, seed=0)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(ADDABLE, lambda scene: [])
-            return find(prepared(pair, question), silent)
+            return find_gap(prepare_comparison(pair, question), silent)
 
     return make
 

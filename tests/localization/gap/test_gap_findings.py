@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.options import Question
-from rcskin.localization.gap.report.sentences import rows_of
+from rcskin.localization.gap.options import GapOptions
+from rcskin.localization.gap.report.sentences import accuracy_rows
 from rcskin.localization.learners.registry import Estimator
 from rcskin.simulator.sweeps import InputError
 from sklearn.svm import SVC
@@ -114,7 +114,7 @@ def test_features_that_an_estimator_does_not_take_are_left_out(
     findings = make_findings(make_skin_sweeps(), make_skin_sweeps(seed=1), estimator="picky")
     assert list(findings.own) == ["relative"]
     assert told(findings, "Nothing is told by Rs and Cp: takes no Rs.")
-    assert [len(row.cells) for row in rows_of(findings)] == [1] * len(rows_of(findings))
+    assert [len(row.cells) for row in accuracy_rows(findings)] == [1] * len(accuracy_rows(findings))
 
 
 @pytest.mark.usefixtures("uncalibrated")
@@ -141,7 +141,7 @@ def test_one_class_alone_cannot_be_asked_for(make_skin_sweeps, make_findings):
 )
 def test_values_out_of_range_are_refused(asked, message):
     with pytest.raises(InputError, match=message):
-        Question(**{"target": "column", "estimator": "ksvm-ovo", **asked})
+        GapOptions(**{"target": "column", "estimator": "ksvm-ovo", **asked})
 
 
 def test_sessions_are_left_out_as_a_whole_and_each_told_against_its_own_rest(

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.mean_accuracy import cross_validated, transferred
-from rcskin.localization.gap.paired_samples import FEATURE_SETS, Samples, samples_of
+from rcskin.localization.gap.mean_accuracy import cross_validated, transfer_accuracy
+from rcskin.localization.gap.paired_samples import FEATURE_SETS, PairedSamples, paired_samples
 from rcskin.localization.gap.splits import Split
-from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.estimators import chosen
 
 KSVM = chosen("ksvm-ovo", "column")
@@ -14,10 +14,10 @@ KSVM = chosen("ksvm-ovo", "column")
 def points(places, classes, repetitions=4):
     """Samples that lie in a tight heap for each class."""
     random = np.random.default_rng(0)
-    problem = Problem("column", 1, ("Rs",), ("left",), (1e3,), "")
+    problem = LocalizationProblem("column", 1, ("Rs",), ("left",), (1e3,), "")
     X = np.repeat(np.array(places, dtype=float), repetitions)[:, None]
     y = np.repeat(classes, repetitions)
-    return Samples(problem, X + 1e-3 * random.standard_normal(X.shape), y, y)
+    return PairedSamples(problem, X + 1e-3 * random.standard_normal(X.shape), y, y)
 
 
 def indices(*which):
@@ -28,16 +28,16 @@ def test_a_shift_of_one_class_is_undone_by_what_is_added():
     """The other side's class 1 lies where the simulation has class 2."""
     simulated, other = points([0, 1, 2], [1, 2, 3]), points([1, 2, 3], [1, 2, 3])
     everything = Split(indices(), np.arange(12))
-    alone = transferred(simulated, other, [everything], KSVM)
+    alone = transfer_accuracy(simulated, other, [everything], KSVM)
     assert alone.confusion.counts[0].tolist() == [0, 4, 0]
-    same = transferred(simulated, simulated, [everything], KSVM)
+    same = transfer_accuracy(simulated, simulated, [everything], KSVM)
     assert (same.mean, same.spread, same.draws) == (1.0, 0.0, 1)
 
 
 def test_draws_are_told_by_their_mean_and_spread_and_counted_together():
     simulated, other = points([0, 1], [1, 2]), points([0, 0], [1, 2])
     splits = [Split(indices(), indices(0, 1, 2, 4)), Split(indices(), indices(0, 4, 5, 6))]
-    found = transferred(simulated, other, splits, KSVM)
+    found = transfer_accuracy(simulated, other, splits, KSVM)
     assert (found.mean, found.spread) == (0.5, pytest.approx(0.5 * np.sqrt(0.5)))
     assert found.confusion.labels == (1, 2)
     assert found.confusion.counts.tolist() == [[4, 0], [4, 0]]
@@ -57,7 +57,7 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 ):
     sweeps = make_skin_sweeps(rows=2, sessions=sessions)
     sweeps = sweeps.isel(sweep=np.isin(sweeps["row"].values, rows))
-    samples = samples_of(sweeps, FEATURE_SETS["absolute"], target)
+    samples = paired_samples(sweeps, FEATURE_SETS["absolute"], target)
     found = cross_validated(sweeps, samples, KSVM, 0)
     assert found.grouping == grouping
     assert found.accuracy.confusion.total == sweeps.sizes["sweep"]
@@ -66,5 +66,5 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 
 def test_a_class_of_one_sweep_cannot_be_cross_validated(make_skin_sweeps):
     sweeps = make_skin_sweeps(1)
-    samples = samples_of(sweeps, FEATURE_SETS["absolute"], "pixel")
+    samples = paired_samples(sweeps, FEATURE_SETS["absolute"], "pixel")
     assert cross_validated(sweeps, samples, KSVM, 0) is None

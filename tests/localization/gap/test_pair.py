@@ -2,10 +2,16 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.pair import paired, pixel_of
-from rcskin.localization.gap.side_label import MEASUREMENT, SECOND, TWIN, check_simulated, noun_of
+from rcskin.localization.gap.pair import pair_sweeps, pixel_of
+from rcskin.localization.gap.side_label import (
+    MEASUREMENT,
+    SECOND,
+    TWIN,
+    check_simulated,
+    label_of_side,
+)
 from rcskin.localization.gap.subsampling import MOST, SPREAD
-from rcskin.localization.inputs.features import told_features
+from rcskin.localization.inputs.features import available_features
 from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError
 
@@ -27,7 +33,7 @@ MEASURED = {"model": "measured"}
     ],
 )
 def test_the_noun_is_taken_from_the_attributes(make_skin_sweeps, attributes, noun):
-    assert noun_of(make_skin_sweeps(1, attributes=attributes)) == noun
+    assert label_of_side(make_skin_sweeps(1, attributes=attributes)) == noun
 
 
 def test_measured_sweeps_cannot_stand_for_simulated_ones(make_skin_sweeps):
@@ -39,20 +45,20 @@ def test_measured_sweeps_cannot_stand_for_simulated_ones(make_skin_sweeps):
 def test_only_interfaces_of_both_are_kept_and_the_others_told(make_skin_sweeps):
     both, left = make_skin_sweeps(interfaces=("left", "right")), make_skin_sweeps()
     for first, second in ((both, left), (left, both)):
-        pair = paired(first, second, None, 0)
+        pair = pair_sweeps(first, second, None, 0)
         assert list(pair.simulated["interface"]) == list(pair.other["interface"]) == ["left"]
         assert pair.notes == ["Interfaces that only one side has are left out: right."]
 
 
 def test_other_frequencies_are_simulated_anew(make_skin_sweeps):
     f = np.geomspace(2e3, 1e5, 5)
-    pair = paired(make_skin_sweeps(), make_skin_sweeps(frequency=f), None, 0)
+    pair = pair_sweeps(make_skin_sweeps(), make_skin_sweeps(frequency=f), None, 0)
     np.testing.assert_array_equal(pair.simulated["frequency"], f)
     assert pair.noise_free
     assert "simulated anew" in pair.notes[0]
     named = make_skin_sweeps().drop_attrs()
     scene = parse_scene(make_skin_sweeps().attrs["scene"], "named")
-    assert paired(named, make_skin_sweeps(frequency=f), scene, 0).scene == scene
+    assert pair_sweeps(named, make_skin_sweeps(frequency=f), scene, 0).scene == scene
 
 
 def test_presses_of_no_single_pixel_are_left_out(make_skin_sweeps):
@@ -60,7 +66,7 @@ def test_presses_of_no_single_pixel_are_left_out(make_skin_sweeps):
     row = sweeps["row"].values.copy()
     row[[3, 4]] = -1
     other = sweeps.assign_coords(row=("sweep", row), column=("sweep", np.where(row < 0, -1, 1)))
-    pair = paired(make_skin_sweeps(), other, None, 0)
+    pair = pair_sweeps(make_skin_sweeps(), other, None, 0)
     assert pair.other.sizes["sweep"] == sweeps.sizes["sweep"] - 2
     assert pair.notes == ["2 measured sweeps of no single pixel are left out."]
 
@@ -71,17 +77,17 @@ def test_many_simulated_sweeps_are_thinned_and_keep_the_skin_at_rest(make_skin_s
     number = np.arange(MOST * SPREAD * 2)
     many = sweeps.isel(sweep=number % sweeps.sizes["sweep"])
     many = many.assign_coords(session=("sweep", number * sessions // number.size))
-    pair = paired(many, sweeps, None, 0)
+    pair = pair_sweeps(many, sweeps, None, 0)
     assert pair.simulated.sizes["sweep"] == MOST
     assert pair.notes == [f"{MOST} of {number.size} simulated sweeps are used, drawn at random."]
-    assert told_features(pair.simulated, ["dlnZ"])[1].size > MOST / 3
-    again = paired(many, sweeps, None, 0).simulated
+    assert available_features(pair.simulated, ["dlnZ"])[1].size > MOST / 3
+    again = pair_sweeps(many, sweeps, None, 0).simulated
     np.testing.assert_array_equal(again["session"], pair.simulated["session"])
 
 
 def test_sweeps_that_no_meter_has_read_are_known(make_skin_sweeps):
     for noisy in (True, False):
-        pair = paired(make_skin_sweeps(noisy=noisy), make_skin_sweeps(), None, 0)
+        pair = pair_sweeps(make_skin_sweeps(noisy=noisy), make_skin_sweeps(), None, 0)
         assert pair.noise_free is not noisy
 
 
@@ -106,7 +112,7 @@ def test_pixels_have_numbers_and_rest_is_zero(make_skin_sweeps):
 )
 def test_sides_that_share_nothing_are_refused(make_skin_sweeps, change, message):
     with pytest.raises(InputError, match=message):
-        paired(make_skin_sweeps().drop_attrs(), make_skin_sweeps(**change), None, 0)
+        pair_sweeps(make_skin_sweeps().drop_attrs(), make_skin_sweeps(**change), None, 0)
 
 
 def test_sides_without_a_common_pixel_are_refused(make_skin_sweeps):
@@ -114,4 +120,4 @@ def test_sides_without_a_common_pixel_are_refused(make_skin_sweeps):
     row = sweeps["row"].values
     for kept in (row == 0, row == 2):
         with pytest.raises(InputError, match="no pixel is pressed in both"):
-            paired(sweeps.isel(sweep=row == 1), sweeps.isel(sweep=kept), None, 0)
+            pair_sweeps(sweeps.isel(sweep=row == 1), sweeps.isel(sweep=kept), None, 0)

@@ -9,7 +9,7 @@ import pytest
 from rcskin.localization.gap.report import html_report
 from rcskin.localization.gap.report.chart_list import charts_of
 from rcskin.localization.gap.report.json_data import KEYS, numbers
-from rcskin.localization.gap.report.sentences import cause_told, rows_of
+from rcskin.localization.gap.report.sentences import accuracy_rows, cause_sentence
 from rcskin.simulator.calibration.misfit import Explained
 from rcskin.simulator.chart_style import STYLE
 
@@ -77,7 +77,7 @@ def test_a_measurement_is_called_one(pair_of_sweeps, make_findings):
     measured = other.drop_attrs().assign_attrs(model="measured", scene=other.attrs["scene"])
     found = make_findings(simulated, measured)
     assert numbers(found)["compared"]["other"]["noun"] == "measurement"
-    assert rows_of(found)[-1].trained == "measured, cross-validated by sweep"
+    assert accuracy_rows(found)[-1].trained == "measured, cross-validated by sweep"
 
 
 def test_every_number_is_finite_and_every_table_complete(written, findings):
@@ -124,7 +124,7 @@ def test_the_cause_is_told_in_one_sentence(findings):
     assert re.fullmatch(
         r"Sheet resistance explains most of the gap: fitted alone, it removes \d+ % of the "
         r"misfit; next is [a-z ]+ with \d+ %\.",
-        cause_told(findings),
+        cause_sentence(findings),
     )
 
 
@@ -171,7 +171,7 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
 def test_words_and_share_of_a_cause_agree(findings, shares, told):
     named = zip(("foam", "sheet"), shares, strict=True)
     causes = [Explained(name, 0.0, 1.0, 1 - share, name) for name, share in named]
-    assert cause_told(replace(findings, causes=causes)) == told
+    assert cause_sentence(replace(findings, causes=causes)) == told
 
 
 def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
@@ -179,7 +179,7 @@ def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
     found = replace(
         findings, causes=[body, Explained("finger", 1e-12, 1.0, 0.8, "a finger of 1 pF")]
     )
-    assert cause_told(found) == (
+    assert cause_sentence(found) == (
         "A body at about 6 mm explains most of the gap: fitted alone, it removes 71 % of the "
         "misfit; next is a finger of 1 pF with 20 %."
     )

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.baselines import OPENING, log_at_rest
-from rcskin.localization.inputs.features import features, told_features
+from rcskin.localization.inputs.baselines import OPENING, log_baselines
+from rcskin.localization.inputs.features import available_features, features
 from rcskin.simulator.sweeps import InputError, build
 
 FREQUENCY = np.array([1e3, 1e4, 1e5])
@@ -31,7 +31,7 @@ def logarithm(sweeps):
 
 def test_the_skin_at_rest_of_the_same_session():
     sweeps = recorded([0, 1, 0, 1], 4, 7)
-    found, rows = told_features(sweeps, ["lnZ0", "phase0"])
+    found, rows = available_features(sweeps, ["lnZ0", "phase0"])
     assert rows.tolist() == [1, 2, 3, 5, 6, 7]
     expected = logarithm(sweeps)[[0, 0, 0, 4, 4, 4], 0]
     np.testing.assert_allclose(found, np.hstack([expected.real, expected.imag]))
@@ -40,7 +40,7 @@ def test_the_skin_at_rest_of_the_same_session():
 def test_changes_are_told_against_the_latest_sweeps_at_rest_before_and_curves_are_of_the_opening():
     columns = np.tile([0, 1, 0, 2, 2], 30)
     sweeps = recorded(columns, 0)
-    told, rest = log_at_rest(sweeps), np.flatnonzero(columns == 0)
+    told, rest = log_baselines(sweeps), np.flatnonzero(columns == 0)
     assert told.rows.tolist() == list(range(rest[2] + 1, columns.size))
     for row, recent, opening in zip(*told, strict=True):
         before = logarithm(sweeps)[rest[rest < row]]
@@ -54,7 +54,7 @@ def test_what_a_sweep_is_told_against_depends_neither_on_its_own_reading_nor_on_
     sweeps = recorded(np.tile([0, 1, 0, 2, 2], 30), 0)
     other = sweeps.copy(deep=True)
     other["Rs"][row] *= 1.5
-    here, there = log_at_rest(sweeps), log_at_rest(other)
+    here, there = log_baselines(sweeps), log_baselines(other)
     same = here.rows <= row
     np.testing.assert_array_equal(here.recent[same], there.recent[same])
     np.testing.assert_array_equal(here.opening[same], there.opening[same])
@@ -64,17 +64,17 @@ def test_a_sweep_among_those_given_at_rest_is_told_against_the_others():
     sweeps = recorded([0, 0, 0, 1], 0)
     at_rest = sweeps.isel(sweep=slice(3))
     Z = logarithm(sweeps)
-    found = log_at_rest(sweeps, at_rest).recent
+    found = log_baselines(sweeps, at_rest).recent
     np.testing.assert_allclose(found[0], Z[1:3].mean(axis=0))
     np.testing.assert_allclose(found[3], Z[:3].mean(axis=0))
-    assert log_at_rest(sweeps, sweeps.isel(sweep=[0])).rows.tolist() == [1, 2, 3]
+    assert log_baselines(sweeps, sweeps.isel(sweep=[0])).rows.tolist() == [1, 2, 3]
 
 
 def test_of_touches_that_change_nothing_no_classifier_knows_rest_by_its_reference():
     """Changes of sweeps at rest and of touches vary alike, however few sweeps at rest there are."""
     for rests in (2, 3, 5):
         sweeps = recorded(np.r_[np.zeros(rests, int), np.arange(8) + 1, 0], *range(150))
-        X, rows = told_features(sweeps, ["dlnZ"])
+        X, rows = available_features(sweeps, ["dlnZ"])
         rest = sweeps["row"].values[rows] == 0
         assert X[rest].var() == pytest.approx(X[~rest].var(), rel=0.15)
 
@@ -86,6 +86,6 @@ def test_sweeps_before_the_first_at_rest_are_named():
 
 def test_beside_other_quantities():
     sweeps = recorded([0, 1, 0, 1], 4)
-    both, _ = told_features(sweeps, ["dlnZ", "lnZ0"])
-    np.testing.assert_array_equal(both[:, :3], told_features(sweeps, ["dlnZ"])[0])
-    np.testing.assert_array_equal(both[:, 3:], told_features(sweeps, ["lnZ0"])[0])
+    both, _ = available_features(sweeps, ["dlnZ", "lnZ0"])
+    np.testing.assert_array_equal(both[:, :3], available_features(sweeps, ["dlnZ"])[0])
+    np.testing.assert_array_equal(both[:, 3:], available_features(sweeps, ["lnZ0"])[0])

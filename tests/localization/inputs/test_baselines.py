@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from rcskin.localization.inputs.features import features, told_features
+from rcskin.localization.inputs.features import available_features, features
 from rcskin.simulator.sweeps import InputError, build, concatenate, impedance
 
 
@@ -27,14 +27,14 @@ def test_logarithm_and_phase_are_those_of_the_impedance(sheet):
 def test_fixed_errors_of_a_session_drop_out_against_rest(strip):
     other = seen_by(1.02 * np.exp(0.01j), strip)
     against, alone = ("dlnZ", "dphase"), ("lnZ", "phase")
-    found, expected = (told_features(each, against)[0] for each in (other, strip))
+    found, expected = (available_features(each, against)[0] for each in (other, strip))
     np.testing.assert_allclose(found, expected, atol=1e-12)
     assert np.abs(features(other, alone) - features(strip, alone)).min() > 0.009
 
 
 def test_each_session_is_told_against_its_own_rest(strip):
     later = seen_by(1.05, strip).assign_coords(session=("sweep", np.full(24, 7)))
-    both, rows = told_features(concatenate([strip, later]), ("dlnZ",))
+    both, rows = available_features(concatenate([strip, later]), ("dlnZ",))
     assert rows.tolist() == [*range(1, 24), *range(25, 48)]
     np.testing.assert_allclose(both[23:], both[:23], atol=1e-12)
 
@@ -50,7 +50,7 @@ def test_rest_may_be_given_beside_the_sweeps(strip):
 def test_a_drift_of_the_session_drops_out_but_for_that_since_the_last_rest(strip):
     drift = xr.DataArray(1 + 0.002 * np.arange(strip.sizes["sweep"]), dims="sweep")
     moved = strip.assign({name: strip[name] * drift for name in ("Rs", "X")})
-    found, expected = (told_features(each, ("dlnZ", "dphase"))[0] for each in (moved, strip))
+    found, expected = (available_features(each, ("dlnZ", "dphase"))[0] for each in (moved, strip))
     np.testing.assert_allclose(found, expected, atol=4 * 0.002 + 2e-4)
 
 

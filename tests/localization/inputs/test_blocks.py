@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 from rcskin.localization.inputs import features
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.learners.networks import NetworkClassifier
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import build, concatenate, read, write
@@ -29,18 +29,18 @@ def mountings(make_sweeps):
 @pytest.mark.parametrize("quantities", [("Rs", "Cp"), ("lnZ", "X"), RELATIVE, ("Cp", *RELATIVE)])
 @pytest.mark.parametrize("block", [1, 7, 20, 1000])
 def test_blocks_of_any_size_give_the_same_bits(mountings, monkeypatch, quantities, block):
-    whole = features.told_features(mountings, quantities)
+    whole = features.available_features(mountings, quantities)
     monkeypatch.setattr(features, "BLOCK", block)
-    for found, truth in zip(features.told_features(mountings, quantities), whole, strict=True):
+    for found, truth in zip(features.available_features(mountings, quantities), whole, strict=True):
         np.testing.assert_array_equal(found, truth)
 
 
 def test_a_skin_at_rest_of_its_own_serves_every_block(mountings, monkeypatch, make_sweeps):
     rest = make_sweeps(1, 1, 1, rests=4).isel(sweep=slice(3))
-    whole = features.told_features(mountings, RELATIVE, rest=rest)
+    whole = features.available_features(mountings, RELATIVE, rest=rest)
     monkeypatch.setattr(features, "BLOCK", 10)
     for found, truth in zip(
-        features.told_features(mountings, RELATIVE, rest=rest), whole, strict=True
+        features.available_features(mountings, RELATIVE, rest=rest), whole, strict=True
     ):
         np.testing.assert_array_equal(found, truth)
 
@@ -48,7 +48,7 @@ def test_a_skin_at_rest_of_its_own_serves_every_block(mountings, monkeypatch, ma
 def peak_of(sweeps):
     """Bytes taken at once on the way to the features, over those of the features."""
     tracemalloc.start()
-    X, _ = features.told_features(sweeps, RELATIVE)
+    X, _ = features.available_features(sweeps, RELATIVE)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return peak / X.nbytes
@@ -85,10 +85,10 @@ def test_a_model_is_the_same_from_memory_and_from_a_store_in_parts(
     monkeypatch.setattr("rcskin.localization.learners.classifiers.NetworkClassifier", few)
     whole = train(read(tmp_path / "a.zarr"), "column", "network", quantities=RELATIVE)
     monkeypatch.setattr(features, "BLOCK", 20)
-    stored = read_some(tmp_path / "a.zarr", 10_000, in_parts=True)
+    stored = read_first(tmp_path / "a.zarr", 10_000, lazy=True)
     own = train(stored, "column", "network", quantities=RELATIVE)
     assert not any(stored[name].variable._in_memory for name in readings)
-    np.testing.assert_array_equal(own.marks, whole.marks)
+    np.testing.assert_array_equal(own.fingerprints, whole.fingerprints)
     assert own.learned.sharpness == whole.learned.sharpness
     coefficients = [each.pipeline[-1].network_.coefs_ for each in (own, whole)]
     for one, other in zip(*coefficients, strict=True):

@@ -19,11 +19,11 @@ def samples(make_sweeps):
 
 
 def test_the_first_sessions_are_shown(samples):
-    assert set(samples.of_sessions(3).sessions) == {0, 1, 2}
-    assert samples.of_sessions(None) is samples and samples.of_sessions(5) is samples
+    assert set(samples.first_sessions(3).sessions) == {0, 1, 2}
+    assert samples.first_sessions(None) is samples and samples.first_sessions(5) is samples
 
 
 def test_further_sessions_are_shown_until_each_class_is_there_twice(samples):
-    shown = samples.of_sessions(1)
+    shown = samples.first_sessions(1)
     assert set(shown.sessions) == {0, 1, 2}
     assert np.unique(shown.y, return_counts=True)[1].min() >= 2

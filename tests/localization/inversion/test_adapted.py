@@ -5,7 +5,7 @@ from threading import Event
 import numpy as np
 import pytest
 import skops.io
-from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.estimators import ADAPTED, NAME, estimators
@@ -243,7 +243,7 @@ def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, tmp_path, monk
 def test_other_features_and_sweeps_without_their_scene_are_refused(name):
     made = estimators()[name]
     takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == NAME else 4]
-    problem = Problem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
+    problem = LocalizationProblem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
     assert made.build(problem).steps[0][0] == "invert"
     for wrong, told in (
         (("Rs", "Cp"), f"takes the features {','.join(takes)}, got Rs,Cp"),
@@ -251,4 +251,4 @@ def test_other_features_and_sweeps_without_their_scene_are_refused(name):
     ):
         scene = "" if wrong == takes else SCENE
         with pytest.raises(InputError, match=told):
-            made.build(Problem("column", NUMBERS, wrong, ("left",), (1e3,), scene))
+            made.build(LocalizationProblem("column", NUMBERS, wrong, ("left",), (1e3,), scene))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.learners.drift import DRIFT, Drifting, drifting, with_drift
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
@@ -13,7 +13,9 @@ BOTH = ("dlnZ", "dphase", "lnZ0", "phase0")
 
 
 def problem(quantities):
-    return Problem("column", READINGS * len(quantities), quantities, ("left",), (1e3, 1e4), "")
+    return LocalizationProblem(
+        "column", READINGS * len(quantities), quantities, ("left",), (1e3, 1e4), ""
+    )
 
 
 def allowing(quantities):

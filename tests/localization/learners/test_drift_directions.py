@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.learners.classifiers import gaussian
 from rcskin.localization.learners.drift_directions import FOLLOWED, OPENING, Moved
 from rcskin.localization.learners.gaussians import GaussianClassifier
@@ -90,6 +90,6 @@ def test_features_of_one_reading_are_paired_in_whatever_order_they_are_asked(
     quantities, curve, absolute
 ):
     names = tuple(quantities.split(","))
-    problem = Problem("column", len(names), names, ("left",), (1e3,), "")
+    problem = LocalizationProblem("column", len(names), names, ("left",), (1e3,), "")
     made = gaussian(problem)[-1]
     assert (made.curve, made.absolute) == (curve, absolute)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import Problem, Samples
+from rcskin.localization.inputs.samples import LocalizationProblem, Samples
 from rcskin.localization.learners.networks import SHORT, STAGES
 from rcskin.localization.learners.registry import learners
 from rcskin.localization.trust.tuning import trainer
@@ -14,7 +14,7 @@ AGAINST_REST = "dlnZ", "dphase", "lnZ0", "phase0"
 
 
 def asked(target):
-    return Problem(target, 8, AGAINST_REST, ("left",), (1e3, 1e4), "")
+    return LocalizationProblem(target, 8, AGAINST_REST, ("left",), (1e3, 1e4), "")
 
 
 TOLD = [

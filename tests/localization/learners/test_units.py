@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import Problem
+from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.learners.registry import learners
 
 OHM, FARAD = 1e5, 1e-10
@@ -17,7 +17,7 @@ def test_what_only_the_capacitance_tells_is_learned(name):
     Cp = told[:, None] + 0.1 * random.normal(size=(120, 3))
     X = np.hstack([OHM * (1 + 0.1 * other), FARAD * Cp])
     answers = np.stack([told, told], axis=1) if target == "position" else told.astype(int)
-    problem = Problem(target, 6, ("Rs", "Cp"), ("left",), (1e3, 1e4, 1e5), "")
+    problem = LocalizationProblem(target, 6, ("Rs", "Cp"), ("left",), (1e3, 1e4, 1e5), "")
     learned = made.build(problem).fit(X[::2], answers[::2])
     found = learned.predict(X[1::2])
     assert (np.abs(found - answers[1::2]) < 0.5).mean() > 0.95

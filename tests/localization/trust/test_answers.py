@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import drawn
+from rcskin.localization.inputs.samples import draw_stratified
 from rcskin.localization.learners.components import Components
 from rcskin.localization.trust.answers import CANNOT_TELL, decide, threshold_of
 from rcskin.localization.trust.temperature import calibration_error, probabilities, sharpness_of
@@ -77,8 +77,8 @@ def test_a_rate_asked_is_kept_with_confidence_not_by_luck():
 def test_sweeps_are_thinned_in_like_shares_whatever_their_order():
     """52 000 sweeps of 26 classes in turn, of which evenly spaced ones miss one."""
     groups = np.arange(5200) % 26
-    kept = drawn(groups, 2000)
+    kept = draw_stratified(groups, 2000)
     counts = np.bincount(groups[kept], minlength=26)
     assert kept.size == 2000 and np.ptp(counts) <= 1
-    np.testing.assert_array_equal(kept, drawn(groups, 2000))
-    assert 5200 in drawn(np.append(groups, 99), 2000)
+    np.testing.assert_array_equal(kept, draw_stratified(groups, 2000))
+    assert 5200 in draw_stratified(np.append(groups, 99), 2000)

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.samples import Problem, Samples
+from rcskin.localization.inputs.samples import LocalizationProblem, Samples
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.localization.trust.fitting import learn_classes
 
 QUANTITIES = ("dlnZ", "dphase", "lnZ0", "phase0")
 FREQUENCIES = (1e3, 1e4)
-PROBLEM = Problem("column", 8, QUANTITIES, ("left",), FREQUENCIES, "")
+PROBLEM = LocalizationProblem("column", 8, QUANTITIES, ("left",), FREQUENCIES, "")
 SESSIONS, COUNT, NOISE, DRIFT = 300, 4, 1e-3, 0.015
 TOUCHES = 0.02 * np.array([[1, 0, 1, 0], [1, 1, 0, 0], [0, 1, 0, 1]])
 

@@ -70,8 +70,8 @@ def xr_ramp(sweeps):
 
 
 def test_nothing_pressed_is_known_only_where_it_was_shown(columns, strip):
-    assert columns.knows_rest
-    assert not train(strip.isel(sweep=strip["column"].values > 0)).knows_rest
+    assert columns.knows_unpressed
+    assert not train(strip.isel(sweep=strip["column"].values > 0)).knows_unpressed
 
 
 def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tmp_path):

@@ -62,7 +62,7 @@ def known(session):
 
 def rates(model, asked):
     """Pairs that are not answered, and single presses that are."""
-    told, touches = model.answers(asked).told, counts_of(asked)
+    told, touches = model.answers(asked).answered, counts_of(asked)
     return 1 - told[touches == 2].mean(), told[touches == 1].mean()
 
 
@@ -92,9 +92,9 @@ def test_a_localizer_of_raw_readings_is_guarded_by_changes_from_rest(session, kn
 
 def test_sweeps_beside_which_no_rest_is_known_are_answered_as_they_were(known):
     without = known.isel(sweep=known["row"].values != 0)
-    assert not train(without, quantities=("Rs", "Cp")).watches_changes
-    assert train(known, quantities=("Rs", "Cp")).watches_changes
-    assert not train(known, quantities=CHANGES).watches_changes
+    assert not train(without, quantities=("Rs", "Cp")).guards_use_changes
+    assert train(known, quantities=("Rs", "Cp")).guards_use_changes
+    assert not train(known, quantities=CHANGES).guards_use_changes
 
 
 def test_the_best_test_notices_more_and_by_its_own_count(skin):

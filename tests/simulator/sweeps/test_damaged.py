@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from rcskin.localization.inputs.sweep_files import read_some
+from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.model_file import load
 from rcskin.simulator.dataset.export import export
 from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
@@ -13,8 +13,8 @@ from rcskin.simulator.sweeps.press_text import parse_touches
 SCENE = BUILTIN / "glove.toml"
 READERS = (
     read,
-    lambda path: read_some(path, 100),
-    lambda path: read_some(path, 100, in_parts=True),
+    lambda path: read_first(path, 100),
+    lambda path: read_first(path, 100, lazy=True),
 )
 
 
