@@ -22,6 +22,7 @@ from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
+from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
@@ -192,6 +193,8 @@ class Readings:
         pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
         if size is not None and scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
+        if size is not None:
+            require_no_walls(scene, "a limit of touches of a size")
         self.scene, self._size = scene, size
         self.model = errors_of(scene, against_rest)
         self._factors = (

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from ..press.finger import finger_capacitance, finger_over
 from ..press.pixels import pixels_with_skin
 from ..press.touch import Touch
+from ..press.walls import require_no_walls
+from ..scene.randomisation import DrawnPress
 from ..scene.scene import Scene
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import InputError
@@ -74,7 +76,8 @@ OWN_FINGERS = DrawnFingers(None, np.zeros((1, 1), dtype=bool))
 
 
 def check_surroundings(scene: Scene) -> None:
-    """Raises InputError where fingers, bodies or rims are drawn that the scene does not have."""
+    """Raises InputError where fingers, bodies or rims are drawn that the scene does not have, and
+    where touches with walls are no whole pixels."""
     press, session, around = scene.dataset.press, scene.dataset.session, scene.surroundings
     drawn = {
         "press.finger": press.finger,
@@ -83,6 +86,8 @@ def check_surroundings(scene: Scene) -> None:
         "session.rim": session.rim,
     }
     named = [f"{scene.name}: `dataset.{key}`" for key, each in drawn.items() if each is not None]
+    if press.rasterized:
+        require_no_walls(scene, f"a data set of touches beside pixels (`{_beside(press)}`)")
     if not named:
         return
     if around is None:
@@ -98,6 +103,10 @@ def check_surroundings(scene: Scene) -> None:
         raise InputError(f"{scene.name}: `dataset.session.rim` needs `surroundings.rim`")
     if press.without_press:
         _check_touching(scene)
+
+
+def _beside(press: DrawnPress) -> str:
+    return "dataset.press.offset" if press.place == "pixel" else "dataset.press.place"
 
 
 def _check_touching(scene: Scene) -> None:

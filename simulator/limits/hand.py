@@ -20,6 +20,7 @@ from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
+from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
@@ -51,7 +52,9 @@ class Hand:
         offset: float = 0.0,
         against_rest: int = 0,
     ) -> None:
-        """Raises InputError for a meter without noise, and for a scene that presses by fingers."""
+        """Raises InputError for a meter without noise, and for a scene that presses by fingers or
+        has walls around touches."""
+        require_no_walls(scene, "a limit of a hand that misses")
         if scene.press.finger:
             raise InputError(
                 f"{scene.name}: limits of a hand that misses take presses by a rod alone; leave "

@@ -53,7 +53,8 @@ class Variation:
         parts, foam = parts_of(scene), self.foam(scene)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
-        return np.concatenate([foam, np.ones(parts.fingers), across, fixed])
+        walls = foam[parts.walls.pairs].mean(axis=1)
+        return np.concatenate([foam, np.ones(parts.fingers), across, walls, fixed])
 
     @property
     def alike(self) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from ..press.walls import of_step
 from ..scene.contacts import Contact
 from ..scene.extent import perimeter, surface
 from ..scene.scene import Scene
@@ -53,18 +54,6 @@ def straight_share(thickness: float, depth: float) -> float:
     return (thickness / depth) ** 2 / 6
 
 
-def of_step(ratio: float) -> float:
-    """Capacitance of a step in the gap between two plates beyond that of straight fields, over eps
-    and for each metre. ratio: of the smaller gap to the larger one, below 1.
-
-    E = 1/pi [(1 + a²)/a ln((1 + a)/(1 - a)) - 2 ln(4 a / (1 - a²))]: 0.2498 for a = 1/2. Source: by
-    a conformal map, J. R. Whinnery and H. W. Jamieson, Proc. IRE 32 (1944) 98.
-    """
-    a = ratio
-    walls = (1 + a**2) / a * math.log((1 + a) / (1 - a))
-    return (walls - 2 * math.log(4 * a / (1 - a**2))) / math.pi
-
-
 def wall_share(scene: Scene, factor: float) -> float:
     """What the walls around a pixel add to the rise of its capacitance by a factor, relatively.
 
@@ -72,7 +61,7 @@ def wall_share(scene: Scene, factor: float) -> float:
     """
     skin, (rows, columns) = scene.skin, scene.pixels.shape
     x, y = skin.stretched_sides[0] / columns, skin.stretched_sides[1] / rows
-    step = of_step(1 / factor) * skin.foam.thickness_or_assumed
+    step = float(of_step(1 / factor)) * skin.foam.thickness_or_assumed
     return step * 2 * (x + y) / (x * y * (factor - 1))
 
 

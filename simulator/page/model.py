@@ -15,6 +15,7 @@ from ..models.parameters import foam_parts
 from ..models.reduced.families.family import resistive
 from ..models.reduced.projection import Projection
 from ..models.reduced.skin import ReducedSkin
+from ..press.parts import Parts
 from .base64_arrays import exactly
 
 KRYLOV_RTOL = 1e-12
@@ -59,7 +60,8 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
 
 def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
     """How interfaces are sums of excitations, where parts of M beyond the foam's begin, see
-    `Parts`, and M of what no press changes in F, shape (m, m); nothing where there is only foam."""
+    `Parts`, between which cells there are walls, and M of what no press changes in F, shape (m, m);
+    nothing where there is only foam."""
     parts, combination, fixed = skin.parts, skin.combination, skin.reduced.fixed
     if not parts.around:
         return {}
@@ -70,8 +72,14 @@ def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
         else [[[int(k), row[k]] for k in np.flatnonzero(row)] for row in combination.weights],
         "parts": {"fingers": parts.kind[1].start, "thickness": parts.kind[2].start},
         "across": bool(parts.thickness),
+        **({"walls": _walls(parts)} if parts.walls.count else {}),
         "fixed": None if whole is None else exactly(whole),
     }
+
+
+def _walls(parts: Parts) -> dict[str, Any]:
+    """Where walls begin among the parts of M, and the cells on their sides, one after the other."""
+    return {"start": parts.kind[3].start, "pairs": parts.walls.pairs.ravel().tolist()}
 
 
 def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:

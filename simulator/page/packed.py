@@ -102,9 +102,11 @@ def reduced_for_page(
     Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
     sheets in a way that a page does not know, else it and ToleranceError as `reduce`.
     """
-    if gauged(scene.skin) and scene.skin.foam.mechanics is not None:
+    thick = parts_of(scene).thickness > 0
+    if (gauged(scene.skin) or thick) and scene.skin.foam.mechanics is not None:
+        key = "surroundings.thickness` or `surroundings.solved" if thick else "piezoresistance"
         raise InputError(
-            f"{scene.name}: a page cannot take `piezoresistance` with `skin.foam.mechanics`: it "
+            f"{scene.name}: a page cannot take `{key}` with `skin.foam.mechanics`: it "
             "knows strain of foam of constant permittivity only"
         )
     slowest, fastest = (r * c for r, c in zip(RESISTANCE, CAPACITANCE, strict=True))

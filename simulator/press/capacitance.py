@@ -19,7 +19,8 @@ from .batch import NOTHING, TouchedCells, together
 from .parts import parts_of
 from .pixels import pixel_lines
 from .press import Press, check_fingers, pressed_factor, require_plain
-from .touch import AnyTouch, Box, Disc, Rectangle, Touch, place_of
+from .touch import AnyTouch, Box, Disc, Indentation, Rectangle, Touch, place_of
+from .walls import require_no_walls
 
 
 @dataclass(frozen=True)
@@ -92,14 +93,26 @@ def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = Non
     """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`.
 
     Fingers follow, as `Parts` numbers them. Raises InputError for a finger where the scene has no
-    earth.
+    earth, and for walls around touches that are no whole cells.
     """
     check_fingers(press, scene)
     shape = grid or scene.pixels.shape
+    _check_walls(scene, press, shape)
     raised = _under_applicators(scene, press) if press.indented else _raised(scene, press, shape)
     if not press.fingers:
         return raised
     return together(raised, fingers(scene, press, shape))
+
+
+def _check_walls(scene: Scene, press: Press, grid: tuple[int, int]) -> None:
+    if scene.surroundings is None or not scene.surroundings.edges:
+        return
+    cells = scene if grid == scene.pixels.shape else scene.on_grid(*grid)
+    for touch in press.touches:
+        if isinstance(touch, Touch | Indentation) or touch.factor == 1:
+            continue
+        if not isinstance(touch, Rectangle) or lines(cells, Press((touch,))) != NO_LINES:
+            require_no_walls(scene, f"press {touch} on pixels")
 
 
 def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:

@@ -1,8 +1,9 @@
 """How the parts that M of a skin is a sum of are numbered; presses say by these numbers what rises.
 
 The foam's parts come first. Where a scene has surroundings, others follow: what a finger holds to
-earth on each pixel, what a field across the foam that is not straight adds in each part of it, and
-what no press changes: bodies, and the field along the outline.
+earth on each pixel, what a field across the foam that is not straight adds in each part of it, the
+walls between parts that are pressed to different thickness, and what no press changes: bodies, and
+the field along the outline.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
 from .batch import NOTHING, PressBatch, TouchedCells
+from .walls import NO_WALL, NO_WALLS, Walls, of_step, of_step_slope, walls_of
 
 SOLVED = "solved"
 """In place of a factor: what is solved for is of one geometry."""
@@ -30,9 +32,10 @@ class Parts:
 
     foam: see `foam_parts`; they rise by fractions of c at rest. fingers: one on each pixel, or
     none; they rise by F from nothing. thickness: of the field across each part of the foam, or
-    none; they go with the factor of that part as `across` says, whoever presses it. fixed: the
-    factor of a `Variation` that each of the others goes with, or SOLVED of those that no skin
-    weighs. mechanics: of foam that is pressed.
+    none; they go with the factor of that part as `across` says, whoever presses it. walls: between
+    parts of the foam, none unless a scene has `edges`; they go with the factors on both sides as
+    `wall` says. fixed: the factor of a `Variation` that each of the others goes with, or SOLVED of
+    those that no skin weighs. mechanics: of foam that is pressed.
     """
 
     foam: int
@@ -40,11 +43,12 @@ class Parts:
     thickness: int = 0
     fixed: tuple[str, ...] = ()
     mechanics: Mechanics | None = None
+    walls: Walls = NO_WALLS
 
     @property
     def touched(self) -> int:
         """How many a press may change."""
-        return self.foam + self.fingers + self.thickness
+        return self.foam + self.fingers + self.thickness + self.walls.count
 
     @property
     def count(self) -> int:
@@ -52,10 +56,11 @@ class Parts:
         return self.touched + len(self.fixed)
 
     @cached_property
-    def kind(self) -> tuple[slice, slice, slice]:
-        """Which those of the foam are, of fingers, and of the field across the foam."""
-        ends = self.foam, self.foam + self.fingers, self.touched
-        return slice(0, ends[0]), slice(ends[0], ends[1]), slice(ends[1], ends[2])
+    def kind(self) -> tuple[slice, slice, slice, slice]:
+        """Which those of the foam are, of fingers, of the field across the foam, and walls."""
+        of_kinds = self.foam, self.fingers, self.thickness, self.walls.count
+        foam, fingers, across, walls = np.cumsum(of_kinds).tolist()
+        return slice(0, foam), slice(foam, fingers), slice(fingers, across), slice(across, walls)
 
     @property
     def around(self) -> bool:
@@ -84,19 +89,28 @@ class Parts:
 
     @cached_property
     def resting(self) -> NDArray[np.float64]:
-        """How much of each there is without a press, shape (part,): a finger is not there."""
+        """How much of each there is without a press, shape (part,): no fingers and no walls."""
         found = np.ones(self.count)
-        found[self.kind[1]] = 0.0
+        _, fingers, _, walls = self.kind
+        found[fingers] = found[walls] = 0.0
         return found
 
     def pressed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """How much of each there is under a press, shape (part,)."""
         found = self.resting.copy()
         np.add.at(found, cells, rises)
-        foam, _, thickness = self.kind
+        foam, _, thickness, walls = self.kind
         if self.thickness:
             found[thickness] = self.across(found[foam])
+        if self.walls.count:
+            found[walls] = self.wall(*found[foam][self.walls.pairs].T)
         return found
+
+    def thinned(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Thickness of the foam over that at rest, of shape (...), where c is so many times."""
+        if self.mechanics is None:
+            return 1 / factor
+        return 1 - np.asarray(self.mechanics.strain_at(factor))
 
     def across(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
         """The field across foam over that at rest, of shape (...), where c is so many times: it
@@ -104,31 +118,78 @@ class Parts:
         """
         if self.mechanics is None:
             return 1 / factor
-        return factor * (1 - np.asarray(self.mechanics.strain_at(factor))) ** 2
+        return factor * self.thinned(factor) ** 2
 
     def across_slope(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of `across` by the factor, to six digits."""
         step = SLOPE_STEP * factor
         return (self.across(factor + step) - self.across(factor - step)) / (2 * step)
 
-    def with_thickness(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
-        """One press with what it does to the field across the foam."""
-        if not self.thickness:
+    def wall(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How much of a wall there is between foam where c is so many times, both of shape (...):
+        `of_step` of the thickness on either side, which is 0 of the same."""
+        return of_step(_ratio(self.thinned(one), self.thinned(other)))
+
+    def wall_slope(
+        self, own: NDArray[np.float64], other: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Of `wall` by the factor on its own side, to six digits."""
+        thinned, beside, step = self.thinned(own), self.thinned(other), SLOPE_STEP * own
+        by_factor = (self.thinned(own + step) - self.thinned(own - step)) / (2 * step)
+        thinner = thinned < beside
+        by_thickness = np.where(thinner, 1 / beside, -beside / thinned**2)
+        return of_step_slope(_ratio(thinned, beside)) * by_thickness * by_factor
+
+    def wall_slopes(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of all walls by the factors of the first and of the second part, shape (wall, 2).
+
+        factor: of each part of the foam, shape (part,).
+        """
+        one, other = factor[self.walls.pairs].T
+        return np.stack([self.wall_slope(one, other), self.wall_slope(other, one)], axis=1)
+
+    def completed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
+        """One press as `followed`."""
+        if not (self.thickness or self.walls.count):
             return TouchedCells(cells, rises)
         return self.followed(PressBatch.of([(cells, rises)])).one(0)
 
     def followed(self, batch: PressBatch) -> PressBatch:
-        """The same presses with what they do to the field across the foam."""
-        if not self.thickness:
+        """The same presses with what they do to the field across the foam and with their walls."""
+        if not (self.thickness or self.walls.count):
             return batch
         on_foam, press = batch.cells < self.foam, batch.press
         keys, place = np.unique(
             press[on_foam] * self.foam + batch.cells[on_foam], return_inverse=True
         )
         factor = 1.0 + np.bincount(place, batch.rises[on_foam], len(keys)).astype(np.float64)
-        starts = np.searchsorted(keys // self.foam, np.arange(batch.count + 1))
-        across = self.kind[2].start + keys % self.foam
-        return batch.and_(PressBatch(across, self.across(factor) - 1, starts))
+        if self.thickness:
+            starts = np.searchsorted(keys // self.foam, np.arange(batch.count + 1))
+            across = self.kind[2].start + keys % self.foam
+            batch = batch.and_(PressBatch(across, self.across(factor) - 1, starts))
+        if self.walls.count:
+            batch = batch.and_(self._walled(keys, factor, batch.count))
+        return batch
+
+    def _walled(
+        self, keys: NDArray[np.int64], factor: NDArray[np.float64], count: int
+    ) -> PressBatch:
+        """Walls around so many presses. keys: press * foam + part of each that is touched,
+        ascending, and its factor."""
+        press, part = np.divmod(keys, self.foam)
+        walls, around = self.walls, self.walls.of(part)
+        each = (press[:, None] * walls.count + around)[around != NO_WALL]
+        press, wall = np.divmod(np.unique(each), walls.count)
+        ends = press[:, None] * self.foam + walls.pairs[wall]
+        at = np.minimum(np.searchsorted(keys, ends), max(len(keys) - 1, 0))
+        beside = np.where(keys[at] == ends, factor[at], 1.0) if len(keys) else np.ones(ends.shape)
+        starts = np.searchsorted(press, np.arange(count + 1))
+        return PressBatch(self.kind[3].start + wall, self.wall(*beside.T), starts)
+
+
+def _ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of the smaller one to the larger one."""
+    return np.minimum(one, other) / np.maximum(one, other)
 
 
 def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
@@ -150,6 +211,7 @@ def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
         thickness=foam if around.thickness or around.solved else 0,
         mechanics=scene.skin.foam.mechanics,
         fixed=_fixed(around),
+        walls=walls_of(scene, (rows, columns)) if around.edges else NO_WALLS,
     )
 
 

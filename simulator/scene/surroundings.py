@@ -124,7 +124,7 @@ class Surroundings(Table):
     earth. rim: the capacitance of the field around the outline: true computes it, a number [F/m] is
     that between the sheets, a table gives that to earth, too. thickness: whether the field across
     the foam may be other than straight. edges: what walls add around touches of a factor; it needs
-    thickness, and is for elements alone. solved: the charges of both sheets come from a
+    thickness. solved: the charges of both sheets come from a
     three-dimensional solve, in place of the rim and of what each sheet has towards a body. air [m]:
     between the cover and a finger that hovers. body: one, or a list of two, one a side.
     """

@@ -80,13 +80,16 @@ class Fields:
         known, by the skin's (see `parameters`). Raises InputError where frequencies lie too far
         above cut-off.
         """
-        pressed = self._laying.pressed(factors)
-        foam = pressed[self._laying.foam]
+        laying, edges = self._laying, self._laying.edges(factors, directions)
+        pressed = laying.pressed(factors, edges)
+        foam = pressed[laying.foam]
         weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
-        masses = {name: self._laying.by_press(each, foam) for name, each in directions.items()}
+        masses = {
+            name: laying.by_press(name, each, foam, edges) for name, each in directions.items()
+        }
         if of_foam is not None:
-            masses |= {name: self._laying.by_foam(each, foam) for name, each in of_foam.items()}
-            masses |= self._laying.by_skin(pressed)
+            masses |= {name: laying.by_foam(each, foam, edges) for name, each in of_foam.items()}
+            masses |= laying.by_skin(pressed)
         on = _Pressed(
             self._family.skin(weights),
             weights,

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.parameters import of_parts
+from ...models.reduced.indented.draws import felt_beside
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
+from .edges import Edges
 
 Array = NDArray[np.float64]
 
@@ -36,21 +39,42 @@ class Laying:
         own = map_of if map_of.ndim == 2 else map_of[0]
         return of_parts(self._scene, own, beside)
 
-    def pressed(self, factors: Array) -> Array:
-        """How much of each part there is under a map, shape (part,)."""
-        found, (foam, _, across) = self._with_fingers(self.parts.resting, factors), self.parts.kind
+    def edges(self, factors: Array, directions: Mapping[str, Array]) -> Edges | None:
+        """The walls of one touch by its map and how that changes; None where there are none, as
+        where a tension spreads how the scene is pressed."""
+        if not self.parts.walls.count or felt_beside(self._scene):
+            return None
+        by = {name: self.of_foam(change, 0.0) for name, change in directions.items()}
+        return Edges.of(self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape)
+
+    def pressed(self, factors: Array, edges: Edges | None = None) -> Array:
+        """How much of each part there is under a map, shape (part,). edges: of the touch."""
+        found, kind = self._with_fingers(self.parts.resting, factors), self.parts.kind
+        foam, _, across, walls = kind
         found[foam] = self.of_foam(factors, 1.0)
         if self.parts.thickness:
             found[across] = self.parts.across(found[foam])
+        if edges:
+            found[walls] = edges.walls
         return found
 
-    def by_press(self, change: Array, foam: Array) -> Array:
-        """How that changes as a press does by a map. foam: as it is pressed, shape (foam part,)."""
-        return self._change(change, self.parts.across_slope(foam))
+    def by_press(self, name: str, change: Array, foam: Array, edges: Edges | None = None) -> Array:
+        """How that changes as a press does by a map with something of this name.
 
-    def by_foam(self, change: Array, foam: Array) -> Array:
-        """The same as the foam's own capacitance does; the field across it goes with that."""
-        return self._change(change, self.parts.across(foam) / foam)
+        foam: as it is pressed, shape (foam part,). edges: of the touch.
+        """
+        found = self._change(change, self.parts.across_slope(foam))
+        if edges:
+            found[self.parts.kind[3]] = edges.changed(name, self.of_foam(change, 0.0))
+        return found
+
+    def by_foam(self, change: Array, foam: Array, edges: Edges | None = None) -> Array:
+        """The same as the foam's own capacitance does; the field across it and its walls go with
+        that."""
+        found = self._change(change, self.parts.across(foam) / foam)
+        if edges:
+            found[self.parts.kind[3]] = edges.with_foam(self.of_foam(change, 0.0) / foam)
+        return found
 
     def by_skin(self, pressed: Array) -> dict[str, Array]:
         """The same by the logarithms of what no press changes, bodies and the rim, and, where there
@@ -61,7 +85,7 @@ class Laying:
             if name != SOLVED:
                 found.setdefault(name, np.zeros(self.parts.count))[number] = 1.0
         if self.parts.around:
-            of_foam = np.r_[self.parts.kind[0], self.parts.kind[2]]
+            of_foam = np.r_[self.parts.kind[0], self.parts.kind[2], self.parts.kind[3]]
             found["capacitance"] = np.zeros(self.parts.count)
             found["capacitance"][of_foam] = pressed[of_foam]
         return found

@@ -54,11 +54,14 @@ class ReducedFields:
     ) -> Response:
         """Of one map of c, as `Fields` does."""
         s, laying, skin = laplace_variable(frequency, self._skin.loss), self._laying, self._pressed
-        pressed = laying.pressed(factors)
+        edges = laying.edges(factors, directions)
+        pressed = laying.pressed(factors, edges)
         foam = pressed[laying.foam]
-        maps = {name: laying.by_press(change, foam) for name, change in directions.items()}
+        maps = {
+            name: laying.by_press(name, change, foam, edges) for name, change in directions.items()
+        }
         if of_foam is not None:
-            maps |= {name: laying.by_foam(change, foam) for name, change in of_foam.items()}
+            maps |= {name: laying.by_foam(change, foam, edges) for name, change in of_foam.items()}
             maps |= laying.by_skin(pressed)
         with one_blas_thread():
             M = skin.rest + skin.mass(pressed - laying.parts.resting)

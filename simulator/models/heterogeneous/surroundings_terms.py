@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
+from ...press.walls import of_step
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
 from ...surroundings.solved import surroundings_matrix
 from ...sweeps import InputError
-from ..stray import of_step
 from .coefficients import ELECTRODES, PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_at, add_foam, add_sheet
@@ -178,8 +178,20 @@ def add_edges(
     facets, one, other = elements.across(thinned)
     ratio = np.minimum(one, other) / np.maximum(one, other)
     for each in np.unique(ratio).tolist():
-        own, excess = facets[ratio == each], of_step(each)
-        add_along(values, BETWEEN, elements, unknowns, own, partial(_wall, materials, excess))
+        excess = float(of_step(each))
+        add_wall(values, facets[ratio == each], excess, elements, unknowns, materials)
+
+
+def add_wall(
+    values: Values,
+    facets: NDArray[np.int64],
+    excess: float,
+    elements: Elements,
+    unknowns: Unknowns,
+    materials: Materials,
+) -> None:
+    """The line integral along these facets of eps times an excess."""
+    add_along(values, BETWEEN, elements, unknowns, facets, partial(_wall, materials, excess))
 
 
 def _wall(

@@ -26,7 +26,7 @@ from ...progress import ProgressCallback, silent
 from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
-from ...sweeps import InputError, ToleranceError
+from ...sweeps import ToleranceError
 from ..heterogeneous.mesh_choice import circuit_of
 from ..heterogeneous.surroundings_terms import check_surroundings
 from ..plain import electrical
@@ -93,7 +93,7 @@ def reduce(
     pixels are pressed by depth or force; as the scene presses them for None. Raises ToleranceError
     where mesh or basis do not get there, InputError where the pixels do not fit in memory.
     """
-    _check_reduces(scene)
+    check_surroundings(scene)
     applied = spreading(scene, by_depth)
     scene = scene if applied else electrical(scene)
     draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)
@@ -107,16 +107,6 @@ def reduce(
         resolve = resolved_under_applicators if applied else resolved
         family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f)
         return Basis(family, rtol, mesh_error, f).grow(draw, random, progress)
-
-
-def _check_reduces(scene: Scene) -> None:
-    """Raises InputError for surroundings that elements do not take, or that do not reduce."""
-    check_surroundings(scene)
-    if scene.surroundings is not None and scene.surroundings.edges:
-        raise InputError(
-            f"{scene.name}: a reduced model cannot take `surroundings.edges`; leave it out here, "
-            "or sweep without --model reduced"
-        )
 
 
 class Basis:

@@ -246,7 +246,7 @@ class ReducedSkin:
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
         """What one press adds to M: which of which factors, and how much of each."""
-        cells, rises = self.parts.with_thickness(cells, rises)
+        cells, rises = self.parts.completed(cells, rises)
         rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
         return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...press.parts import Parts
 from .dense import Rest, solved
 from .skin import ReducedSkin
+from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 
 
 @dataclass(frozen=True)
@@ -80,14 +81,16 @@ def _alone(
 ) -> tuple[NDArray[np.complex128], ...]:
     (squares, whole), parts = skin.charges(cells, rises, u), skin.parts
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
-    foam, fingers, across = (squares[:, kind] for kind in parts.kind)
+    foam, fingers, across, walls = (squares[:, kind] for kind in parts.kind)
     fixed, of_foam, each = squares[:, parts.touched :], whole, s[:, None]
     if parts.around:
         held = cells >= parts.foam
         of_foam = whole - squares[:, cells[held]] @ rises[held] - fixed @ skin.fixed_factors
+    pressed = parts.pressed(cells, rises)[parts.kind[0]]
     if parts.thickness:
-        pressed = parts.pressed(cells, rises)[parts.kind[0]]
         foam = foam + across * parts.across_slope(pressed)
+    if parts.walls.count:
+        foam = foam + by_walls(skin, pressed, walls)
     pixels, first = parts.pixels(cells[None])
     by_finger = s * fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
     return Y, each * foam, by_weight, whole, of_foam, by_finger, each * fixed
@@ -104,7 +107,8 @@ def sensitivities(
     Shapes as of `Sensitivity` with an axis (press,) first; by_cell of the touched ones alone,
     shape (press, interface, s, touch).
     """
-    every, all_rises = _with_thickness(skin.parts, cells, rises)
+    walls = walls_around(skin, cells, rises)
+    every, all_rises = with_walls(*_with_thickness(skin.parts, cells, rises), walls)
     weights, turn = all_rises * skin.rest_factors[every], skin.turn
     terms = turn.T @ skin.reduced.stiffness @ turn
     fixed = turn.T @ skin.reduced.fixed @ turn if len(skin.reduced.fixed) else terms[:0]
@@ -112,7 +116,7 @@ def sensitivities(
     for u, Y in solved(skin.drives, skin.rest, every, weights, s):
         squares = _squares(u, skin.rest.factors, every)
         whole, of_fixed = _stored(u, skin.rest, squares, weights), _forms(u, fixed)
-        by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares)
+        by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls)
         of_foam = whole - beyond - of_fixed @ skin.fixed_factors if skin.parts.around else whole
         each = s[:, None]
         derived = each * by_cell, _forms(u, terms), whole, of_foam, s * by_finger, each * of_fixed
@@ -137,6 +141,7 @@ def _of_touched(
     rises: NDArray[np.float64],
     u: NDArray[np.complex128],
     squares: NDArray[np.complex128],
+    walls: TouchedWalls | None,
 ) -> tuple[NDArray[np.complex128], ...]:
     """u'Mu by each touch, shape (press, s, touch), of fingers whole, and by a finger on each of
     the touched pixels, both of shape (press, s); F V²."""
@@ -148,8 +153,12 @@ def _of_touched(
     beyond = np.where(on_foam, 0.0, by_cell * rises[:, None]).sum(axis=2)
     if parts.thickness:
         factor = np.where(on_foam, 1 + rises[:, None], 1.0)
-        followed = by_cell + squares[:, :, count:] * parts.across_slope(factor)
+        across = squares[:, :, count : 2 * count]
+        followed = by_cell + across * parts.across_slope(factor)
         by_cell = np.where(on_foam, followed, by_cell)
+    if walls is not None:
+        last = squares[:, :, -walls.parts[0].size :].reshape(*by_cell.shape, -1)
+        by_cell = by_cell + (last * walls.slopes[:, None]).sum(axis=3)
     if not parts.fingers:
         return by_cell, beyond, none
     pixels, first = parts.pixels(cells)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.stray import of_step
 from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.walls import of_step
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 LOW = 1e-2
@@ -70,8 +69,3 @@ def test_width_needs_a_rectangle(around, solve, hole):
     scene, *_ = hole(around({}, contacts={"top-left": {"width": 0.01}, "bottom-left": {}}))
     with pytest.raises(InputError, match=r"contact\[1\].width` needs a rectangle"):
         solve(scene)
-
-
-def test_walls_do_not_reduce(around):
-    with pytest.raises(InputError, match=r"reduced model cannot take `surroundings.edges`"):
-        reduce(around({"thickness": True, "edges": True}), 1e-2)

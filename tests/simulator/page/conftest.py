@@ -110,6 +110,13 @@ def earthed():
 
 
 @pytest.fixture(scope="session")
+def walled():
+    """The same with walls around presses, on cells that touches cover in part."""
+    changes = EARTHED | {"surroundings": EARTHED["surroundings"] | {"edges": True}}
+    return paged(load_scene("strip-1x3").with_(changes), rtol=3e-2, cells=2)
+
+
+@pytest.fixture(scope="session")
 def own_frequencies():
     """The same with each interface read at frequencies of its own, and a meter that errs."""
     changes = {

@@ -8,8 +8,8 @@ from rcskin.simulator.models.reduced.kernel import swept
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, pictured
-from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
+from rcskin.simulator.press.batch import PressBatch, TouchedCells, together
+from rcskin.simulator.press.capacitance import patch, touched_cells
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import Loss, laplace_variable
@@ -53,7 +53,8 @@ def drawn(scene, random):
 def by_python(paged, press, cast):
     """Z in ohm at the meter's end, by the kernel, of a skin as it is cast."""
     scene, reduced = paged.scene, paged.reduced
-    cells, rises = touched_cells(scene, press, reduced.grid)
+    straight = scene if scene.surroundings is None else scene.with_({"surroundings.edges": False})
+    cells, rises = touched_cells(straight, press, reduced.grid)
     foam, scale = 1.0, cast["capacitance"]
     if scene.surroundings is not None:
         foam, scale = scale, foam
@@ -73,10 +74,35 @@ def by_python(paged, press, cast):
     )
     s = laplace_variable(scene.frequencies, variation.loss) * common * scale
     skin = reduced.skin(variation).under(cells, rises)
-    batch = skin.parts.followed(PressBatch.of([(cells, rises)])).weighted(skin.rest_factors)
+    followed = skin.parts.followed(PressBatch.of([(cells, rises)]))
+    if skin.parts.walls.count:
+        own = followed.where(followed.cells < skin.parts.kind[3].start).one(0)
+        followed = PressBatch.of([together(own, walls_of(scene, press, skin.parts, reduced.grid))])
+    batch = followed.weighted(skin.rest_factors)
     Q = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
     Y = skin.combination.admittance(Q)
     return scene.leads.at_meter(common / Y, scene.frequencies)
+
+
+def walls_of(scene, press, parts, grid):
+    """Of touches that cover cells in part: the mean of the step over levels of cover."""
+    sides = zip(scene.skin.sides, grid[::-1], strict=True)
+    x, y = (np.linspace(0, side, n + 1) for side, n in sides)
+    pressed = [touch for touch in press.touches if touch.factor != 1]
+    covers = [patch(scene, touch).share(x, y) for touch in pressed]
+    levels = np.unique(np.concatenate([[0.0, 1.0], *(each.ravel() for each in covers)]))
+    middles, found = (levels[1:] + levels[:-1]) / 2, []
+    for pair in parts.walls.pairs.tolist():
+        places = [np.unravel_index(cell, grid) for cell in pair]
+        factors = np.ones((2, len(middles)))
+        for touch, cover in zip(pressed, covers, strict=True):
+            own = [cover[place] for place in places]
+            for side, behind in enumerate(2 * np.array(places) - places[::-1]):
+                outermost = (behind < 0).any() or (behind >= grid).any()
+                less = outermost and own[side] < own[1 - side] - 1e-9
+                factors[side, middles < (0.0 if less else own[side])] *= touch.factor
+        found.append(parts.wall(*factors) @ np.diff(levels))
+    return TouchedCells(np.arange(len(found)) + parts.kind[3].start, np.array(found))
 
 
 def cast_at_random(ranges, random):
@@ -90,7 +116,7 @@ def cast_at_random(ranges, random):
     }
 
 
-@pytest.mark.parametrize("which", ["glove", "crossed", "earthed"])
+@pytest.mark.parametrize("which", ["glove", "crossed", "earthed", "walled"])
 def test_sweeps_are_those_of_python(which, request, in_node):
     agrees(request.getfixturevalue(which), in_node)
 

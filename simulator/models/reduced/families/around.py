@@ -1,5 +1,5 @@
 """M of what is around a skin, part by part and in the order of `Parts`: fingers on each pixel, the
-field across each part of the foam, bodies, the rim."""
+field across each part of the foam, walls between these, bodies, the rim."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ from ....press.parts import Parts
 from ....surroundings.rim import rim_densities
 from ...heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from ...heterogeneous.elements import Elements
-from ...heterogeneous.surroundings_terms import add_body, add_finger, add_rim, add_thickness
+from ...heterogeneous.surroundings_terms import (
+    add_body,
+    add_finger,
+    add_rim,
+    add_thickness,
+    add_wall,
+)
 from .masses import Part
 
 Cells = Sequence[NDArray[np.bool_]]
@@ -29,7 +35,8 @@ def around(
     unknowns: Unknowns,
     coefficients: PressCoefficients,
 ) -> Iterator[Part]:
-    """Of a skin at rest: for each F of a finger, and for the scene's own of all others."""
+    """Of a skin at rest: for each F of a finger, of a wall for an excess of 1, and for the scene's
+    own of all others."""
     values = np.zeros(len(unknowns.pattern.indices))
     for add in _each(parts, cells, circuit, elements, unknowns, coefficients):
         add(values)
@@ -61,6 +68,8 @@ def _each(
     along = coefficients.along(elements.surface.x)
     for within in cells[: parts.thickness]:
         yield lambda M, within=within: add_thickness(M, along, *where, within)
+    for facets in _between(parts, cells, elements):
+        yield lambda M, facets=facets: add_wall(M, facets, 1.0, *where)
     for body in surroundings.body:
         yield lambda M, body=body: add_body(M, circuit, body, *where)
     if surroundings.rim is not False:
@@ -68,3 +77,13 @@ def _each(
         yield lambda M: add_rim(M, rim, *where)
     if surroundings.solved:  # `Family.far`, which has no place in the pattern
         yield lambda M: None
+
+
+def _between(parts: Parts, cells: Cells, elements: Elements) -> Iterator[NDArray[np.int64]]:
+    """Facets of each wall."""
+    if not parts.walls.count:
+        return
+    facets, one, other = elements.across(np.argmax(cells, axis=0))
+    ends = np.stack([np.minimum(one, other), np.maximum(one, other)], axis=1)
+    for pair in parts.walls.pairs:
+        yield facets[(ends == pair).all(axis=1)]

@@ -110,13 +110,15 @@ def thinned(
 
     size: of the potentials in each column, in V, by which energies are weighed. share: of a
     factor's largest energy, below which its directions are left out; of the field across a part of
-    the foam, of the larger one of that part.
+    the foam and of walls, of the larger one of the parts that they are of.
     """
     each = [_energies(F * size) for F in factors]
     most = np.array([power.max(initial=0.0) for power, _ in each])
-    foam, _, across = parts.kind
+    foam, _, across, walls = parts.kind
     if parts.thickness:
         most[across] = np.maximum(most[across], most[foam])
+    if parts.walls.count:
+        most[walls] = np.maximum(most[walls], most[parts.walls.pairs].max(axis=1))
     found = [
         turn[:, power > share * own].T @ F
         for F, (power, turn), own in zip(factors, each, most, strict=True)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ....mesh.held import held
 from ....press.parts import parts_of
+from ....press.walls import require_no_walls
 from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged
@@ -28,14 +29,15 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     if gauged(scene.skin):
         raise InputError(
             f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
-            "press; give `press.capacitance_factor`, or sweep without --model reduced"
+            "press; give `press.capacitance_factor` here; the full solver of `sweep` takes them"
         )
     around = scene.surroundings
     if around is not None and (around.thickness or around.solved):
         key = "thickness" if around.thickness else "solved"
         raise InputError(
             f"{scene.name}: `surroundings.{key}` does not reduce where tension spreads a "
-            "press; leave it out, give `press.capacitance_factor`, or sweep without --model reduced"
+            "press; leave it out here or give `press.capacitance_factor`; the full solver of "
+            "`sweep` takes it"
         )
     return True
 
@@ -52,7 +54,9 @@ def spreads(scene: Scene) -> bool:
 
 
 def require_whole_pixels(scene: Scene, what: str) -> None:
-    """Raises InputError where `what`, which lays touches on cells, meets presses that spread."""
+    """Raises InputError where `what`, which lays touches on cells, meets presses that spread, or
+    that have walls."""
+    require_no_walls(scene, what)
     if spreading(scene):
         raise InputError(
             f"{scene.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "

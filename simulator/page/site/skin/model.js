@@ -13,7 +13,7 @@ import { fedAtRest } from "rcskin/sheets";
  *   steps: {fewest: number, most: number, rtol: number}, terminals: number, size: number,
  *   rows: Packed, diagonal: Packed, ranks: number[], factors: Packed, feeds: Feed[],
  *   combined?: [number, number][][] | null, parts?: {fingers: number, thickness: number}, across?: boolean,
- *   fixed?: Packed | null, fields: number[], conductance: number[][], top: Packed | null,
+ *   walls?: {start: number, pairs: number[]}, fixed?: Packed | null, fields: number[], conductance: number[][], top: Packed | null,
  *   gauges: {piezoresistance: number[], ranks: number[], factors: Packed} | null}} PackedModel
  */
 /**

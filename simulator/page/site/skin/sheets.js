@@ -83,6 +83,7 @@ export class Sheets {
     const parts = ranks.length / piezoresistance.length;
     for (const [field, gauge] of piezoresistance.entries()) {
       for (const [n, cell] of cells.entries()) {
+        if (cell >= parts) continue;
         const strain = Math.max(1 - 1 / (1 + rises[n]), 0);
         const change = conductances[field] * (1 / (1 + gauge * strain) - 1);
         if (change === 0) continue;

@@ -5,6 +5,7 @@ import { Finger } from "rcskin/finger";
 import { Model } from "rcskin/model";
 import { Outline } from "rcskin/outline";
 import { Sheets } from "rcskin/sheets";
+import { Walls } from "rcskin/walls";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/model").Touched} Touched */
@@ -30,6 +31,7 @@ export class Skin {
     this.sheets = new Sheets(data.model);
     this.outline = new Outline(data);
     this.finger = new Finger(data, this.outline);
+    this.walls = new Walls(data.model);
     this.basis = unpacked(data.basis);
     /** @type {number[]} */
     this.frequencies = data.frequencies;
@@ -55,15 +57,24 @@ export class Skin {
     const { rows, columns } = this.model.grid;
     const factors = new Float64Array(rows * columns).fill(1);
     const fingers = new Float64Array(rows * columns);
-    for (const touch of touches) {
-      const covered = this.#covered(touch);
+    const covers = touches.map((touch) => this.#covered(touch));
+    for (const [k, touch] of touches.entries()) {
+      const covered = covers[k];
       const whole = covered.reduce((sum, [, part]) => sum + part, 0);
       for (const [cell, part] of covered) {
         factors[cell] *= 1 - part + touch.factor * part;
         fingers[cell] += ((touch.finger ?? 0) * part) / whole;
       }
     }
-    return this.finger.withAround(factors, fingers, cast.capacitance);
+    const touched = this.finger.withAround(factors, fingers, cast.capacitance);
+    const walls = this.walls.of(
+      touches.map(({ factor }, k) => ({ covered: new Map(covers[k]), factor })),
+    );
+    return {
+      ...touched,
+      cells: [...touched.cells, ...walls.map(([wall]) => wall)],
+      rises: [...touched.rises, ...walls.map(([, rise]) => rise)],
+    };
   }
 
   /** Cells that a touch covers, and what part of each. @param {Touch} touch @returns {[number, number][]} */

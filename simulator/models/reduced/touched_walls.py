@@ -1,0 +1,75 @@
+"""Walls around the touches of a reduced skin, and how they change with the factors beside them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...press.walls import NO_WALL
+from .skin import ReducedSkin
+
+
+class TouchedWalls(NamedTuple):
+    """Of each touch of presses that touch as many cells each, shape (press, touch, most).
+
+    parts: of M, some one where a touch has fewer. rises: 0 there, and where another touch of the
+    press has the same. slopes: of its rise by that of the touch, over c there at rest.
+    """
+
+    parts: NDArray[np.int64]
+    rises: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+
+
+def walls_around(
+    skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]
+) -> TouchedWalls | None:
+    """Those of touches, shape (press, touch); None where the scene has none."""
+    parts, walls, rest = skin.parts, skin.parts.walls, skin.rest_factors
+    if not walls.count:
+        return None
+    factor = np.ones((len(cells), parts.touched))
+    np.add.at(factor, (np.arange(len(cells))[:, None], cells), rises)
+    own = np.where((cells < parts.foam)[..., None], walls.of(cells), NO_WALL)
+    wall, there = np.maximum(own, 0), own != NO_WALL
+    one, other = np.moveaxis(walls.pairs[wall], -1, 0)
+    beside = np.where(one == cells[..., None], other, one)
+    press = np.arange(len(cells))[:, None, None]
+    here = np.where(there, factor[press, cells[..., None]], 1.0)
+    over = np.where(there, factor[press, beside], 1.0)
+    each = own.reshape(len(cells), -1)
+    again = np.tril(each[:, :, None] == each[:, None, :], -1).any(axis=2).reshape(own.shape)
+    number = parts.kind[3].start + wall
+    at_rest = rest[number] / rest[np.minimum(cells, parts.foam - 1)][..., None]
+    return TouchedWalls(
+        number,
+        np.where(there & ~again, parts.wall(here, over), 0.0),
+        np.where(there, parts.wall_slope(here, over) * at_rest, 0.0),
+    )
+
+
+def with_walls(
+    cells: NDArray[np.int64], rises: NDArray[np.float64], walls: TouchedWalls | None
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Touches, and the walls around them."""
+    if walls is None:
+        return cells, rises
+    own, weights = walls.parts.reshape(len(cells), -1), walls.rises.reshape(len(cells), -1)
+    return np.hstack([cells, own]), np.hstack([rises, weights])
+
+
+def by_walls(
+    skin: ReducedSkin, factor: NDArray[np.float64], squares: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """What all walls add to u'Mu by each part of the foam over c there at rest, (s, part).
+
+    factor: of each part. squares: u'Mu by each wall, shape (s, wall).
+    """
+    parts, rest = skin.parts, skin.rest_factors
+    pairs, found = parts.walls.pairs, np.zeros((parts.foam, len(squares)), dtype=np.complex128)
+    slopes = parts.wall_slopes(factor) * rest[parts.kind[3], None] / rest[pairs]
+    for own, slope in zip(pairs.T, slopes.T, strict=True):
+        np.add.at(found, own, slope[:, None] * squares.T)
+    return found.T
