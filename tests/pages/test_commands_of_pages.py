@@ -10,7 +10,7 @@ from rcskin.__main__ import app, main
 from rcskin.simulator.scene.scene_files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
-from .reading import blocks, commands, pages
+from .reading import blocks, commands, pages, prose
 
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
@@ -61,8 +61,27 @@ def test_every_command_shown_exists_with_its_options(lines):
         command = known[words[0]]
         while hasattr(command, "commands"):
             words, command = words[1:], command.commands[words[1]]
-        options = {name for each in command.params for name in (*each.opts, *each.secondary_opts)}
-        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options, line
+        assert {word for word in words if re.match(r"--?[a-z]", word)} <= options(command), line
+
+
+def options(command):
+    """The options of a command, or of all commands of a group."""
+    if hasattr(command, "commands"):
+        return set().union(*map(options, command.commands.values()))
+    return {name for each in command.params for name in (*each.opts, *each.secondary_opts)}
+
+
+USERS_PAGES = [
+    page
+    for page in pages()
+    if re.match(r"docs/(tutorials|how-to|explanation)/|README|hardware", page)
+]
+
+
+@pytest.mark.parametrize("page", USERS_PAGES)
+def test_every_option_that_is_named_exists(page):
+    named = re.findall(r"(?<![\w-])--[a-z][\w-]*", "".join(re.findall(r"`[^`]+`", prose(page))))
+    assert {*named} <= {"--help", *options(get_command(app))}
 
 
 @pytest.mark.parametrize("page", [page for page in pages() if blocks(page, "python")])
