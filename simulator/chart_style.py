@@ -1,4 +1,4 @@
-"""Charts in one house style: readable in print and by colour-blind readers."""
+"""One style for all charts: readable in print and by colour-blind readers."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Of M. Okabe and K. Ito, "Color Universal Design" (2008), the darker ones first."""
+"""Palette of M. Okabe and K. Ito, "Color Universal Design" (2008), darker colours first."""
 LINE_STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 UNPRESSED_COLOUR = "#000000"
 FOIL_COLOURS = {"top": COLOURS[1], "bottom": COLOURS[0]}
-"""Of the foils of each electrode sheet."""
+"""Colour of the foils of each electrode sheet."""
 FOIL_OFFSETS = {"top": 0.018, "bottom": 0.042}
-"""From the edge, over the longer side: foils of the bottom sheet are drawn outside the top's."""
+"""Offset from the edge over the longer side: bottom foils are drawn outside the top ones."""
 ENDINGS = (".png", ".svg", ".pdf")
-"""Of every chart: pixels for screens, lines for papers."""
+"""File endings of charts: pixels for screens, vectors for papers."""
 ROUND_DIGITS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7))
-"""First digits of round numbers, the roundest first."""
+"""First digits of round numbers; the roundest set comes first."""
 MIN_TICKS, MAX_TICKS = 4, 8
-"""Labelled, on a logarithmic axis."""
+"""Numbers of labelled ticks on a logarithmic axis."""
 PRINTED_DPI = 300
-"""Of pixels within lines."""
+"""Resolution of pixel images within vector charts, dots per inch."""
 UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-"""Without the time in them the same charts are the same bytes."""
+"""Metadata without a time stamp: the same chart gives the same bytes."""
 
 STYLE: dict[Any, Any] = {
     "figure.dpi": 110,
@@ -57,7 +57,7 @@ STYLE: dict[Any, Any] = {
 
 
 def foil_offset(electrode: str, longer: float) -> float:
-    """How far outside the edge foils of a sheet are drawn, in the unit of the longer side."""
+    """Distance outside the edge at which a sheet's foils are drawn, in the unit of `longer`."""
     return FOIL_OFFSETS[electrode] * longer
 
 
@@ -91,9 +91,9 @@ def plain_numbers(axis: Axis) -> None:
 
 
 def round_numbers(low: float, high: float) -> NDArray[np.float64]:
-    """The roundest numbers between two: as few as make LEAST_TICKS, else even ones.
+    """Round tick values between two numbers: at least MIN_TICKS, else evenly spaced ones.
 
-    Of more decades than MOST_TICKS every second, third and so on.
+    More than MAX_TICKS values are thinned to every second, third and so on.
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -108,9 +108,9 @@ def round_numbers(low: float, high: float) -> NDArray[np.float64]:
 
 
 def unit_axis(axis: Axis, name: str, unit: str) -> None:
-    """A label of name and unit, with the prefix that suits the largest number; ticks are numbers.
+    """Labels an axis with name and unit, with the SI prefix that suits the largest number.
 
-    axis: of a chart with all that is drawn on it, in the unit without a prefix.
+    axis: everything is drawn already, in the unit without a prefix.
     """
     from matplotlib.ticker import EngFormatter, FuncFormatter
 
@@ -123,10 +123,10 @@ def unit_axis(axis: Axis, name: str, unit: str) -> None:
 
 
 def checked_chart(path: str | Path, *more: str) -> Path:
-    """The same path, if a chart can be written there. Raises InputError as `checked_output`.
+    """Returns the path if a chart can be written there.
 
-    more: endings of what is allowed besides charts. Raises InputError also where matplotlib does
-    not start, because the environment names a backend that there is not.
+    more: further endings that are allowed. Raises InputError as `checked_output`, and where
+    matplotlib does not start because the environment names an unknown backend.
     """
     checked = checked_output(path, (*ENDINGS, *more))
     try:
@@ -141,7 +141,7 @@ def checked_chart(path: str | Path, *more: str) -> Path:
 
 
 def checked_ending(name: str) -> str:
-    """The ending of charts in a folder, of its name such as svg. Raises InputError."""
+    """The file ending of charts for a name such as svg. Raises InputError for other names."""
     if f".{name}" not in ENDINGS:
         names = " or ".join(ending[1:] for ending in ENDINGS)
         raise InputError(f"--charts must be {names}, got {name!r}")
@@ -150,7 +150,8 @@ def checked_ending(name: str) -> str:
 
 @contextmanager
 def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """A figure of that size in inches in the house style, written whole; `path` ends in ENDINGS."""
+    """Yields a figure of this size in inches, then writes it whole to a path that ends in
+    ENDINGS."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -1,8 +1,8 @@
-"""Smooth functions of one number, through their values at Chebyshev's extrema.
+"""Interpolation of smooth functions of one variable at the Chebyshev extrema.
 
-The polynomials converge by an order of magnitude with each few nodes, and twice as many intervals
-keep the nodes there are: what is found at those between measures the error of the coarser one,
-which bounds that of the finer.
+The error falls by an order of magnitude with every few nodes. Doubling the number of intervals
+keeps all existing nodes. The values at the new nodes measure the error of the coarser interpolant,
+which bounds the error of the finer one.
 """
 
 from __future__ import annotations
@@ -19,19 +19,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Interpolant:
-    """nodes: ascending, as of `extrema`, shape (node,). values: shape (node, ...)."""
+    """Polynomial through values at Chebyshev extrema.
+
+    nodes: ascending, from `extrema`, shape (node,). values: shape (node, ...).
+    """
 
     nodes: Array
     values: NDArray[Any]
 
     def __call__(self, x: ArrayLike) -> NDArray[Any]:
-        """The function between the first node and the last, shape (*x, ...)."""
+        """Interpolated values between the first node and the last, shape (*x, ...)."""
         return np.tensordot(barycentric(self.nodes, x), self.values, 1)
 
 
 def extrema(low: float, high: float, count: int) -> Array:
-    """Those of a Chebyshev polynomial between two numbers and at both, ascending; every second one
-    of 2 n - 1 is one of n, to the bit."""
+    """Chebyshev extrema between two numbers, both ends included, ascending.
+
+    Every second of 2 n - 1 extrema equals one of n extrema to the last bit.
+    """
     x = low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
     x[[0, -1]] = low, high
     return x
@@ -40,7 +45,7 @@ def extrema(low: float, high: float, count: int) -> Array:
 def barycentric(nodes: Array, x: ArrayLike) -> Array:
     """Weights of Lagrange's polynomials through Chebyshev's extrema, shape (*x, node).
 
-    At a node they are 1 and 0, whatever the others are. Source: J.-P. Berrut and L. N. Trefethen,
+    At a node one weight is 1 and all others are 0. Source: J.-P. Berrut and L. N. Trefethen,
     SIAM Review 46 (2004) 501, eq. 5.4.
     """
     sign = (-1.0) ** np.arange(len(nodes))
@@ -58,10 +63,11 @@ def refined(
     counts: tuple[int, int],
     close: Callable[[NDArray[Any], NDArray[Any]], bool],
 ) -> Interpolant | None:
-    """An interpolant within bounds of twice as many intervals as are close to values between.
+    """Interpolant with as many nodes as are needed, doubled until it is close to the function.
 
-    values: at some numbers, shape (number, ...). counts: of nodes, at first and at most. close:
-    whether what is interpolated serves in place of such values. None where not even most nodes do.
+    values: the function at given numbers, shape (number, ...). counts: first and largest number of
+    nodes. close: compares interpolated with true values between the nodes; True ends the
+    refinement. Returns None if the largest number of nodes does not suffice.
     """
     count, most = counts
     nodes = extrema(*bounds, count)

@@ -1,4 +1,4 @@
-"""The simulator's commands, and how any command ends: 0 done, 2 bad input, 1 any other failure."""
+"""The simulator's commands. Exit codes: 0 success, 2 bad input, 1 any other failure."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from .view.command import view
 
 BAD_INPUT, FAILURE = 2, 1
 OUT_OF_MEMORY = (
-    "the memory of this machine does not suffice: fewer pixels, frequencies, sweeps or processes "
-    "need less"
+    "this machine has too little memory for this work: use fewer pixels, frequencies, sweeps or "
+    "processes"
 )
 
 OUT_OF_RANGE = (
@@ -38,7 +38,7 @@ OUT_OF_RANGE = (
 )
 
 OF_NUMBERS = ("math domain error", "cannot convert float NaN to integer")
-"""What Python says where it raises ValueError, as it does of wrong input."""
+"""Messages of ValueErrors that Python raises for numbers, not for wrong input."""
 
 VIRTUAL_EARTH = "virtual earth"
 LOW_TERMINAL = "The meter's low terminal (virtual earth of an LCR meter, floating without earth)"
@@ -53,8 +53,8 @@ app = typer.Typer(
 )
 
 
-def _told_version(asked: bool) -> None:
-    if asked:
+def _print_version(requested: bool) -> None:
+    if requested:
         from importlib.metadata import version
 
         say(f"rcskin {version('rcskin')}")
@@ -63,10 +63,10 @@ def _told_version(asked: bool) -> None:
 
 @app.callback()
 def common(
-    told: Annotated[
+    version: Annotated[
         bool,
         typer.Option(
-            "--version", callback=_told_version, is_eager=True, help="Print the version and exit."
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
         ),
     ] = False,
 ) -> None:
@@ -76,10 +76,10 @@ def common(
 @app.command("help")
 def help_of(
     command: Annotated[
-        list[str] | None, typer.Argument(help="Such as sweep, or meter serve.")
+        list[str] | None, typer.Argument(help="A command, such as sweep, or meter serve.")
     ] = None,
 ) -> None:
-    """Explain a command, as COMMAND --help does."""
+    """Show the help of a command, as COMMAND --help does."""
     app([*(command or []), "--help"], prog_name="rcskin", standalone_mode=False)
 
 
@@ -87,7 +87,7 @@ def help_of(
 def scenes(
     name: Annotated[
         str | None,
-        typer.Argument(help="Of the scene whose file is shown.", autocompletion=complete_scene),
+        typer.Argument(help="Scene whose file is shown.", autocompletion=complete_scene),
     ] = None,
 ) -> None:
     """List the built-in scenes, or show the file of one."""
@@ -113,7 +113,7 @@ def scenes(
 
 @app.command()
 def keys() -> None:
-    """Every key of a scene file: type, unit, default and range, as Markdown."""
+    """List every key of a scene file with type, unit, default and range, as Markdown."""
     from .scene.keys.listing import page
 
     typer.echo(page(), nl=False)
@@ -121,29 +121,29 @@ def keys() -> None:
 
 @app.command(epilog="Example: rcskin new my.toml --from glove")
 def new(
-    output: Annotated[Path, typer.Argument(help="MY.toml, to be changed in an editor.")],
+    output: Annotated[Path, typer.Argument(help="MY.toml, a new file to edit.")],
     like: Annotated[
         str,
         typer.Option(
-            "--from", help="The built-in scene to begin with.", autocompletion=complete_scene
+            "--from", help="The built-in scene to start from.", autocompletion=complete_scene
         ),
     ] = "glove",
     low: Annotated[
         str | None,
         typer.Option(
             help="The meter's low terminal: 'virtual earth' of an LCR meter, or 'floating' of a "
-            "meter without earth. Asked for on a terminal, else a virtual earth.",
+            "meter without earth. Default: prompted on a terminal, else a virtual earth.",
             autocompletion=lambda: ["virtual-earth", "floating"],
         ),
     ] = None,
 ) -> None:
-    """Begin a scene of your own: a commented file with every basic key and its unit."""
+    """Start a scene of your own: a commented file with every basic key and its unit."""
     from .scene.scene_files import checked_low, write_new
 
     if low is None and sys.stdin.isatty():
         low = typer.prompt(LOW_TERMINAL, default=VIRTUAL_EARTH)
     write_new(output, like, checked_low(low or VIRTUAL_EARTH))
-    say(f"{output}: begun from {like}; rcskin sweep {output} -o all.nc simulates it")
+    say(f"{output}: started from {like}; rcskin sweep {output} -o all.nc simulates it")
 
 
 @app.command(epilog="Example: rcskin sweep sheet-5x5 -o all.nc")
@@ -171,7 +171,7 @@ def sweep(
         ),
     ] = "auto",
     explain: Annotated[
-        bool, typer.Option("--explain", help="Print which model served each press, and why.")
+        bool, typer.Option("--explain", help="Print which model solved each press, and why.")
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
@@ -195,15 +195,15 @@ def sweep(
         note(f"{scene}: {line}")
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as progress:
-        patient = with_time_estimate(scene, tracked(presses, loaded.name, progress), len(presses))
-        found = list(answered(solver, patient))
+        announced = with_time_estimate(scene, tracked(presses, loaded.name, progress), len(presses))
+        found = list(answered(solver, announced))
     sweeps = gather(solver, found)
     write(sweeps, output)
     if explain:
         for one_terminal in loaded.driven_by_touch:
             say(f"wiring: {one_terminal}")
-        for asked, answer in found:
-            say(*solver.explain(asked, answer).splitlines())
+        for pressed, answer in found:
+            say(*solver.explain(pressed, answer).splitlines())
     for line in depths_in_words(loaded, presses):
         note(line)
     report_written(sizes_text(sweeps.sizes), output)
@@ -225,9 +225,9 @@ app.command(epilog="Example: rcskin page sheet-5x5 -o skin.html")(page)
 
 
 def run(failures: tuple[type[Exception], ...] = ()) -> None:
-    """Run the command line, turning every failure into one clear line and an exit code.
+    """Runs the command line; every failure becomes one clear line and an exit code.
 
-    failures: further errors whose message says all there is to say.
+    failures: further exception types whose message is complete as it is.
     """
     _take_any_terminal()
     show_log_as_notes("rcskin")
@@ -241,7 +241,7 @@ def run(failures: tuple[type[Exception], ...] = ()) -> None:
 
 
 def _take_any_terminal() -> None:
-    """Letters that a terminal has not are written as escapes; charts go to files, by no backend."""
+    """Writes letters that the terminal lacks as escapes, and lets charts go to files only."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
@@ -262,14 +262,14 @@ def _run(failures: tuple[type[Exception], ...], heard: EndSignal) -> NoReturn:
     except failures as error:
         _end(str(error), FAILURE)
     except Exception as error:
-        _end_as_told(error, heard)
-    if code == EndSignal().code:  # typer takes Ctrl-C for an answer
+        _end_by_error(error, heard)
+    if code == EndSignal().code:  # typer returns this code for Ctrl-C
         _end("interrupted", heard.code)
     sys.exit(code or 0)
 
 
-def _end_as_told(error: Exception, heard: EndSignal) -> NoReturn:
-    """What only work that has gone wrong can have raised: what raises it is loaded by then."""
+def _end_by_error(error: Exception, heard: EndSignal) -> NoReturn:
+    """Ends the process for an error of the work; imports here cost nothing in the normal case."""
     from .sweeps.errors import (
         InputError,
         InterruptedWorkError,
@@ -287,9 +287,9 @@ def _end_as_told(error: Exception, heard: EndSignal) -> NoReturn:
         case _ if _is_of_numbers(error) and "RCSKIN_DEBUG" not in os.environ:
             _end(OUT_OF_RANGE, FAILURE)
         case ToleranceError(times=None):
-            _end(f"{error}; a larger --rtol would be kept", FAILURE)
+            _end(f"{error}; a larger --rtol can be reached", FAILURE)
         case ToleranceError(times=times):
-            _end(f"{error}; {times:.1g} times that --rtol would be kept", FAILURE)
+            _end(f"{error}; {times:.1g} times that --rtol can be reached", FAILURE)
         case InterruptedWorkError():
             _end(f"interrupted; {error}", heard.code)
     if "RCSKIN_DEBUG" in os.environ:
@@ -298,7 +298,7 @@ def _end_as_told(error: Exception, heard: EndSignal) -> NoReturn:
 
 
 def _is_of_numbers(error: Exception) -> bool:
-    """Whether it is one that arithmetic raises of numbers that it cannot hold."""
+    """True for errors of arithmetic with numbers beyond its range."""
     from numpy.linalg import LinAlgError
 
     numeric = isinstance(error, ArithmeticError | RecursionError | LinAlgError)
@@ -306,7 +306,7 @@ def _is_of_numbers(error: Exception) -> bool:
 
 
 def _example(error: typer.TyperException) -> str:
-    """The example of the command at hand, where something is missing that it needs, or too much."""
+    """The example of the command if an argument is missing or superfluous, else nothing."""
     context = getattr(error, "ctx", None)
     example = context.command.epilog if context is not None else None
     of_arguments = error.format_message().startswith(("Missing ", "Got unexpected extra "))
@@ -318,7 +318,7 @@ def _full_stop(error: typer.TyperException) -> str:
 
 
 def with_short_help(commands: typer.Typer) -> None:
-    """Have lists of commands show the whole first paragraph of each command's help."""
+    """Makes lists of commands show the whole first paragraph of each command's help."""
     for each in commands.registered_commands:
         first, *_ = (getattr(each.callback, "__doc__", None) or "").split("\n\n")
         each.short_help = " ".join(first.split())

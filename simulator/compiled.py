@@ -1,13 +1,13 @@
-"""Kernels compiled by numba, kept between runs where a folder for them can be written.
+"""Kernels compiled by numba and cached on disk between runs.
 
-They are kept in the user's cache folder, or in NUMBA_CACHE_DIR where that is set; never beside the
-source, where numba would put them: pip does not know these files and leaves them when it removes a
-package, and the folder that remains hides the next installation. No kept file, and no folder, is
-needed: what cannot be read is compiled anew. Of several processes that need the same kernel for the
-first time one compiles it, and the others wait for what it keeps.
+The cache is in the user's cache folder, or in NUMBA_CACHE_DIR if that is set. It is never beside
+the source, where numba would put it: pip does not know these files and leaves them when it removes
+a package, and the remaining folder hides the next installation. No cache file and no folder is
+required: a kernel that cannot be read is compiled again. If several processes need the same kernel
+for the first time, one compiles it and the others wait for the cached result.
 
-Kernels are loops over numbers: an array assigned to a part of another, or arithmetic of whole
-arrays, takes numba seconds to compile where the loop takes a tenth of that.
+Kernels are loops over numbers. Array assignments and whole-array arithmetic take numba seconds to
+compile; the loop takes a tenth of that.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ if TYPE_CHECKING:
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 PATIENCE = 120.0
-"""s that another process may take to compile a kernel before this one compiles it, too."""
+"""Seconds to wait for another process that compiles the same kernel."""
 _CHOOSING = threading.Lock()
-"""Held while numba's settings differ from the process's own."""
+"""Lock while numba's settings differ from those of the process."""
 
 
 class KernelCache(FunctionCache):
-    """What numba keeps of a function; a file that is spoilt or cannot be written is as none.
+    """Cache of one compiled function; a corrupt or unwritable file counts as a cache miss.
 
-    Who misses a function takes turns with other processes: numba's own index of what is kept names
-    wrong files where two write into it at once. numba documents a way to choose the folder, but
-    none for spoilt files, turns and imported sources: hence this use of what it does not document.
+    After a miss, processes take turns: numba's index names wrong files if two processes write it at
+    once. numba documents how to choose the folder, but nothing for corrupt files, turns and
+    imported sources. Therefore this class uses undocumented parts of numba.
     """
 
     _turn: FileLock | None = None
@@ -51,7 +51,8 @@ class KernelCache(FunctionCache):
         self._cache_file._source_stamp = _stamp(function)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled function of these types, or None; then it is this process's turn."""
+        """The compiled function for these types, or None; then this process has the turn to
+        compile."""
         found = self._loaded(sig, target_context)
         if found is None and self._take_turn():
             found = self._loaded(sig, target_context)
@@ -65,14 +66,15 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a compiled function, where that can be done."""
+        """Stores a compiled function if the folder can be written."""
         try:
             super().save_overload(sig, data)
         except Exception:  # a full disk, a folder that went away, a spoilt index
             self._forget()
 
     def _take_turn(self) -> bool:
-        """Whether there are turns: no folder that can be written has any."""
+        """Waits for this process's turn; False if no folder can be written, so that there are no
+        turns."""
         from filelock import FileLock, Timeout
 
         try:
@@ -85,7 +87,7 @@ class KernelCache(FunctionCache):
         return True
 
     def end_turn(self) -> None:
-        """Let another process compile the function."""
+        """Ends this process's turn: another process may compile the function."""
         if self._turn is not None:
             self._turn.release()
             self._turn = None
@@ -98,7 +100,7 @@ class KernelCache(FunctionCache):
 
 
 def compiled(**options: Any) -> Callable[[Kernel], Kernel]:
-    """`numba.njit` with these options, kept between runs."""
+    """`numba.njit` with these options, cached between runs."""
 
     def compile_once(function: Kernel) -> Kernel:
         kernel: Any = njit(**options)(function)
@@ -117,9 +119,9 @@ def compiled(**options: Any) -> Callable[[Kernel], Kernel]:
 
 @contextmanager
 def _in_folder_of_user() -> Iterator[None]:
-    """Within the block numba chooses the user's cache folder, or NUMBA_CACHE_DIR, for a function.
+    """Within the block, numba caches in the user's cache folder, or in NUMBA_CACHE_DIR.
 
-    These two settings hold for the whole process and for other packages' functions, too.
+    The two settings apply to the whole process, also to functions of other packages.
     """
     settings: Any = config  # numba makes its names from the environment
     with _CHOOSING:
@@ -134,10 +136,10 @@ def _in_folder_of_user() -> Iterator[None]:
 
 
 def _stamp(function: Callable[..., Any]) -> str:
-    """Digest of the source that is compiled into kernels of a function's module.
+    """Digest of all source that is compiled into a kernel.
 
-    numba itself reads the file of the function only. Kernels and numbers imported from other files
-    are compiled in, too, and a kernel kept before one of these changed is of no use.
+    numba reads only the file of the function. Kernels and constants imported from other files are
+    compiled in as well; a kernel cached before one of these changed is outdated.
     """
     digest, used, seen = hashlib.sha256(), [function], set()
     while used:

@@ -1,4 +1,4 @@
-"""Ctrl-C and its like end a command soon, also within a library that hears of it late."""
+"""Ctrl-C and similar signals end a command soon, even inside a library that reacts late."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from types import FrameType
 from typing import NoReturn
 
 PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
-"""Seconds from a signal until it must have been heard of, and what is unfinished have ended; and
-that what is left to do at exit may take."""
-SHOWN_CURSOR = "\x1b[?25h"
-"""What gives a terminal its cursor back, which a progress bar had hidden."""
-ENDING = f"{__package__}.sweeps.cleanup"
+"""Seconds from a signal until Python must have raised it, and until the block must have ended;
+and seconds that exit functions may take."""
+SHOW_CURSOR = "\x1b[?25h"
+"""Escape sequence that shows the cursor again after a progress bar has hidden it."""
+CLEANUP_MODULE = f"{__package__}.sweeps.cleanup"
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
-"""Ctrl-C; told to end; the terminal is closed or the line to it lost; Ctrl-Break on Windows."""
+"""Ctrl-C; request to end; closed terminal or lost connection; Ctrl-Break on Windows."""
 
 Handler = Callable[[int, FrameType | None], object] | int | None
 
@@ -33,11 +33,11 @@ class EndSignal(threading.Event):
 
     @property
     def code(self) -> int:
-        """Exit code of what the signal ends, as shells give it."""
+        """Exit code of a command ended by the signal, as shells define it."""
         return 128 + self.number
 
-    def hear(self, number: int, frame: FrameType | None) -> None:
-        """Raise KeyboardInterrupt, whatever the signal; a second one only where it is Ctrl-C."""
+    def receive(self, number: int, frame: FrameType | None) -> None:
+        """Raises KeyboardInterrupt for any signal; a second signal counts only if it is Ctrl-C."""
         if self.is_set() and number != signal.SIGINT:
             return
         self.number = number
@@ -47,14 +47,15 @@ class EndSignal(threading.Event):
 
 @contextmanager
 def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
-    """Each of SIGNALS raises KeyboardInterrupt, and ends the process where that takes too long.
+    """Each of SIGNALS raises KeyboardInterrupt in the block; if that takes too long, ends the
+    process.
 
-    Python raises it between two of its own instructions, which a fit in C may keep waiting for
-    minutes, and threads of a fit may keep what unwinds it waiting. Blocks `waited_for` are. What is
-    unfinished on disk is removed before such an end. A signal that is ignored or handled otherwise
-    stays so. heard: is set by a signal.
+    Python raises the exception between two of its own instructions. A fit in C may delay that for
+    minutes, and threads of a fit may delay the unwinding. Cleanup blocks are always waited for.
+    Unfinished files are removed before the process ends. Signals that are ignored or handled
+    otherwise stay so. heard: is set by a signal.
     """
-    before = _usual()
+    before = _default_handlers()
     if not before or threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -63,7 +64,7 @@ def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
     theirs.setblocking(False)
     woken = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
     for number in before:
-        signal.signal(number, heard.hear)
+        signal.signal(number, heard.receive)
     threading.Thread(target=_watch, args=(ours, {*before}, heard, over), daemon=True).start()
     try:
         yield
@@ -75,33 +76,33 @@ def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
         theirs.close()
 
 
-def _usual() -> dict[int, Handler]:
-    """Those of SIGNALS that this system has and that do what they do by themselves, and what."""
+def _default_handlers() -> dict[int, Handler]:
+    """The signals of SIGNALS with their default handler on this system, and that handler."""
     numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]
-    usual = (signal.default_int_handler, signal.SIG_DFL)
+    defaults = (signal.default_int_handler, signal.SIG_DFL)
     handlers = {number: signal.getsignal(number) for number in numbers}
-    return {number: handler for number, handler in handlers.items() if handler in usual}
+    return {number: handler for number, handler in handlers.items() if handler in defaults}
 
 
 def _watch(signals: socket.socket, ends: set[int], heard: EndSignal, over: threading.Event) -> None:
-    """Ends the process where a signal does not end the block; ends itself at the block's end."""
+    """Watchdog thread: ends the process if a signal does not end the block in time."""
     with signals:
         while number := signals.recv(1):
             if number[0] not in ends:
                 continue
             last = monotonic() + UNWOUND
-            told = heard.wait(PATIENCE) or over.is_set()
-            if ENDING in sys.modules:  # else nothing can be in such a block
-                told = sys.modules[ENDING].wait_for_cleanup() or told
-            if not (told and over.wait(max(last - monotonic(), LEAVE))):
+            ended = heard.wait(PATIENCE) or over.is_set()
+            if CLEANUP_MODULE in sys.modules:  # else nothing can be in such a block
+                ended = sys.modules[CLEANUP_MODULE].wait_for_cleanup() or ended
+            if not (ended and over.wait(max(last - monotonic(), LEAVE))):
                 with suppress(OSError, ValueError):  # the terminal may be closed
-                    cursor = SHOWN_CURSOR if sys.stderr.isatty() else ""
+                    cursor = SHOW_CURSOR if sys.stderr.isatty() else ""
                     sys.stderr.write(f"{cursor}rcskin: interrupted\n")
                 leave(128 + number[0])
 
 
 def leave(code: int) -> NoReturn:
-    """End the process; what is left to do at exit is done, if it takes no longer than LEAVE."""
+    """Ends the process; exit functions run if they take no longer than LEAVE."""
     timer = threading.Timer(LEAVE, os._exit, (code,))
     timer.daemon = True
     timer.start()

@@ -1,7 +1,8 @@
-"""Answers that an object remembers, and that go when it goes.
+"""Cache of a method's results that lives in the object itself.
 
-`lru_cache` of a bound method ties a knot: the object holds the cache, and the cache the object.
-Both then stay until Python next looks for waste, which takes long where much is in memory.
+`lru_cache` of a bound method makes a reference cycle: the object holds the cache and the cache
+holds the object. Both then stay until the next garbage collection, which is slow with much memory
+in use.
 """
 
 from __future__ import annotations
@@ -13,23 +14,24 @@ from typing import Any, TypeVar, cast
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
-def cached_method(most: int) -> Callable[[Method], Method]:
-    """Of a method, by its positional arguments; most: answers kept, the oldest are forgotten."""
+def cached_method(max_entries: int) -> Callable[[Method], Method]:
+    """Decorator that caches results by positional arguments; drops the oldest beyond
+    `max_entries`."""
 
-    def of(method: Method) -> Method:
-        name = f"{method.__name__} remembered"
+    def decorate(method: Method) -> Method:
+        name = f"{method.__name__} cached"
 
         @wraps(method)
-        def ask(self: Any, *question: Any) -> Any:
+        def call(self: Any, *arguments: Any) -> Any:
             known = self.__dict__.setdefault(name, {})
-            if question in known:
-                return known[question]
-            answer = method(self, *question)
-            if len(known) >= most:
+            if arguments in known:
+                return known[arguments]
+            result = method(self, *arguments)
+            if len(known) >= max_entries:
                 known.pop(next(iter(known)), None)
-            known[question] = answer
-            return answer
+            known[arguments] = result
+            return result
 
-        return cast(Method, ask)
+        return cast(Method, call)
 
-    return of
+    return decorate

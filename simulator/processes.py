@@ -1,4 +1,4 @@
-"""Processes on this machine that share a command's work, and end when it ends."""
+"""Worker processes on this machine that share a command's work and end with it."""
 
 from __future__ import annotations
 
@@ -22,24 +22,27 @@ SECONDS_TO_END = 1.0
 
 
 class WorkerError(RuntimeError):
-    """Workers were lost; what they finished is kept."""
+    """Worker processes were killed; their finished results are kept."""
 
 
 @contextmanager
 def worker_pool(
     workers: int, needed: Sequence[str], advice: str
 ) -> Iterator[ProcessPoolExecutor | None]:
-    """So many processes on this machine, for which all is made ready while this one works.
+    """Yields a pool of worker processes; None for a single worker: this process does the work.
 
-    They begin with the first task. None where one is asked for: there is work for this process
-    alone. needed: modules that every task needs. Raises WorkerError with the advice where a process
-    is killed. What is unfinished when this ends is given up.
+    The workers start with the first task; what they import is preloaded while this process works.
+    needed: modules that every task needs. Raises WorkerError with the advice if a worker is killed.
+    Unfinished tasks are abandoned when the block ends.
     """
     if workers <= 1:
         yield None
         return
     others = multiprocessing.active_children()
-    with _server_ended(), ProcessPoolExecutor(workers, _copies(needed), _begin) as pool:
+    with (
+        _server_ends_early(),
+        ProcessPoolExecutor(workers, _preloading_context(needed), _begin) as pool,
+    ):
         try:
             yield pool
         except BrokenProcessPool:
@@ -52,10 +55,10 @@ def worker_pool(
 
 
 @contextmanager
-def _server_ended() -> Iterator[None]:
-    """Where the block ends early, so does the process that workers are copies of.
+def _server_ends_early() -> Iterator[None]:
+    """Ends the fork server if the block ends early.
 
-    It may import for seconds yet, and hears only then that this process is gone.
+    The server may still import for seconds, and would notice only then that this process is gone.
     """
     try:
         yield
@@ -68,11 +71,11 @@ def _server_ended() -> Iterator[None]:
         raise
 
 
-def _copies(needed: Sequence[str]) -> BaseContext:
-    """Of this, processes are copies of one that has imported what is needed.
+def _preloading_context(needed: Sequence[str]) -> BaseContext:
+    """Context whose processes are forked from a server that has imported what is needed.
 
-    That is begun here, not waited for, and ends with this process. Where the system has none of its
-    kind (Windows), each process imports for itself.
+    The server is started here without waiting, and ends with this process. On systems without fork
+    servers (Windows), each process imports for itself.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -89,7 +92,7 @@ def _copies(needed: Sequence[str]) -> BaseContext:
 def map_in_order(
     pool: ProcessPoolExecutor | None, function: Callable[[Given], Made], given: Sequence[Given]
 ) -> Iterator[Made]:
-    """The function of each item, in order: by processes, or in this one for None."""
+    """Applies the function to each item, in order: in the pool, or in this process for None."""
     if pool is None:
         return map(function, given)
     with uninterrupted():
@@ -99,9 +102,10 @@ def map_in_order(
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Ctrl-C waits; processes started within never hear of it, as they inherit the mask.
+    """Blocks Ctrl-C within the block; processes started within inherit the mask and never receive
+    it.
 
-    Windows knows of no mask.
+    Windows has no such mask.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -114,19 +118,19 @@ def uninterrupted() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """Ends this process as soon as the one that started it is gone, or says so; Ctrl-C does not."""
+    """Initializes a worker: it ends on SIGTERM or with its parent, but not on Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end)
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_outlive, args=(parent,), daemon=True).start()
+        threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
 
 
 def _end(*_: object) -> None:
-    """Give up the block at work, at once, and only remove locks that other processes know of.
+    """Abandons the current task at once and runs the exit functions, which remove locks.
 
-    Within a second: what is interrupted may hold a lock that the exit functions wait for, and to be
-    told a second time must not begin them anew.
+    This takes a second at most: the interrupted code may hold a lock that the exit functions wait
+    for. A second signal must not start the exit functions again.
     """
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     timer = threading.Timer(SECONDS_TO_END, os._exit, (1,))
@@ -136,6 +140,6 @@ def _end(*_: object) -> None:
     os._exit(1)
 
 
-def _outlive(parent: BaseProcess) -> None:
+def _exit_with_parent(parent: BaseProcess) -> None:
     parent.join()
     os._exit(1)

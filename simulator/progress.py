@@ -1,4 +1,4 @@
-"""Progress of long work: a bar and the time left on a terminal, silence in a pipe."""
+"""Progress of long work: a bar and the time left on a terminal, nothing in a pipe."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 MAX_ROWS = 12
-"""Pieces of work that are shown; a terminal of 24 rows has room for them and a few notes."""
+"""Largest number of bars; a terminal of 24 rows has room for them and a few notes."""
 
 
 class ProgressCallback(Protocol):
-    """Callback that takes what is being done, and how much of a total is done, None if unknown.
+    """Callback with the name of the work, the amount done (None if unknown) and the total.
 
-    Work that is reported again as unknown or at 0 begins anew.
+    Work that is reported again as unknown or 0 starts over.
     """
 
     def __call__(self, work: str, done: float | None = None, total: float = 1.0, /) -> None: ...
 
 
 def silent(work: str, done: float | None = None, total: float = 1.0, /) -> None:
-    """Shows nothing."""
+    """Progress callback that shows nothing."""
 
 
 def tracked(items: Sequence[Item], work: str, progress: ProgressCallback) -> Iterator[Item]:
-    """The items one by one; each counts as done when the next one is asked for."""
+    """Yields the items; each counts as done when the next one is requested."""
     progress(work, 0, len(items))
     for done, item in enumerate(items, 1):
         yield item
@@ -39,17 +39,17 @@ def tracked(items: Sequence[Item], work: str, progress: ProgressCallback) -> Ite
 
 
 def duration(seconds: float) -> str:
-    """A time as people say it."""
+    """A duration in words, such as `5 minutes`."""
     if seconds < 90:
         return "a minute"
     return f"{seconds / 60:.0f} minutes" if seconds < 5400 else f"{seconds / 3600:.0f} hours"
 
 
 def time_left(elapsed: float, share: float, then: float, first: float = 0.0) -> str:
-    """The time that is left, as 0:01:30, if shares take time alike; -:--:-- where it is unknown.
+    """Remaining time as 0:01:30, assuming equal shares take equal time; -:--:-- if unknown.
 
-    elapsed: s, now. share: of all, done when so many s had elapsed: `then`. first: the share that
-    was done at the start.
+    elapsed: s, until now. share: fraction done when `then` seconds had elapsed. first: fraction
+    done at the start.
     """
     left = (1 - share) * then / (share - first) + then - elapsed if share > first else -1.0
     if left < 0:
@@ -60,10 +60,10 @@ def time_left(elapsed: float, share: float, then: float, first: float = 0.0) -> 
 
 @contextmanager
 def on_terminal(unit: str = "") -> Iterator[ProgressCallback]:
-    """Draws a bar for each piece of work if standard error is a terminal.
+    """Yields a callback that draws a bar for each piece of work if standard error is a terminal.
 
-    Beside it: how many of a total are done, how long the work has lasted, and how long the rest
-    will take. unit: of what is counted; where it is given, the rate is shown too.
+    Each bar shows the count, the elapsed and the remaining time. unit: unit of the count; if it is
+    given, the rate is shown as well.
     """
     if not sys.stderr.isatty():
         yield silent
@@ -104,7 +104,7 @@ def on_terminal(unit: str = "") -> Iterator[ProgressCallback]:
 
 
 def _counted(task: Task, unit: str) -> str:
-    """How many of a total are done, and how fast; empty where only a share is known."""
+    """The count and the rate as text; empty if only a fraction is known."""
     if not task.total or task.total <= 1:
         return ""
     rate = f" {task.speed:,.0f} {unit}/s" if unit and task.speed else ""

@@ -1,7 +1,7 @@
-"""Text on terminals, in charts, on pages and in notebooks: what names hold is shown, never obeyed.
+"""Safe text for terminals, charts, pages and notebooks: names are shown and never interpreted.
 
 Scenes, sweeps and meters come from others. A control character in a name could move the cursor,
-rename the window or hide a line, a direction mark reorder one, and brackets are rich's markup.
+rename the window or hide a line; a direction mark could reorder one; brackets are markup of rich.
 """
 
 from __future__ import annotations
@@ -22,39 +22,39 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 CONTROL_CATEGORIES = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
-"""Unicode's categories of control, format (direction marks), lone surrogates, and other lines."""
+"""Unicode categories: control, format (direction marks), surrogates, unassigned, separators."""
 PRINTABLE_ASCII = re.compile(r"[ -~]*")
 MAX_ROWS = 20
-"""Of a result that a script or a notebook prints."""
+"""Largest number of rows that a script or a notebook prints of a result."""
 
 
 def escaped(text: object) -> str:
-    """On one line, with what a terminal would obey written as Python writes it: \\x1b, \\u202e."""
+    """The text on one line; control characters appear as Python escapes: \\x1b, \\u202e."""
     given = str(text)
     if PRINTABLE_ASCII.fullmatch(given):
         return given
-    return "".join(map(_visible, given))
+    return "".join(map(_escaped_character, given))
 
 
-def _visible(character: str) -> str:
-    obeyed = unicodedata.category(character) in CONTROL_CATEGORIES
-    return character.encode("unicode_escape").decode() if obeyed else character
+def _escaped_character(character: str) -> str:
+    control = unicodedata.category(character) in CONTROL_CATEGORIES
+    return character.encode("unicode_escape").decode() if control else character
 
 
 def say(*lines: object, err: bool = False) -> None:
-    """Write lines to standard output, or to standard error."""
+    """Writes lines to standard output, or to standard error."""
     import typer
 
     typer.echo("\n".join(map(escaped, lines)), err=err)
 
 
 def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:
-    """A rich console that takes no text for markup, and shows it as `escaped` does."""
+    """A rich console that interprets no markup and escapes text as `escaped` does."""
     from rich.console import Console, ConsoleOptions
     from rich.segment import Segment
     from rich.text import Text
 
-    class Shown(Console):
+    class SafeConsole(Console):
         def render_str(self, text: str, **options: Any) -> Text:
             return super().render_str(escaped(text), **options)
 
@@ -62,15 +62,15 @@ def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:
             for each in super().render(renderable, options):
                 yield each if each.control else Segment(_lines(each.text), each.style)
 
-    return Shown(stderr=stderr, highlight=highlight, markup=False, emoji=False)
+    return SafeConsole(stderr=stderr, highlight=highlight, markup=False, emoji=False)
 
 
 @contextmanager
 def figure_style(style: Mapping[Any, Any]) -> Iterator[None]:
-    """While figures are made in a style of matplotlib: what names hold is no mathematics.
+    """Matplotlib settings while a figure is made: the style, and text without mathematics.
 
-    Names may hold `$`, which matplotlib takes for mathematics. They may hold letters that its font
-    has not, which are boxes, and be longer than there is room: neither is warned of.
+    Names may contain `$`, which matplotlib would read as mathematics. Names may contain letters
+    that the font lacks (drawn as boxes) or be too long for their place; both warnings are off.
     """
     from matplotlib import rc_context
 
@@ -82,18 +82,18 @@ def figure_style(style: Mapping[Any, Any]) -> Iterator[None]:
 
 @contextmanager
 def rendering(figure: Figure) -> Iterator[None]:
-    """While a figure is painted that was made under `figure_style`: ticks may be powers of ten."""
+    """Settings while a figure made under `figure_style` is rendered: ticks may be powers of ten."""
     from matplotlib import rc_context
     from matplotlib.text import Text
     from matplotlib.ticker import FixedFormatter, LogFormatterMathtext
 
     for text in figure.findobj(Text):
         assert isinstance(text, Text)
-        told = _lines(text.get_text())
+        safe = _lines(text.get_text())
         if text.get_wrap():  # matplotlib wraps text as mathematics whatever is set
-            told = told.replace("$", r"\$")
+            safe = safe.replace("$", r"\$")
             text.set_parse_math(True)
-        text.set_text(told)
+        text.set_text(safe)
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
         formatter = axis.get_major_formatter()
         if isinstance(formatter, FixedFormatter):
@@ -107,7 +107,7 @@ def rendering(figure: Figure) -> Iterator[None]:
 
 
 def template_environment(folder: Path, **options: Any) -> Environment:
-    """Templates of a folder, as jinja has them: all that they are filled with is text to show."""
+    """Jinja environment of a folder's templates; all values that fill them are escaped."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -121,16 +121,16 @@ def template_environment(folder: Path, **options: Any) -> Environment:
 
 
 def plotly_text(text: str) -> str:
-    """The same on one line; plotly takes text for HTML."""
+    """The text on one line with HTML escaped, because plotly reads text as HTML."""
     return html.escape(escaped(text), quote=False)
 
 
 class Tabular(ABC):
-    """A result that prints as a table: as text where Python shows it, as HTML in a notebook."""
+    """A result that prints as a table: as text in Python, as HTML in a notebook."""
 
     @abstractmethod
     def _table(self) -> tuple[str, Sequence[Sequence[object]]]:
-        """A title, and rows of cells; the first row is the header."""
+        """The title, and rows of cells; the first row is the header."""
 
     def _cells(self) -> tuple[str, list[list[str]]]:
         title, rows = self._table()

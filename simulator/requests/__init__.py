@@ -1,1 +1,1 @@
-"""What all commands share: the scene they are asked for, and what they tell beside their work."""
+"""What all commands share: the requested scene, checked options, warnings and notes."""

@@ -1,4 +1,4 @@
-"""What a command tells beside its work: warnings and notes, and what it wrote."""
+"""Messages of commands: warnings, notes, and the files that were written."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from ..safe_text import say
 
 
 def warn(text: str) -> None:
-    """One line on standard error: what may be wrong."""
+    """Prints a warning on standard error: something may be wrong."""
     say(f"rcskin: warning: {text}", err=True)
 
 
 def note(text: str) -> None:
-    """One line on standard error: what is good to know."""
+    """Prints a note on standard error: something useful to know."""
     say(f"rcskin: note: {text}", err=True)
 
 
 def show_log_as_notes(library: str) -> None:
-    """From now on each line that a library logs for its users is a note."""
+    """From now on, prints each line that a library logs as a note."""
     handler, logger = logging.Handler(logging.INFO), logging.getLogger(library)
     handler.emit = lambda record: note(record.getMessage())
     logger.handlers = [handler]
@@ -27,5 +27,5 @@ def show_log_as_notes(library: str) -> None:
 
 
 def report_written(what: str, *paths: Path) -> None:
-    """One line on standard output: what was written where."""
+    """Prints on standard output what was written, and where."""
     say(f"{what} -> {', '.join(map(str, paths))}")

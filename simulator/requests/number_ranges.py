@@ -1,4 +1,4 @@
-"""Numbers that commands are given as options: the range of each, checked before any work."""
+"""Allowed ranges of numeric options, checked before any work begins."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ MAX_SEED = 2**32 - 1
 
 
 class AllowedRange(NamedTuple):
-    """From where to where numbers are accepted, both ends with them, and why."""
+    """Smallest and largest accepted number, both included, and the reason for the limits."""
 
     low: float
     high: float
     why: str
 
 
-RTOL = AllowedRange(1e-8, 1e-2, "what double precision and a meter leave of use")
-DRAWS = AllowedRange(2, 10**6, "two have a spread; a million tell an accuracy to 0.05 %")
+RTOL = AllowedRange(1e-8, 1e-2, "smaller is lost in rounding, larger is useless")
+DRAWS = AllowedRange(2, 10**6, "two have a spread; a million give an accuracy to 0.05 %")
 SECONDS = AllowedRange(1e-3, 1e6, "from a fast reading to days")
 PORT = AllowedRange(0, 65535, "what TCP has")
 SHARE = AllowedRange(0.0, 1.0, "a share")
@@ -40,7 +40,7 @@ RANGES: dict[str, AllowedRange] = {
     "draws": DRAWS,
     "repetitions": AllowedRange(1, 10**6, "a press a second for eleven days"),
     "against_rest": AllowedRange(0, 10**6, "sweeps of days"),
-    "n": AllowedRange(1, 100, "more frequencies tell nothing new"),
+    "n": AllowedRange(1, 100, "more frequencies add no information"),
     "accuracy": AllowedRange(0.01, 0.999999, "a share of sweeps that is neither none nor all"),
     "size": MILLIMETRES,
     "within": MILLIMETRES,
@@ -66,25 +66,25 @@ RANGES: dict[str, AllowedRange] = {
     "max_frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
     "cells": AllowedRange(1, 6, "the page grows with their square"),
 }
-"""By the names of parameters; numbers of others are bounded by the scene's keys or where used."""
+"""Ranges by parameter name; other numbers are checked by scene keys or at their use."""
 OWN: dict[tuple[str, str], AllowedRange] = {
     ("study", "draws"): AllowedRange(1, 1000, "each is a training"),
     ("gap", "draws"): AllowedRange(1, 1000, "each is a training"),
     ("localize", "pace"): SECONDS,
 }
-"""Where a command means something else by the same name."""
+"""Ranges of parameters that mean something else in one command."""
 
 
 def range_of(command: str, name: str) -> AllowedRange:
-    """The range of a command's parameter; any finite number where none is known."""
+    """The range of a command's parameter; any finite number if none is listed."""
     any_finite = AllowedRange(-float("inf"), float("inf"), "")
     return OWN.get((command, name), RANGES.get(name, any_finite))
 
 
 def with_ranges(commands: typer.Typer) -> None:
-    """Have every command refuse numbers outside their ranges before it begins.
+    """Makes every command refuse numbers outside their ranges before it begins.
 
-    The callbacks raise InputError that names the option, the number and the range.
+    The callbacks then raise InputError naming the option, the number and the range.
     """
     for each in commands.registered_commands:
         assert each.callback is not None
@@ -103,9 +103,9 @@ def _checked(callback: Callable[..., Any], command: str) -> Callable[..., Any]:
 def check_numbers(
     command: str, given: Mapping[str, Any], written: Callable[[str], str] = "`{}`".format
 ) -> None:
-    """Raises InputError for the first number among these that is outside its range.
+    """Raises InputError for the first of these numbers that is outside its range.
 
-    written: a parameter's name as the user writes it.
+    written: converts a parameter's name to what the user types.
     """
     for name, value in given.items():
         for each in value if isinstance(value, list) else [value]:
@@ -121,16 +121,16 @@ def _check(allowed: AllowedRange, value: float, name: Callable[[], str]) -> None
         return
     if allowed.low == -float("inf"):
         raise InputError(f"{name()} must be a finite number, got {value}")
-    told = f"from {_told(allowed.low)} to {_told(allowed.high)}"
-    raise InputError(f"{name()} must be {told}, got {value} ({allowed.why})")
+    limits = f"from {_number(allowed.low)} to {_number(allowed.high)}"
+    raise InputError(f"{name()} must be {limits}, got {value} ({allowed.why})")
 
 
-def _told(bound: float) -> str:
+def _number(bound: float) -> str:
     return str(bound) if isinstance(bound, int) else f"{bound:g}"
 
 
 def _option(callback: Callable[..., Any], name: str) -> str:
-    """How a parameter is written on the command line."""
+    """The option of a parameter as it is typed on the command line."""
     annotation = inspect.signature(callback, eval_str=True).parameters[name].annotation
     said = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
     names = [each for info in said for each in (info.default, *(info.param_decls or ()))]

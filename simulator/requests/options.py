@@ -1,4 +1,4 @@
-"""Options that several commands have, each said once."""
+"""Options that several commands share."""
 
 from typing import Annotated
 
@@ -6,7 +6,7 @@ import typer
 
 
 def complete_scene(incomplete: str) -> list[str]:
-    """Names and paths of scenes for the shell."""
+    """Completes names and paths of scenes in the shell."""
     from ..sweeps.builtin import scenes_beginning
 
     return scenes_beginning(incomplete)
@@ -17,22 +17,22 @@ SceneName = Annotated[
     typer.Argument(help="A built-in scene's name, or a path.", autocompletion=complete_scene),
 ]
 Interfaces = Annotated[
-    list[str] | None, typer.Option(help="Only this one of the scene's; may be repeated.")
+    list[str] | None, typer.Option(help="Use only this interface of the scene; may be repeated.")
 ]
 TouchSide = Annotated[
-    float | None, typer.Option(help="Side of a square touch in mm; else a pixel's sides.")
+    float | None, typer.Option(help="Side of a square touch in mm; default: the sides of a pixel.")
 ]
 TouchFactor = Annotated[
-    float | None, typer.Option(help="Capacitance under the touch over that at rest.")
+    float | None, typer.Option(help="Capacitance under the touch over that of the unpressed skin.")
 ]
 BASELINE_SWEEPS = 3
-"""Sweeps of the unpressed skin whose mean localizers compare a sweep with."""
+"""Default number of baseline sweeps whose mean each sweep is compared with."""
 AgainstRest = Annotated[
-    int, typer.Option(help="Sweeps of the skin at rest that each sweep is compared with.")
+    int, typer.Option(help="Sweeps of the unpressed skin that each sweep is compared with.")
 ]
 Charts = Annotated[
     str,
     typer.Option(
-        help="What charts are: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
+        help="File format of charts: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
     ),
 ]

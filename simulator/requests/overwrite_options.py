@@ -1,4 +1,4 @@
-"""The options of every command that writes: what it may replace (see `sweeps.writing`)."""
+"""Options of every command that writes: what it may overwrite (see `sweeps.writing`)."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ import typer
 OUTPUTS = ("output", "log")
 """Parameters that name what a command writes."""
 OPTIONS = {
-    "overwrite": "Replace also what this command did not make.",
-    "overwrite_measured": "Replace even measured sweeps.",
+    "overwrite": "Overwrite even files that this command did not make.",
+    "overwrite_measured": "Overwrite even measured sweeps.",
 }
 
 
 def with_overwrite_options(commands: typer.Typer, above: str = "") -> None:
-    """Give every command that writes the options of what it may replace.
+    """Adds the overwrite options to every command that writes.
 
-    above: the command that these are under, such as `meter`.
+    above: the parent command, such as `meter`.
     """
     for each in commands.registered_commands:
         callback = each.callback
@@ -41,8 +41,8 @@ def _on_occasion(command: Callable[..., Any], name: str) -> Callable[..., Any]:
 
     signature = inspect.signature(command, eval_str=True)
     switches = {
-        option: Annotated[bool, typer.Option(f"--{option.replace('_', '-')}", help=told)]
-        for option, told in OPTIONS.items()
+        option: Annotated[bool, typer.Option(f"--{option.replace('_', '-')}", help=text)]
+        for option, text in OPTIONS.items()
     }
     more = [
         inspect.Parameter(option, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
@@ -56,6 +56,6 @@ def _on_occasion(command: Callable[..., Any], name: str) -> Callable[..., Any]:
 
 
 def _paths(given: Iterable[Any]) -> tuple[Path, ...]:
-    """What may be files among the values of parameters."""
+    """Parameter values that may be paths of files."""
     flat = (part for each in given for part in (each if isinstance(each, list) else [each]))
     return tuple(Path(each) for each in flat if isinstance(each, str | Path) and each)

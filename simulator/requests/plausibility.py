@@ -1,4 +1,4 @@
-"""Numbers of a scene that are far from those of any skin, and what was likely meant."""
+"""Warnings for numbers of a scene that no real skin has, with the likely intended value."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from ..scene.scene import Scene
 from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL
 
 FAR = 1e4
-"""Times that a cut-off may lie beyond either end of the sweep."""
+"""Factor by which the cut-off may lie beyond either end of the sweep."""
 IN_KILO = 1e3
-"""Hz, and ohm/sq: what sweeps end below, and sheets resist less, that are likely given in kilo."""
+"""Sweeps that end below 1000 Hz and sheets below 1000 ohm/sq were probably given in kilo units."""
 NEARLY = 10.0
-"""Times that two sheets differ beside the thousand of a forgotten kilo."""
-APART = 10.0
-"""Times that the cut-off then lies above the sweep."""
+"""Factor by which two sheets may differ besides the thousand of a forgotten kilo."""
+FAR_ABOVE = 10.0
+"""Factor by which the cut-off then lies above the sweep."""
 
 
 def suspicious_values(scene: Scene) -> list[str]:
-    """One line for each number far outside what skins have, with what was likely meant."""
+    """One line for each number far outside the usual range, with the likely intended value."""
     skin, frequencies = scene.skin, scene.sweep.frequencies
     of_all = (1 / (skin.length * skin.width), *PER_AREA.factors)
     per_area = PER_AREA._replace(factors=of_all)
-    told = [
+    found = [
         *SIDE.slip("skin.length", skin.length, skin.width),
         *SIDE.slip("skin.width", skin.width, skin.length),
         *per_area.slip("skin.foam.capacitance_per_area", skin.foam.capacitance_per_area),
@@ -31,11 +31,14 @@ def suspicious_values(scene: Scene) -> list[str]:
         *(HERTZ.slip("sweep.frequencies", frequencies[-1]) if len(frequencies) > 1 else ()),
         *_beyond_usual(scene.model_dump(by_alias=True, exclude_none=True)),
     ]
-    return told or [*_one_sheet_in_kilo(scene), *_cut_off(scene)]
+    return found or [*_one_sheet_in_kilo(scene), *_cut_off(scene)]
 
 
 def _beyond_usual(table: object, key: str = "", place: str = "") -> Iterator[str]:
-    """Of every number in a table that USUAL has. key: as USUAL names it; place: as files do."""
+    """Warnings for all numbers in a table that have an entry in USUAL.
+
+    key: the name in USUAL. place: the name in the scene file.
+    """
     if isinstance(table, dict):
         for name, value in table.items():
             part = key if key in USUAL else f"{key}.{name}".lstrip(".")
@@ -48,9 +51,9 @@ def _beyond_usual(table: object, key: str = "", place: str = "") -> Iterator[str
 
 
 def _one_sheet_in_kilo(scene: Scene) -> Iterator[str]:
-    """Where one sheet resists about a thousandth of the other, which metal and rubber do not.
+    """A warning if one sheet has about a thousandth of the other's sheet resistance.
 
-    Metal on one side of a skin has an ohm or less, some ten-thousandth of carbon-filled rubber.
+    Real pairs do not: metal has an ohm or less, a ten-thousandth of carbon-filled rubber.
     """
     top, bottom = scene.skin.sheet_resistances
     less, more = sorted((top, bottom))
@@ -58,22 +61,22 @@ def _one_sheet_in_kilo(scene: Scene) -> Iterator[str]:
         return
     low, high = ("top", "bottom") if top < bottom else ("bottom", "top")
     yield (
-        f"skin.{low}.sheet_resistance = {less:g} ohm/sq beside skin.{high}.sheet_resistance = "
+        f"skin.{low}.sheet_resistance = {less:g} ohm/sq, but skin.{high}.sheet_resistance = "
         f"{more:g} ohm/sq; did you mean {IN_KILO * less:g}?"
     )
 
 
 def _cut_off(scene: Scene) -> Iterator[str]:
-    """What a cut-off frequency tells that lies far from the sweep."""
+    """A warning if the cut-off frequency lies far from the sweep."""
     start, stop = scene.sweep.frequencies[0], scene.sweep.frequencies[-1]
     cut_off = max(cut_off_frequency(scene, each) for each in scene.interfaces)
     sheet = max(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
-    if stop <= IN_KILO and cut_off > APART * stop and start <= cut_off / IN_KILO <= stop:
+    if stop <= IN_KILO and cut_off > FAR_ABOVE * stop and start <= cut_off / IN_KILO <= stop:
         yield (
             f"sweep.frequencies end at {stop:g} Hz, far below the skin's cut-off frequency of "
             f"{cut_off:.3g} Hz; did you mean {IN_KILO * start:g} to {IN_KILO * stop:g} Hz?"
         )
-    elif sheet < IN_KILO and cut_off > APART * stop and start <= cut_off / IN_KILO <= stop:
+    elif sheet < IN_KILO and cut_off > FAR_ABOVE * stop and start <= cut_off / IN_KILO <= stop:
         yield (
             f"sheet_resistance = {sheet:g} ohm/sq puts the cut-off frequency at "
             f"{cut_off:.3g} Hz, far above the sweep's {stop:g} Hz; did you mean "

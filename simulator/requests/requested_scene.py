@@ -1,4 +1,4 @@
-"""The scene that a command is asked for, with what its user should know of it."""
+"""Loads the scene that a command requests, with warnings and notes for the user."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .plausibility import suspicious_values
 
 
 def requested_scene(name: str) -> Scene:
-    """The scene of that name or path; tells of slips. Raises InputError as `load_scene`."""
+    """The scene of that name or path; warns of implausible values. Raises as `load_scene`."""
     scene = load_scene(name)
     for slip in suspicious_values(scene):
         warn(f"{name}: {slip}")
@@ -19,23 +19,23 @@ def requested_scene(name: str) -> Scene:
 
 
 def warn_of_model(name: str, scene: Scene) -> None:
-    """Tells where foils join what the scene has apart, and where thin sheets are no model of it."""
-    even = electrical(scene)
-    for warning in (*scene.driven_by_touch, *warnings(even)):
+    """Warns where touching foils connect terminals, and where thin sheets are no valid model."""
+    uniform = electrical(scene)
+    for warning in (*scene.driven_by_touch, *warnings(uniform)):
         warn(f"{name}: {warning}")
 
 
 def warn_of_earth(name: str, scene: Scene) -> None:
-    """Tells what earth may do to a measured skin, where its scene says nothing of surroundings."""
-    told = earth_left_out(electrical(scene))
-    if told is not None:
-        warn(f"{name}: {told}")
+    """Warns of the effect of earth if the scene of a measured skin has no [surroundings]."""
+    warning = earth_left_out(electrical(scene))
+    if warning is not None:
+        warn(f"{name}: {warning}")
 
 
 def note_if_noise_free(name: str, scene: Scene) -> None:
-    """A note where the meter of a scene reads without error."""
+    """Prints a note if the meter of a scene reads without error."""
     if scene.readout.exact:
         note(
-            f"{name}: the readout is free of noise: [readout] gives none "
-            '(readout = "IM3523", above the first table, would be that of such a meter)'
+            f"{name}: the readout is free of noise because [readout] sets no errors; "
+            'readout = "IM3523", above the first table, sets those of such a meter'
         )

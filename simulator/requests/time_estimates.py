@@ -1,4 +1,4 @@
-"""A word before what takes minutes."""
+"""Notes with the estimated duration before work that takes minutes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .console import note
 Item = TypeVar("Item")
 
 MIN_NOTED_SECONDS = 60.0
-"""s."""
+"""Work that takes at least so many seconds is announced."""
 
 
 def note_if_long(name: str, seconds: float, work: str) -> None:
-    """A note that tells about how long `work` takes, where that is a minute or more."""
+    """Prints a note with the estimated duration of `work` if that is a minute or more."""
     if seconds >= MIN_NOTED_SECONDS:
         note(f"{name}: {work} will take about {duration(seconds)}")
 
@@ -24,17 +24,17 @@ def note_if_long(name: str, seconds: float, work: str) -> None:
 def with_time_estimate(
     name: str, presses: Iterable[Item], count: int, clock: Callable[[], float] = perf_counter
 ) -> Iterator[Item]:
-    """So many presses; tells once how long those to come take, by how long the latest took.
+    """Yields the presses; once, prints an estimate of the remaining time from the latest press.
 
-    The first one prepares for all: not before the second is done. Earlier only where the first
-    alone took a minute. clock: s.
+    The first press includes preparations for all, so the estimate waits for the second one, unless
+    the first alone took a minute. clock: returns seconds.
     """
-    started, told = clock(), False
+    started, noted = clock(), False
     for done, press in enumerate(presses):
         left, latest = count - done, clock() - started
         known = done >= 2 or (done == 1 and latest >= MIN_NOTED_SECONDS)
-        if known and not told and latest * left >= MIN_NOTED_SECONDS:
-            told = True
+        if known and not noted and latest * left >= MIN_NOTED_SECONDS:
+            noted = True
             note_if_long(name, latest * left, f"the other {left} of {count} presses")
         started = clock()
         yield press

@@ -1,7 +1,7 @@
-"""What the numbers of skins usually are, by the keys of a scene, and in which units they slip.
+"""Usual ranges of a scene's numbers by key, and the unit mistakes that are common for them.
 
-A number is told of only where it lies beyond what any skin in the literature or any data sheet has,
-so that every scene that was ever measured passes.
+The warning limits lie beyond every skin in the literature and every data sheet, so that any
+measured scene passes.
 """
 
 from __future__ import annotations
@@ -12,33 +12,33 @@ from typing import NamedTuple
 
 
 class UsualRange(NamedTuple):
-    """The usual numbers of one kind, and those beyond which one is a slip.
+    """Usual range (low to high) of one quantity, and the limits beyond which a value is a mistake.
 
-    factors: from other units of the same kind, the likeliest first.
+    factors: conversions from other units of the quantity, the most likely first.
     """
 
     unit: str
-    least: float
+    minimum: float
     low: float
     high: float
-    most: float
+    maximum: float
     factors: tuple[float, ...]
 
-    def meant(self, value: float, near: float | None = None) -> float | None:
-        """A usual number that a slip was likely meant to be, that nearest to `near`."""
+    def suggestion(self, value: float, near: float | None = None) -> float | None:
+        """The usual value that a wrong unit probably stands for; the one nearest to `near`."""
         usual = [value * by for by in self.factors if self.low <= abs(value * by) <= self.high]
-        if near is not None and self.least <= near <= self.most:
+        if near is not None and self.minimum <= near <= self.maximum:
             usual.sort(key=lambda each: abs(math.log(each / near)))
         return usual[0] if usual else None
 
     def slip(self, key: str, value: float | None, near: float | None = None) -> Iterator[str]:
-        """What is told of a number; nothing where it may be one of a skin."""
-        if value is None or value == 0 or self.least <= abs(value) <= self.most:
+        """A warning for an implausible value; nothing for a plausible one."""
+        if value is None or value == 0 or self.minimum <= abs(value) <= self.maximum:
             return
-        meant = self.meant(value, near)
-        asked = "" if meant is None else f"; did you mean {meant:.6g}?"
-        usual = f"{self.least:g} to {self.most:g} {self.unit}".rstrip()
-        yield f"{key} = {' '.join(f'{value:g} {self.unit}'.split())}{asked} (skins have {usual})"
+        suggested = self.suggestion(value, near)
+        hint = "" if suggested is None else f"; did you mean {suggested:.6g}?"
+        usual = f"{self.minimum:g} to {self.maximum:g} {self.unit}".rstrip()
+        yield f"{key} = {' '.join(f'{value:g} {self.unit}'.split())}{hint} (skins have {usual})"
 
 
 MILLI, CENTI, MICRO, NANO, PICO = 1e-3, 1e-2, 1e-6, 1e-9, 1e-12
@@ -53,7 +53,7 @@ HERTZ = UsualRange("Hz", 1e-4, 1.0, 1e9, 1e9, (KILO, MILLI))
 SHARE = UsualRange("of |Z|", 1e-8, 1e-5, 0.05, 0.1, (CENTI,))
 """A data sheet rates no range of an LCR meter worse than 10 %."""
 TURN = UsualRange("rad", 1e-8, 1e-5, 0.05, 0.1, (DEGREE,))
-"""0.1 rad are 5.7 degrees: as 10 % of |Z|."""
+"""0.1 rad is 5.7 degrees, comparable to 10 % of |Z|."""
 ANGLE = UsualRange("rad", 0.0, 0.0, math.pi, 2 * math.pi, (DEGREE,))
 
 USUAL = {
@@ -109,4 +109,4 @@ USUAL = {
     "dataset.session.stray_capacitance": FARAD,
     "dataset.session.lead_resistance": UsualRange("ohm", 0.0, 1e-3, 1e3, 1e5, (MILLI,)),
 }
-"""By key, without the numbers of items and the parts of a distribution."""
+"""Usual ranges by key, without item numbers and parts of distributions."""
