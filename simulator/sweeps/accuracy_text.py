@@ -1,4 +1,4 @@
-"""What an accuracy is of, in one line that every command prints beside its figure."""
+"""One line that explains an accuracy; every command prints it beside the figure."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ FOUND = {
 
 
 def bound_text(against_rest: int, skins: str) -> str:
-    """The line beside a bound. against_rest: sweeps of the unpressed skin, 0 for none. skins: which
-    are known."""
+    """The line that explains a bound.
+
+    against_rest: number of baseline sweeps, 0 for none. skins: which skins are known.
+    """
     features = (
         f"{CHANGES} (mean of {against_rest} sweeps)"
         if against_rest
@@ -27,9 +29,12 @@ def bound_text(against_rest: int, skins: str) -> str:
 def accuracy_text(
     target: str, features: str, judged: str, scene: str = "SCENE", *, noisy: bool = True
 ) -> str:
-    """The line. features: what was looked at. judged: which sweeps, such as "not
-    trained on". scene: its name or path, for the command that gives the bound. noisy: whether a
-    meter, real or simulated, read the sweeps."""
+    """The line that explains an accuracy.
+
+    features: what was evaluated. judged: which sweeps, such as "not trained on". scene: name or
+    path, for the command that computes the bound. noisy: True if a real or simulated meter read the
+    sweeps.
+    """
     found = FOUND.get(target, f"{target} was found")
     return (
         f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, "

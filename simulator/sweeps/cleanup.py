@@ -1,4 +1,4 @@
-"""What a command that is told to end still has to put in order, such as a meter."""
+"""Cleanup that a command must finish before a signal may end it, such as resetting a meter."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _blocks = 0
 
 @contextmanager
 def cleanup_block() -> Iterator[None]:
-    """A block that Ctrl-C leaves in its own time, however long what is unfinished takes to end."""
+    """A block that a signal never cuts short: the process ends only after the block."""
     global _blocks
     with _left:
         _blocks += 1
@@ -25,7 +25,7 @@ def cleanup_block() -> Iterator[None]:
 
 
 def wait_for_cleanup() -> bool:
-    """Until all such blocks are left; whether there was one."""
+    """Waits until all cleanup blocks have ended; True if there was one."""
     with _left:
         some = _blocks > 0
         _left.wait_for(lambda: _blocks == 0)

@@ -1,4 +1,4 @@
-"""Times of sweeps, where the computer's clock was set back between them."""
+"""Detects sweeps between which the computer's clock was set back."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SLACK = 0.1
-"""s: below, a clock was corrected by no more than a reading takes."""
+"""Seconds: smaller corrections of the clock are shorter than a reading."""
 
 
 def backward_times(sweeps: xr.Dataset) -> list[str]:
-    """In words, which sweeps have an earlier time than the sweep before them in their session."""
+    """One line for each session in which a sweep has an earlier time than the one before it."""
     if TIME not in sweeps.variables:
         return []
     time, session, names = sweeps[TIME].values, sweeps["session"].values, session_names(sweeps)
-    told = []
+    lines = []
     for number in dict.fromkeys(session.tolist()):
         own = np.flatnonzero(session == number)
         back = -np.diff(time[own])
         first = int(np.argmax(back > SLACK)) if back.size else 0
         if back.size and back[first] > SLACK:
-            told.append(
+            lines.append(
                 f"session {names.get(number, number)}: sweep {own[first + 1]} is "
                 f"{back[first]:.1f} s earlier than sweep {own[first]} before it"
                 + (f", and {more} more" if (more := int((back > SLACK).sum()) - 1) else "")
                 + ": the clock was set back, or sweeps are not in the order they were taken in"
             )
-    return told
+    return lines

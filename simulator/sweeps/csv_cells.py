@@ -1,4 +1,4 @@
-"""Cells of CSV files, safe to open in a spreadsheet: a name is never a formula there."""
+"""Cells of CSV files that are safe in a spreadsheet: a name is never read as a formula."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Iterable
 from typing import IO, Any
 
 FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
-"""How text begins that spreadsheets compute, after any number of our own quotes."""
+"""Beginning of text that spreadsheets compute, after any number of our own quotes."""
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 BEYOND_ASCII = re.compile(r"[^\n -~]")
-"""And control characters, but the line breaks between keys."""
+"""Characters beyond ASCII and control characters, except the line breaks between keys."""
 WITHIN_COMMENT = re.compile(r"(?<=[,;\t])[=+\-@]")
 
 
 class CsvWriter:
-    """Writes rows as `csv.writer` does; text that begins like a formula gets a quote before it."""
+    """Writes rows as `csv.writer` does; text that begins like a formula is preceded by a quote."""
 
     def __init__(self, file: IO[str]) -> None:
         self._rows = csv.writer(file, lineterminator="\n")
@@ -31,18 +31,18 @@ class CsvWriter:
 
 
 def guarded(cell: Any) -> Any:
-    """The same cell; text that a spreadsheet would compute, with a quote before it."""
+    """The cell, with a quote before text that a spreadsheet would compute."""
     formula = isinstance(cell, str) and FORMULA.match(cell) and not NUMBER.fullmatch(cell)
     return f"'{cell}" if formula else cell
 
 
 def unguarded(cell: str) -> str:
-    """The text that `guarded` made a cell of."""
+    """Inverse of `guarded`: the original text of a cell."""
     return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
 
 
 def printable(toml: str) -> str:
-    """TOML whose texts hold no character that is obeyed, not shown; it reads back the same."""
+    """Escapes control characters in TOML texts; the TOML reads back the same."""
     return BEYOND_ASCII.sub(lambda found: _printable(found[0]), toml)
 
 
@@ -55,8 +55,8 @@ def _escaped(character: str) -> str:
 
 
 def guarded_comment(toml: str) -> str:
-    """TOML whose texts hold no cell that begins like a formula; it reads back the same.
+    """Escapes formula signs after separators in TOML comments; the TOML reads back the same.
 
-    Spreadsheets divide lines of comment at separators, too; TOML's own escapes stand in there.
+    Spreadsheets split comment lines at separators as well; TOML escapes replace the signs.
     """
     return WITHIN_COMMENT.sub(lambda found: _escaped(found[0]), printable(toml))

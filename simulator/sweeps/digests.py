@@ -1,8 +1,8 @@
-"""Checksums by which a file that was spoilt is noticed before it is parsed.
+"""Checksums that detect a corrupt file before it is parsed.
 
-A file without one is read as it stands: older files, those of other tools, and those that a
-library changed (HDF5 cuts off what stands behind its own end; a rewritten archive or store has
-no checksum of ours).
+A file without a checksum is read as it is: older files, files of other tools, and files that a
+library changed (HDF5 cuts off bytes behind its own end; a rewritten archive or store has no
+checksum of ours).
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ from .errors import InputError
 from .inputs import objects
 
 HEX = 64
-"""Characters of a SHA-256 in hexadecimal."""
+"""Number of hexadecimal characters of a SHA-256 digest."""
 AT_ONCE = 2**20
 AT_END = b"\nsha256 of the bytes above: "
-"""Of a binary file. HDF5 allows further bytes behind its end, and does not parse them."""
+"""Text before the digest at the end of a binary file; HDF5 ignores bytes behind its end."""
 MEMBER = "sha256"
-"""Of a ZIP archive, beside the members whose names and contents it covers."""
+"""Member of a ZIP archive with the digest of the names and contents of all other members."""
 OF_STORE = "zarr.json.sha256"
-"""Of a Zarr folder, as `sha256sum` writes it. Chunks have their own crc32c."""
+"""Digest file of a Zarr folder in the format of `sha256sum`; chunks have their own crc32c."""
 LINES_WIDTH = 15
-"""Digits enough for any disk."""
+"""Width of the line count: enough digits for any disk."""
 ABOVE = re.compile(rb'# rcskin_sha256 = "([0-9a-f]{64})"\n(# rcskin_lines = *(\d+)\n)')
 OWN_KEYS = ("rcskin_sha256", "rcskin_lines")
 UNSEALED = f'# {OWN_KEYS[0]} = "{"0" * HEX}"\n# {OWN_KEYS[1]} = {"0":>{LINES_WIDTH}}\n'
-"""The first two lines of a CSV, for `seal_text` to fill in: the digest of all that stands below
-its own line, and how many lines stand below both."""
+"""First two lines of a CSV before `seal_text` fills them in: the digest of everything below the
+first line, and the number of lines below both."""
 
 
 def seal_binary(path: Path) -> None:
-    """Append the digest of the file to it."""
+    """Appends the digest of a file to the file."""
     with path.open("r+b") as file:
         digest = _of_rest(file)
         file.write(AT_END + digest.encode() + b"\n")
 
 
 def check_binary(path: Path) -> None:
-    """Raises InputError where the file is not what its digest at the end says."""
+    """Raises InputError if the file does not match the digest at its end."""
     size = len(AT_END) + HEX + 1
     with path.open("rb") as file:
         length = file.seek(0, 2) - size
@@ -58,7 +58,7 @@ def check_binary(path: Path) -> None:
 
 
 def seal_text(path: Path) -> None:
-    """Fill in the first two lines of a CSV, which are UNSEALED."""
+    """Fills in the first two lines of a CSV, which are UNSEALED."""
     digest_line, lines_line = UNSEALED.encode().splitlines(keepends=True)
     with path.open("r+b") as file:
         file.seek(len(UNSEALED))
@@ -72,9 +72,9 @@ def seal_text(path: Path) -> None:
 
 
 def check_text(path: Path, content: bytes) -> bool:
-    """Whether a CSV has a digest. Raises InputError where it is not what that says.
+    """True if a CSV has a digest. Raises InputError if the content does not match it.
 
-    Line ends of Windows and a byte order mark, which editors and version control add, do not count.
+    Windows line ends and a byte order mark, which editors and version control add, are ignored.
     """
     plain = content.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n")
     sealed = ABOVE.match(plain)
@@ -83,24 +83,24 @@ def check_text(path: Path, content: bytes) -> bool:
         if any(key.encode() in above for key in OWN_KEYS):
             raise _changed(path, "the lines of its checksum are spoilt")
         return False
-    found, told = plain.count(b"\n", sealed.end()), int(sealed[3])
-    if found != told:
-        raise _changed(path, f"{found} of {told} lines are there")
+    found, expected = plain.count(b"\n", sealed.end()), int(sealed[3])
+    if found != expected:
+        raise _changed(path, f"only {found} of {expected} lines are left")
     if hashlib.sha256(plain[sealed.start(2) :]).hexdigest().encode() != sealed[1]:
-        raise _changed(path, f"its {told} lines are not what their checksum says")
+        raise _changed(path, f"its {expected} lines do not match their checksum")
     return True
 
 
 def seal_archive(path: Path) -> None:
-    """Add the digest of all members to a ZIP archive."""
+    """Adds the digest of all members to a ZIP archive."""
     with zipfile.ZipFile(path, "a") as archive:
         archive.writestr(zipfile.ZipInfo(MEMBER), _of_members(archive))
 
 
 def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError where members of an archive are not what its digest says.
+    """Raises InputError if the members of an archive do not match its digest.
 
-    path: only named. Raises as zipfile where it is no archive, or a member is damaged.
+    path: named in errors only. Raises as zipfile for a file that is no archive or is damaged.
     """
     with zipfile.ZipFile(file) as archive:
         if MEMBER not in archive.namelist():
@@ -110,19 +110,19 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
 
 
 def seal_store(folder: Path) -> None:
-    """Write the digest of a Zarr folder's consolidated metadata beside it."""
+    """Writes the digest of a Zarr folder's consolidated metadata beside the metadata."""
     digest = hashlib.sha256((folder / "zarr.json").read_bytes()).hexdigest()
     (folder / OF_STORE).write_bytes(f"{digest}  zarr.json\n".encode())
 
 
 def check_store(folder: Path) -> bool:
-    """Whether a Zarr folder has a digest; raises InputError where it is not what that says."""
+    """True if a Zarr folder has a digest; raises InputError if the metadata do not match it."""
     try:
-        told = (folder / OF_STORE).read_bytes()
+        stored = (folder / OF_STORE).read_bytes()
     except FileNotFoundError:
         return False
     digest = hashlib.sha256((folder / "zarr.json").read_bytes()).hexdigest()
-    if told.split() != [digest.encode(), b"zarr.json"]:
+    if stored.split() != [digest.encode(), b"zarr.json"]:
         raise InputError(
             f"{folder}: spoilt or changed: zarr.json is not what {OF_STORE} in it says; use "
             f"another copy, or remove {OF_STORE} if you changed it"
@@ -131,21 +131,21 @@ def check_store(folder: Path) -> bool:
 
 
 def sealed_json(content: Mapping[str, Any], *, allow_nan: bool = True) -> str:
-    """An object as JSON, with the digest of what it says. Raises as json.dumps."""
+    """An object as JSON with the digest of its content. Raises as json.dumps."""
     return json.dumps({**content, MEMBER: _of_json(content)}, allow_nan=allow_nan)
 
 
 def unsealed_json(text: str) -> dict[str, Any]:
-    """The object that a text holds, without its digest; one that never had any is as it stands.
+    """The object in a JSON text, without its digest; texts without a digest are accepted.
 
-    Raises ValueError where it is no object, or not what its digest says.
+    Raises ValueError if it is no object or does not match its digest.
     """
     content = objects(text)
     if not isinstance(content, dict):
         raise ValueError("it is no object")
-    told = content.pop(MEMBER, None)
-    if told is not None and told != _of_json(content):
-        raise ValueError("it is not what its checksum says")
+    stored = content.pop(MEMBER, None)
+    if stored is not None and stored != _of_json(content):
+        raise ValueError("it does not match its checksum")
     return content
 
 
@@ -154,7 +154,7 @@ def _of_json(content: Mapping[str, Any]) -> str:
 
 
 def _of_rest(file: BinaryIO, end: int | None = None) -> str:
-    """In hexadecimal, from where the file stands, to its end or that place."""
+    """Hexadecimal digest from the current position to the end of the file, or to `end`."""
     digest = hashlib.sha256()
     while part := file.read(AT_ONCE if end is None else min(AT_ONCE, end - file.tell())):
         digest.update(part)
@@ -162,7 +162,7 @@ def _of_rest(file: BinaryIO, end: int | None = None) -> str:
 
 
 def _of_members(archive: zipfile.ZipFile) -> bytes:
-    """In hexadecimal, of the names and contents of all members but that of the digest."""
+    """Hexadecimal digest of the names and contents of all members except the digest itself."""
     digest = hashlib.sha256()
     for name in sorted(set(archive.namelist()) - {MEMBER}):
         own = hashlib.sha256(archive.read(name)).digest()

@@ -1,24 +1,24 @@
-"""How work ends that cannot be done: input to mend, or a tolerance out of reach."""
+"""Exceptions with a message for the user: bad input, failed output, tolerance not reached."""
 
 
 class InputError(ValueError):
-    """Bad input, told in one line that names the file, the key, the value and what is allowed."""
+    """Bad input; the message names file, key, value and allowed range in one line."""
 
 
 class OutputError(RuntimeError):
-    """What was to be written could not be, through no fault of the input; one line says why."""
+    """An output could not be written although the input is valid; one line says why."""
 
 
 class ToleranceError(RuntimeError):
-    """The asked tolerance is not reached, so nothing is answered.
+    """The requested tolerance was not reached, so there is no answer.
 
-    times: as large a tolerance is likely to be kept, where that can be told.
+    times: factor by which the tolerance must probably be raised; None if unknown.
     """
 
-    def __init__(self, told: str, times: float | None = None) -> None:
-        super().__init__(told)
+    def __init__(self, message: str, times: float | None = None) -> None:
+        super().__init__(message)
         self.times = times
 
 
 class InterruptedWorkError(RuntimeError):
-    """Ctrl-C ended work that can be taken up again; the message says how."""
+    """Ctrl-C interrupted work that can be resumed; the message says how."""

@@ -1,4 +1,4 @@
-"""What a file of rcskin's holds, by its ending: told where one is given for another."""
+"""Kinds of files by ending; a file of the wrong kind is refused with a hint."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ EXPECTED = {
 
 
 def check_file_kind(path: Path, expected: str) -> None:
-    """Raises InputError where the ending is of another kind of file than that expected, one of
-    EXPECTED; endings that say nothing pass."""
+    """Raises InputError if the ending belongs to another kind of file than `expected`.
+
+    expected: a key of EXPECTED. Unknown endings pass.
+    """
     given = KINDS.get(path.suffix, expected)
     if given == expected:
         return

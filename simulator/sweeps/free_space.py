@@ -1,4 +1,4 @@
-"""Whether what is asked for fits in the memory and on the disk that are there, before it begins."""
+"""Checks before work begins that it fits into the free memory and on the disk."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from pathlib import Path
 from .errors import InputError
 
 SHARE = 0.9
-"""Of what is free, that one piece of work may take: the rest is for all that is not counted."""
+"""Fraction of the free space that one piece of work may take; the rest is a reserve."""
 PREFIXES = ("bytes", "kB", "MB", "GB", "TB", "PB")
 CONTROL_GROUP = Path("/sys/fs/cgroup")
-"""Where Linux says what a container may take."""
+"""Folder in which Linux states the memory limits of a container."""
 
 
 def check_memory(needed: float, what: str, instead: str) -> None:
-    """Raises InputError where so many bytes are more than the memory that is free.
+    """Raises InputError if more bytes are needed than memory is free.
 
-    what: is to be held in memory, in plural. instead: what to do.
+    what: the data in plural. instead: advice for the user.
     """
     free = SHARE * free_memory()
     if needed > free:
@@ -30,7 +30,7 @@ def check_memory(needed: float, what: str, instead: str) -> None:
 
 
 def check_disk(needed: float, path: Path, what: str, instead: str) -> None:
-    """Raises InputError where so many bytes are more than the disk of a path has free."""
+    """Raises InputError if more bytes are needed than the disk of a path has free."""
     folder = path.absolute().parent
     free = SHARE * shutil.disk_usage(folder).free if folder.is_dir() else needed
     if needed > free:
@@ -41,7 +41,7 @@ def check_disk(needed: float, path: Path, what: str, instead: str) -> None:
 
 
 def amount(size: float) -> str:
-    """A number of bytes as people say it."""
+    """A number of bytes with a unit, such as 3.2 GB."""
     power = 0
     while size >= 1000 and power < len(PREFIXES) - 1:
         size, power = size / 1000, power + 1
@@ -49,7 +49,7 @@ def amount(size: float) -> str:
 
 
 def free_memory() -> float:
-    """Bytes that may still be taken without swapping, as the system estimates them."""
+    """Bytes of memory available without swapping, as the system estimates them."""
     if sys.platform == "win32":
         return _free_on_windows()
     found = [each for each in (_free_on_linux(), _free_in_group(), _limit()) if each is not None]
@@ -61,20 +61,22 @@ def _free_on_linux() -> float | None:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
         return None
-    told = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
-    return 1024.0 * int(told[0]) if told else None
+    available = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024.0 * int(available[0]) if available else None
 
 
 def _free_in_group() -> float | None:
     try:
-        most, used = ((CONTROL_GROUP / f"memory.{name}").read_text() for name in ("max", "current"))
-        return max(0.0, float(most) - float(used))
+        limit, used = (
+            (CONTROL_GROUP / f"memory.{name}").read_text() for name in ("max", "current")
+        )
+        return max(0.0, float(limit) - float(used))
     except (OSError, ValueError):  # no such group, or "max": no limit
         return None
 
 
 def _limit() -> float | None:
-    """What `ulimit -v` allows, where the system has that."""
+    """The limit of `ulimit -v`; None if the system has no such limit."""
     try:
         import resource
     except ImportError:
@@ -84,12 +86,12 @@ def _limit() -> float | None:
 
 
 def _all_memory() -> float:
-    """Of the whole machine: macOS does not say what is free."""
+    """Memory of the whole machine, for macOS, which does not report free memory."""
     return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
 def _free_on_windows() -> float:
-    """As GlobalMemoryStatusEx has it."""
+    """Free memory by GlobalMemoryStatusEx."""
     import ctypes
 
     class Status(ctypes.Structure):

@@ -1,4 +1,4 @@
-"""Impedance and its names: Z = Rs + jX is the object; Cp, Cs and the phase are views of it."""
+"""Impedance Z = Rs + jX and the quantities derived from it: Cp, Cs, and X from Rs and Cp."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -6,10 +6,10 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import InputError
 
 NOISE = 0.05
-"""What noise of Rs and of Cp may add to 2 omega Cp Rs, which is 1 at -45 degrees."""
+"""Largest contribution of noise to 2 omega Cp Rs, which is 1 at -45 degrees."""
 UNRELATED = 0.05
-"""Share of |1/Z| / omega that no noise and no rounding to two digits puts between Cp and the one
-that follows from Rs and X: another unit, a slip of the pen, a cell that was cut off."""
+"""Deviation of Cp from Im(1/Z) / omega, over |1/Z| / omega, that neither noise nor rounding to two
+digits explains: a wrong unit, a typing error, a truncated cell."""
 
 
 def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
@@ -34,10 +34,10 @@ def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64
 def contradicting(
     Rs: ArrayLike, X: ArrayLike, Cp: ArrayLike, frequency: ArrayLike, tolerance: ArrayLike
 ) -> NDArray[np.bool_]:
-    """Where Cp is off Im(1/Z) / omega by more than a share of |1/Z| / omega.
+    """True where Cp deviates from Im(1/Z) / omega by more than a fraction of |1/Z| / omega.
 
-    Rs, X: ohm, Cp: F, shapes (..., frequency). frequency: Hz. tolerance: the share, as a number or
-    of the shape of the frequency. False where Z = 0 or a value is NaN.
+    Rs, X: ohm, Cp: F, shapes (..., frequency). frequency: Hz. tolerance: the fraction, a number
+    or of the shape of the frequency. False where Z = 0 or a value is NaN.
     """
     Rs, X, Cp = (np.asarray(each, dtype=float) for each in (Rs, X, Cp))
     size = np.hypot(Rs, X)
@@ -47,22 +47,22 @@ def contradicting(
 
 
 def contradiction_text(Cp: float, found: float) -> str:
-    """What is to be said of a Cp [F] that contradicts that found from Rs and X."""
+    """Message for a Cp [F] that contradicts the value `found` from Rs and X."""
     return (
         f"does not follow from Rs and X: it is {Cp:.6g} F where they give {found:.6g} F; "
-        "mend its unit or value, or leave the column out"
+        "correct its unit or value, or leave the column out"
     )
 
 
 def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
-    """X from (Rs, Cp) alone, on the branch whose phase lies between -90 and -45 degrees.
+    """X from (Rs, Cp) alone, on the branch with a phase between -90 and -45 degrees.
 
-    Cp = -X / (omega (Rs² + X²)) has two roots with X1 X2 = Rs². The one with |X| >= Rs is given;
-    lines and sheets pass -45 degrees, and `branch.chosen` follows them to the other.
+    Cp = -X / (omega (Rs² + X²)) has two roots with X1 X2 = Rs². This returns the one with |X| >=
+    Rs; lines and sheets pass -45 degrees, where `branch.choose_branch` follows them to the other.
 
     Rs: ohm, Cp: F, shapes (..., frequency). frequency: Hz. Returns X in ohm.
-    Raises InputError where Cp <= 0, or no reactance gives the pair: 2 omega Cp Rs > 1, beyond what
-    noise may do at -45 degrees.
+    Raises InputError if Cp <= 0, or if no reactance gives the pair: 2 omega Cp Rs exceeds 1 by more
+    than NOISE.
     """
     Rs = np.asarray(Rs, dtype=float)
     susceptance = 2 * np.pi * np.asarray(frequency) * np.asarray(Cp, dtype=float)

@@ -1,4 +1,4 @@
-"""Measured sweeps of other tools, through the same door as simulated ones.
+"""Imports measured sweeps of other tools into the schema of simulated ones.
 
 A file is a table of named columns in any order, separated by tab, semicolon or comma, with decimal
 points or decimal commas, lines of comment (# % ;) anywhere and anything above its header. A name
@@ -36,11 +36,11 @@ def import_file(
 ) -> xr.Dataset:
     """The sweeps of one file.
 
-    branch: of the two reactances that Rs and Cp leave open where the file has these alone:
-    `followed` along the frequencies, `capacitive` or `resistive`. The attribute `branch_rule` then
-    says what was taken, `branch_doubt` which readings may be on the wrong one; `quantities` says
-    what Z was made of, `preamble` what stood above the header.
-    Raises InputError naming the file, and the line where there is one, that cannot be read.
+    branch: choice between the two reactances if the file has Rs and Cp alone: `followed` along the
+    frequencies, `capacitive` or `resistive`. The attribute `branch_rule` then states the rule,
+    `branch_doubt` the readings that may be on the wrong branch; `quantities` names the columns that
+    gave Z, `preamble` holds the text above the header.
+    Raises InputError naming the file, and the line if there is one, that cannot be read.
     """
     path = Path(path)
     check_file_kind(path, "sweeps")
@@ -76,26 +76,26 @@ def import_files(
 ) -> xr.Dataset:
     """The sweeps of several files in their order; `defaults` has one entry for each.
 
-    branch: as of `import_file`; sweeps in `branch_doubt` are counted in each file by itself.
+    branch: as in `import_file`; sweeps in `branch_doubt` are counted in each file separately.
     Attributes that differ between files are listed, separated by semicolons.
-    Raises InputError where a file cannot be read, or its frequencies or interfaces are not those of
-    the first.
+    Raises InputError if a file cannot be read, or if its frequencies or interfaces differ from
+    those of the first.
     """
     parts = [import_file(path, each, branch) for path, each in zip(paths, defaults, strict=True)]
     if len(parts) > 1:
-        parts = [_doubt_of_file(part) for part in parts]
-    even = [
+        parts = [_with_file_in_doubt(part) for part in parts]
+    aligned_parts = [
         aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
     ]
-    joined = concatenate(even)
+    joined = concatenate(aligned_parts)
     texts = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
     return joined.assign_attrs(
         {name: "; ".join(filter(None, dict.fromkeys(each))) for name, each in texts.items()}
     )
 
 
-def _doubt_of_file(part: xr.Dataset) -> xr.Dataset:
-    """The same sweeps, their doubt told with the name of their file."""
+def _with_file_in_doubt(part: xr.Dataset) -> xr.Dataset:
+    """Adds the file's name to the attribute `branch_doubt`."""
     if "branch_doubt" not in part.attrs:
         return part
     named = f"{part.attrs['source']}: {part.attrs['branch_doubt']}"

@@ -1,4 +1,4 @@
-"""Reading sweeps: NetCDF, Zarr and CSV, chosen by the file's ending."""
+"""Reads sweeps from NetCDF, Zarr and CSV by file ending."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ ENDINGS = (".nc", ".csv", ".zarr")
 
 
 def sizes_text(sizes: Mapping[Any, int]) -> str:
-    """Of a data set's sizes, for people: `13 sweeps x 20 frequencies`; several interfaces, too."""
+    """Sizes of a data set in words: `13 sweeps x 20 frequencies`, with interfaces if several."""
     named = {"sweep": "sweeps", "interface": "interfaces", "frequency": "frequencies"}
-    told = [
+    parts = [
         f"{sizes[name]} {name if sizes[name] == 1 else named[name]}"
         for name in DIMENSIONS
         if name != "interface" or sizes[name] > 1
     ]
-    return " x ".join(told)
+    return " x ".join(parts)
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Sweeps from a file written by `write`, or from any CSV with named columns (see `read_csv`).
+    """Reads sweeps from a file written by `write`, or from a CSV with named columns (`read_csv`).
 
-    Raises InputError naming the file where it is absent, of another kind, or breaks the schema.
+    Raises InputError naming the file if it is absent, of another kind, or violates the schema.
     """
     path = Path(path)
     readers = {".nc": read_dataset, ".zarr": _read_zarr, ".csv": read_csv}
@@ -65,9 +65,9 @@ def _read_zarr(path: Path) -> xr.Dataset:
 
 
 def open_zarr(path: Path) -> xr.Dataset:
-    """The sweeps of a `.zarr`, unchecked, their arrays read in chunks as they are asked for.
+    """Opens the sweeps of a `.zarr` without checking the schema; arrays are read lazily in chunks.
 
-    Raises InputError where it cannot be read, or the extra that reads it is not installed.
+    Raises InputError if it cannot be read or the required extra is not installed.
     """
     import xarray as xr
 
@@ -86,38 +86,38 @@ def open_zarr(path: Path) -> xr.Dataset:
 
 
 def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
-    """Sweeps of `open_zarr` in memory. Raises InputError naming the path where they are damaged."""
+    """Loads sweeps of `open_zarr` into memory. Raises InputError naming a damaged file."""
     inputs.check_memory(path, stored.nbytes)
     try:
         return stored.load()
     except DAMAGED as error:
-        told = " ".join(str(error).split())
+        reason = " ".join(str(error).split())
         raise InputError(
-            f"{path}: damaged, cannot be read as .zarr: {told}; use another copy"
+            f"{path}: damaged, cannot be read as .zarr: {reason}; use another copy"
         ) from error
 
 
 def _check_whole(path: Path, names: Iterable[str]) -> None:
-    """Raises InputError where chunks of these are not there, which would be read as zeros."""
+    """Raises InputError if chunks of these arrays are missing; Zarr would read them as zeros."""
     for name, array in _arrays(path):
         if name in names and array.nchunks_initialized < array.nchunks:
-            told = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
-            raise InputError(f"{path}: cut off, holds {told}")
+            present = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
+            raise InputError(f"{path}: cut off, holds {present}")
 
 
 def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
-    """As of `check_arrays`."""
+    """Name, number of dimensions, bytes of a chunk and number of chunks of each array."""
     for name, each in _arrays(path):
         yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
 
 
 def _arrays(path: Path) -> list[tuple[str, Any]]:
-    """The arrays of a `.zarr` by name, none of them read."""
+    """The arrays of a `.zarr` sorted by name, not read yet."""
     import zarr
 
     return sorted(zarr.open_group(path, mode="r").arrays())
 
 
 def check_zarr(path: Path) -> None:
-    """Raises InputError where the extra that reads and writes `.zarr` is not installed."""
+    """Raises InputError if the extra that reads and writes `.zarr` is not installed."""
     require_packages(path, "scale", "zarr", "dask")

@@ -1,7 +1,7 @@
-"""How every input is opened: a regular file of a bounded size, whose contents are bounded, too.
+"""Opens inputs safely: regular files of bounded size, whose declared contents are bounded as well.
 
-A pipe would be waited for, a device has no end, and a small file can declare or unpack to more than
-the memory holds: each is refused in one line before anything of it is read.
+A pipe would block, a device has no end, and a small file can declare or unpack to more than the
+memory holds. Each is refused in one line before anything is read.
 """
 
 from __future__ import annotations
@@ -22,43 +22,43 @@ from .free_space import SHARE, free_memory
 
 MIB, GIB = 2**20, 2**30
 WHOLE = 2**63
-"""TOML's whole numbers have 64 bits."""
+"""Limit of whole numbers: TOML's have 64 bits."""
 
 
 @dataclass(frozen=True)
 class InputKind:
-    """What an input is, and its largest size in bytes."""
+    """Kind of an input file: a noun with its article, and the largest size in bytes."""
 
-    what: str
-    most: int
+    label: str
+    max_bytes: int
 
 
 SCENE = InputKind("a scene", 32 * MIB)
-"""A mesh of 400,000 triangles as numbers is as large."""
+"""Room for a mesh of 400,000 triangles as numbers."""
 SETTINGS = InputKind("a file of settings", MIB)
-"""Tables of a switch or of accuracies, orders and scripts of presses: 20,000 lines."""
+"""Switch tables, accuracy tables, press orders and scripts: 20,000 lines."""
 MAP = InputKind("a map", 16 * MIB)
-"""As a CSV; a thousand times a thousand factors of 16 characters."""
+"""A CSV of 1000 x 1000 factors with 16 characters each."""
 PICTURE = InputKind("a picture", 256 * MIB)
-"""64 million pixels of 16 bits, three colours, not compressed."""
+"""64 million pixels of 16 bits and three colours, uncompressed."""
 MESH = InputKind("a mesh", 256 * MIB)
 """A few million triangles."""
 TABLE = InputKind("a table of sweeps", 512 * MIB)
-"""Five million readings; as text it takes ten times as much memory."""
+"""Five million readings; parsing takes ten times as much memory."""
 SWEEPS = InputKind("a file of sweeps", 16 * GIB)
 MODEL = InputKind("a model", 4 * GIB)
-"""A hundred thousand sweeps that a kernel keeps, at a thousand features, are 0.8 GB."""
+"""A kernel model with 100,000 support sweeps of 1000 features has 0.8 GB."""
 JOURNAL = InputKind("a journal", 512 * MIB)
-"""Of a recording or a design: as large as a table of the same numbers."""
+"""Journal of a recording or a design: as large as a table of the same numbers."""
 LINE = MIB
-"""Bytes of one line of a table: a hundred thousand columns."""
+"""Largest number of bytes in one line of a table: 100,000 columns."""
 MAX_CHUNK_BYTES = GIB
-"""Of one part of a Zarr array, which is decoded whole."""
+"""Largest chunk of a Zarr array; chunks are decoded whole."""
 MAX_CHUNKS = 10**6
 
 
 def check_input(path: Path, kind: InputKind) -> Path:
-    """The same path. Raises InputError where it is no regular file, or larger than `kind` is."""
+    """Returns the path. Raises InputError if it is no regular file or is too large for its kind."""
     try:
         _check(path, kind, path.stat())
     except OSError as error:
@@ -67,7 +67,7 @@ def check_input(path: Path, kind: InputKind) -> Path:
 
 
 def content(path: Path, kind: InputKind) -> bytes:
-    """All bytes of a file. Raises InputError as `check_input`, and where it cannot be read."""
+    """All bytes of a file. Raises InputError as `check_input`, and if it cannot be read."""
     flags = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
     try:
         if path.is_dir():  # Windows opens none
@@ -80,7 +80,7 @@ def content(path: Path, kind: InputKind) -> bytes:
 
 
 def table(path: Path) -> bytes:
-    """All bytes of a table of sweeps. Raises InputError as `content`, and for endless lines."""
+    """All bytes of a table of sweeps. Raises InputError as `content`, and for too long lines."""
     found = content(path, TABLE)
     for number, line in enumerate(io.BytesIO(found), 1):
         if len(line) > LINE and not line.startswith(b"#"):
@@ -89,7 +89,7 @@ def table(path: Path) -> bytes:
 
 
 def text(path: Path, kind: InputKind) -> str:
-    """A file in UTF-8 as text. Raises InputError as `content`, and for other bytes."""
+    """The text of a UTF-8 file. Raises InputError as `content`, and for other encodings."""
     try:
         return content(path, kind).decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -97,8 +97,8 @@ def text(path: Path, kind: InputKind) -> str:
 
 
 def tables(given: str) -> dict[str, Any]:
-    """The tables of a TOML text. Raises tomllib.TOMLDecodeError, too deep nesting included."""
-    if len(given) > SCENE.most:  # within sweeps or a model
+    """The tables of a TOML text. Raises TOMLDecodeError, also for nesting that is too deep."""
+    if len(given) > SCENE.max_bytes:  # within sweeps or a model
         raise tomllib.TOMLDecodeError(f"it has {len(given) / MIB:.4g} MiB; {_at_most(SCENE)}")
     try:
         found = tomllib.loads(given)
@@ -114,7 +114,7 @@ def tables(given: str) -> dict[str, Any]:
 
 
 def objects(given: str) -> Any:
-    """What a JSON text holds. Raises ValueError, too deep nesting included."""
+    """The content of a JSON text. Raises ValueError, also for nesting that is too deep."""
     try:
         return json.loads(given)
     except RecursionError:
@@ -122,8 +122,8 @@ def objects(given: str) -> Any:
 
 
 def check_memory(path: Path, size: int) -> None:
-    """Raises InputError where arrays of a file would take more bytes than is sensible here."""
-    most = min(SWEEPS.most, SHARE * free_memory())
+    """Raises InputError if the arrays of a file need more memory than is available."""
+    most = min(SWEEPS.max_bytes, SHARE * free_memory())
     if size > most:
         raise InputError(
             f"{path}: declares {size / GIB:.3g} GiB of numbers; at most {most / GIB:.3g} GiB are "
@@ -132,18 +132,18 @@ def check_memory(path: Path, size: int) -> None:
 
 
 def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError where a ZIP archive would unpack to more than a model is.
+    """Raises InputError if a ZIP archive unpacks to more than the limit of a model.
 
-    path: only named. Raises zipfile.BadZipFile where it is no archive.
+    path: named in errors only. Raises zipfile.BadZipFile if it is no archive.
     """
     with zipfile.ZipFile(file) as archive:
         size = sum(each.file_size for each in archive.infolist())
-    if size > min(MODEL.most, SHARE * free_memory()):
+    if size > min(MODEL.max_bytes, SHARE * free_memory()):
         raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_at_most(MODEL)}")
 
 
 def check_folder(path: Path) -> None:
-    """Raises InputError where a folder holds anything but folders and regular files."""
+    """Raises InputError if a folder holds anything but folders and regular files."""
     with os.scandir(path) as listed:
         entries = list(listed)
     for entry in entries:
@@ -154,9 +154,9 @@ def check_folder(path: Path) -> None:
 
 
 def check_arrays(path: Path, arrays: Iterable[tuple[str, int, int, int]]) -> None:
-    """Raises InputError where arrays of a Zarr declare more than can be read in parts.
+    """Raises InputError if arrays of a Zarr declare more than can be read in parts.
 
-    arrays: of each its name, number of dimensions, bytes of a chunk and number of chunks.
+    arrays: name, number of dimensions, bytes of a chunk and number of chunks of each.
     """
     for name, dimensions, size, count in arrays:
         if size > MAX_CHUNK_BYTES or count > MAX_CHUNKS:
@@ -168,17 +168,17 @@ def check_arrays(path: Path, arrays: Iterable[tuple[str, int, int, int]]) -> Non
             check_memory(path, size * count)
 
 
-def _check(path: Path, kind: InputKind, told: os.stat_result) -> None:
-    if stat.S_ISDIR(told.st_mode):
-        raise InputError(f"{path}: is a folder; {kind.what} is a file")
-    if not stat.S_ISREG(told.st_mode):
-        raise InputError(f"{path}: is a pipe, a device or a socket; {kind.what} is a regular file")
-    if told.st_size > kind.most:
-        raise InputError(f"{path}: has {told.st_size / MIB:.4g} MiB; {_at_most(kind)}")
+def _check(path: Path, kind: InputKind, status: os.stat_result) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise InputError(f"{path}: is a folder; {kind.label} is a file")
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(f"{path}: is a pipe, a device or a socket; {kind.label} is a regular file")
+    if status.st_size > kind.max_bytes:
+        raise InputError(f"{path}: has {status.st_size / MIB:.4g} MiB; {_at_most(kind)}")
 
 
 def _at_most(kind: InputKind) -> str:
-    return f"{kind.what} has at most {kind.most / MIB:.4g} MiB"
+    return f"{kind.label} has at most {kind.max_bytes / MIB:.4g} MiB"
 
 
 def _unreadable(path: Path, error: OSError) -> InputError:
@@ -188,7 +188,7 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 
 
 def _beyond(value: Any) -> bool:
-    """Whether any whole number in tables has more than 64 bits."""
+    """True if any whole number in tables has more than 64 bits."""
     if isinstance(value, dict | list):
         return any(map(_beyond, value.values() if isinstance(value, dict) else value))
     return isinstance(value, int) and not -WHOLE <= value < WHOLE

@@ -1,4 +1,4 @@
-"""Several recordings as one: every mounting its own session, attributes told together."""
+"""Joins several recordings into one: each mounting becomes a session, attributes are merged."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 Source = str | Path
 OF_SWEEPS = ("times", "interface_times", "remarks", "answers")
-"""Attributes that list something for each sweep, as JSON."""
+"""Attributes that are JSON lists with an entry for each sweep."""
 FLAGGED = "flagged"
-"""Attribute of readings that were not normal: JSON, the number of the sweep first."""
+"""Attribute of abnormal readings: JSON rows that start with the number of the sweep."""
 
 
 def read_joined(paths: Sequence[Source]) -> xr.Dataset:
@@ -32,12 +32,12 @@ def read_joined(paths: Sequence[Source]) -> xr.Dataset:
 
 
 def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
-    """The sweeps of several recordings, as they follow in time or else as given.
+    """Joins the sweeps of several recordings, in order of time if known, else in the given order.
 
-    One alone is unchanged. Sessions of one name are one session, all others are counted on. Of the
-    time and the estimated errors what all parts have is kept. Attributes: the first scene; what
-    differs is told of all.
-    Raises InputError naming the source that is of another skin, frequencies or interfaces.
+    A single recording is unchanged. Sessions of the same name become one session, all others are
+    numbered consecutively. Time and estimated errors are kept if all parts have them. Attributes:
+    the first scene; differing values are listed.
+    Raises InputError naming a source of another skin or with other frequencies or interfaces.
     """
     if len(parts) == 1:
         return parts[0]
@@ -49,16 +49,18 @@ def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
     fitting = []
     for part, source in zip(parts, sources, strict=True):
         _check_skin(part, source, parts[0], sources[0])
-        even = aligned(part, source, parts[0], sources[0])
-        fitting.append(even.drop_vars([name for name in part.variables if name not in common]))
+        part_aligned = aligned(part, source, parts[0], sources[0])
+        fitting.append(
+            part_aligned.drop_vars([name for name in part.variables if name not in common])
+        )
     renumbered, names = _sessions(fitting)
     return concatenate(renumbered).assign_attrs(_attributes(parts, names))
 
 
 def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) -> xr.Dataset:
-    """The same sweeps at the very frequencies of the first, interfaces in its order.
+    """The sweeps with the exact frequencies and the interface order of the first recording.
 
-    Raises InputError where either are others.
+    Raises InputError if frequencies or interfaces differ.
     """
     ours, theirs = ([str(name) for name in each["interface"].values] for each in (part, first))
     if sorted(ours) != sorted(theirs):
@@ -83,13 +85,13 @@ def _spanned(frequency: np.ndarray) -> str:
 
 def _check_skin(part: xr.Dataset, source: Source, first: xr.Dataset, other: Source) -> None:
     ours, theirs = (str(each.attrs.get("scene", "")) for each in (part, first))
-    told = difference(ours, theirs)
-    if told is not None:
-        raise InputError(f"{source}: is of another skin than {other}: {told}")
+    differing = difference(ours, theirs)
+    if differing is not None:
+        raise InputError(f"{source}: is of another skin than {other}: {differing}")
 
 
 def _sessions(parts: Sequence[xr.Dataset]) -> tuple[list[xr.Dataset], dict[int, str]]:
-    """The parts with sessions numbered throughout, and the names of those that have one."""
+    """The parts with consecutively numbered sessions, and the names of named sessions."""
     numbers: dict[Hashable, int] = {}
     renumbered = []
     for place, part in enumerate(parts):
@@ -102,17 +104,17 @@ def _sessions(parts: Sequence[xr.Dataset]) -> tuple[list[xr.Dataset], dict[int, 
 
 
 def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str, Any]:
-    told: dict[str, Any] = {}
+    merged: dict[str, Any] = {}
     for name in dict.fromkeys(str(name) for part in parts for name in part.attrs):
         values = [part.attrs[name] for part in parts if name in part.attrs]
         if name in (*OF_SWEEPS, FLAGGED):
             if len(values) == len(parts):
-                told[name] = json.dumps(_listed(name, values, parts))
+                merged[name] = json.dumps(_listed(name, values, parts))
         elif name == "scene" or all(np.array_equal(value, values[0]) for value in values):
-            told[name] = values[0]
+            merged[name] = values[0]
         else:
-            told[name] = "; ".join(dict.fromkeys(map(str, values)))
-    return {**told, SESSIONS: json.dumps(names)}
+            merged[name] = "; ".join(dict.fromkeys(map(str, values)))
+    return {**merged, SESSIONS: json.dumps(names)}
 
 
 def _listed(name: str, values: Iterable[str], parts: Sequence[xr.Dataset]) -> list[Any]:
@@ -125,6 +127,6 @@ def _listed(name: str, values: Iterable[str], parts: Sequence[xr.Dataset]) -> li
 
 
 def one_session(sweeps: xr.Dataset, name: str) -> xr.Dataset:
-    """The same sweeps, all of one mounting of that name."""
+    """The sweeps, all in one session of that name."""
     session = sweeps["session"].copy(data=np.zeros(sweeps.sizes["sweep"], dtype=np.int64))
     return sweeps.assign_coords(session=session).assign_attrs({SESSIONS: json.dumps({0: name})})

@@ -1,4 +1,4 @@
-"""The frequencies that LCR meters read."""
+"""Frequency ranges of LCR meters."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ METER_BANDS = {
     "IM3536": (4.0, 8e6),
     "IM3570": (4.0, 5e6),
 }
-"""Lowest and highest frequency of each model in Hz, from Hioki's specifications."""
+"""Lowest and highest frequency of each model in Hz; source: specifications by Hioki."""
 VIRTUAL_MODEL = "IM3523"
-"""The model that the virtual meter answers as."""
+"""The model that the virtual meter imitates."""
 
 
 def outside_band(model: str, frequencies: Iterable[float]) -> str:
-    """The range of a model, and which frequencies in Hz lie outside; empty where none does."""
+    """Message with a model's range and the frequencies [Hz] outside it; empty if there are none."""
     low, high = METER_BANDS[model]
     outside = [each for each in frequencies if not low <= each <= high]
     if not outside:

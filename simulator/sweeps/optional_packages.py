@@ -1,4 +1,4 @@
-"""Libraries that only some work needs, and the extra of this package that brings them."""
+"""Optional libraries, and the extra of this package that installs them."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -7,9 +7,9 @@ from .errors import InputError
 
 
 def require_packages(work: str | Path, extra: str, *libraries: str) -> None:
-    """Raises InputError where a library is not installed, with the command that installs it.
+    """Raises InputError naming the install command if a library is not installed.
 
-    work: what needs the libraries, as its user calls it. extra: of this package.
+    work: what needs the libraries, in the user's words. extra: name of the extra of this package.
     """
     missing = [library for library in libraries if find_spec(library) is None]
     if missing:

@@ -1,4 +1,4 @@
-"""Writing sweeps: NetCDF, Zarr and CSV, chosen by the file's ending; where outputs may be."""
+"""Writes sweeps as NetCDF, Zarr or CSV by file ending, and checks output paths."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 
 def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
-    """Write sweeps to `path`; the file appears whole or not at all.
+    """Writes sweeps to `path`; the file appears whole or not at all.
 
-    Raises InputError where the ending is not one of ENDINGS or the folder does not exist.
+    Raises InputError if the ending is not in ENDINGS or the folder does not exist.
     """
     path = checked_output(path)
     with whole_file(path) as unfinished:
@@ -40,9 +40,9 @@ def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
-    """The same path, if such a file can be written there: to be asked before any work is done.
+    """Returns the path if a file can be written there; call it before any work is done.
 
-    Raises InputError as `checked_place`, and where what is there may not be replaced (see
+    Raises InputError as `checked_place`, and if an existing file may not be overwritten (see
     `writing`).
     """
     path = checked_place(path, endings)
@@ -51,10 +51,10 @@ def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
 
 
 def checked_place(path: str | Path, endings: Sequence[str]) -> Path:
-    """The same path, if such a file could be written there, whatever is there now.
+    """Returns the path if a file could be written there, regardless of an existing one.
 
-    Raises InputError where the ending is another, the folder does not exist or may not be written
-    to, the name is too long, or the path is a folder.
+    Raises InputError if the ending is not allowed, the folder does not exist or is not writable,
+    the name is too long, or the path is a folder.
     """
     path = Path(path)
     if path.suffix not in endings:
@@ -68,10 +68,10 @@ def checked_place(path: str | Path, endings: Sequence[str]) -> Path:
 
 
 def checked_folder(path: Path, *names: str) -> Path:
-    """The same path, if it is a folder or can become one in a folder that exists.
+    """Returns the path if it is a folder, or can become one in an existing folder.
 
-    names: patterns of what will be written in it. Raises InputError, also where a file of such a
-    name may not be replaced.
+    names: name patterns of the files to be written. Raises InputError, also if an existing file of
+    such a name may not be overwritten.
     """
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
@@ -81,9 +81,9 @@ def checked_folder(path: Path, *names: str) -> Path:
 
 
 def made_folder(path: Path) -> Path:
-    """The same folder, made with those above it where it does not exist.
+    """Makes the folder and its parents if needed, and returns it.
 
-    Raises InputError where it cannot be made.
+    Raises InputError if it cannot be made.
     """
     with named_failures(path):
         path.mkdir(parents=True, exist_ok=True)
@@ -91,7 +91,7 @@ def made_folder(path: Path) -> Path:
 
 
 LONGER = 16
-"""Characters of names beside an output's that are longer than its own, such as a recording's."""
+"""Extra characters of names that are derived from an output's name, such as journals."""
 
 
 def _check_parent(path: Path) -> None:
@@ -105,11 +105,11 @@ def _check_parent(path: Path) -> None:
 
 @contextmanager
 def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
-    """The folder, made if need be, and no other process's while the block runs.
+    """Makes the folder if needed and locks it for this process while the block runs.
 
-    At the end it is taken away if no file in it has a name like `begun`: the lock last, as Windows
-    removes no file that is open. The system frees the lock of a killed process. Raises InputError,
-    saying `busy`, where another process has it.
+    At the end the folder is removed if no file in it matches `begun`; the lock goes last, because
+    Windows removes no open file. The system frees the lock of a killed process. Raises InputError
+    with the message `busy` if another process holds the lock.
     """
     from filelock import FileLock, Timeout
 

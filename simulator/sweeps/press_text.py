@@ -1,4 +1,4 @@
-"""How a press is written, and what such a text says: touches as plain numbers."""
+"""Syntax of presses as text, and the parser that turns it into touches."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SYNTAX = (
 
 EARTHED: Literal["earthed"] = "earthed"
 FREE_TOUCH: Literal["touch"] = "touch"
-"""A touch without a press: by the finger of the scene, or an earthed one where it has none."""
+"""A touch without pressure: by the scene's finger, or an earthed one if it has none."""
 WrittenFinger = float | Literal["earthed", "touch"]
-"""What touches: a capacitance to earth in F, or of which finger that is."""
+"""What touches: a capacitance to earth in F, or a named finger that has one."""
 
 MIN_FACTOR, MAX_FACTOR = 1e-6, 1e6
-"""Times the capacitance at rest: far beyond what foam can be lifted or pressed to."""
+"""Limits of the capacitance factor, far beyond what foam can be lifted or pressed to."""
 MAX_FORCE = 1e6
 """N: a locomotive's weight."""
 MAX_FINGER = 1e-6
@@ -60,7 +60,7 @@ class WrittenTouch(NamedTuple):
     """One touch as it is written.
 
     numbers: row and column of a pixel; X, Y and sizes of a rect or disc, X and Y of the corners of
-    a poly, in m. strength, finger: None where the text does not say.
+    a poly, in m. strength, finger: None if the text does not state them.
     """
 
     kind: Kind
@@ -70,17 +70,16 @@ class WrittenTouch(NamedTuple):
 
     @property
     def pixel(self) -> tuple[int, int]:
-        """Row and column of a pixel, -1 and -1 of what is none."""
+        """Row and column of a pixel; -1 and -1 for other shapes."""
         row, column = self.numbers[:2] if self.kind == "pixel" else (-1, -1)
         return int(row), int(column)
 
 
 def parse_touches(text: str) -> list[WrittenTouch]:
-    """The touches of a press written as `text` in SYNTAX, in its order; none at rest.
+    """Parses a press written in SYNTAX into its touches, in order; no touches for `none`.
 
-    `none` is the skin at rest. Raises InputError on other syntax, a factor, depth, force
-    or size that is not finite and > 0, a capacitance of none that a finger has, or a pixel named
-    twice.
+    Raises InputError for other syntax, for a factor, depth, force or size that is not finite and
+    > 0, for a capacitance that no finger has, and for a pixel named twice.
     """
     if text.strip() == UNPRESSED:
         return []
@@ -92,7 +91,7 @@ def parse_touches(text: str) -> list[WrittenTouch]:
 
 
 def written_pixel(text: str) -> tuple[int, int]:
-    """Row and column of a press of one pixel, 0 and 0 at rest, -1 and -1 of any other press.
+    """Row and column of a press of one pixel; 0 and 0 if unpressed, -1 and -1 for other presses.
 
     Raises InputError as `parse_touches`.
     """
@@ -103,7 +102,7 @@ def written_pixel(text: str) -> tuple[int, int]:
 
 
 def named_pixels(label: str) -> list[tuple[int, int]]:
-    """Row and column of each pixel that a class of presses names, as "1,2+3,4"; 0, 0 at rest."""
+    """Row and column of each pixel in a class label such as "1,2+3,4"; (0, 0) if unpressed."""
     return [(int(row), int(column)) for row, column in PIXEL.findall(label)]
 
 
@@ -122,7 +121,7 @@ def _touch(part: str, text: str) -> WrittenTouch:
 
 
 def _by(given: str | None, text: str) -> tuple[WrittenStrength | None, WrittenFinger | None]:
-    """How strongly is touched and by what, of what stands behind a place."""
+    """Parses the part behind a place: strength and finger of a touch."""
     if given is None:
         return None, None
     first, *others = (part.strip() for part in given.split(":"))
@@ -186,29 +185,29 @@ def _strength(given: str, text: str) -> WrittenStrength:
     match = MEASURED.fullmatch(given)
     if match is None:
         factor = _positive(given, "FACTOR", text)
-        _check_most(factor, "FACTOR", MAX_FACTOR, given, text)
+        _check_maximum(factor, "FACTOR", MAX_FACTOR, given, text)
         if factor < MIN_FACTOR:
             raise InputError(f"press {text!r}: FACTOR must be >= {MIN_FACTOR:g}, got {factor:g}")
         return WrittenStrength(factor, "")
     if match["unit"] == "N":
         force = _positive(match["number"], "force in N", text)
-        _check_most(force, "force in N", MAX_FORCE, given, text)
+        _check_maximum(force, "force in N", MAX_FORCE, given, text)
         return WrittenStrength(force, "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
     return WrittenStrength(depth / PER_M[match["unit"]], "m")
 
 
-def _check_most(value: float, name: str, most: float, given: str, text: str) -> None:
-    if value > most:
-        raise InputError(f"press {text!r}: {name} must be <= {most:g}, got {given.strip()}")
+def _check_maximum(value: float, name: str, maximum: float, given: str, text: str) -> None:
+    if value > maximum:
+        raise InputError(f"press {text!r}: {name} must be <= {maximum:g}, got {given.strip()}")
 
 
 def _positive(given: str, name: str, text: str) -> float:
     value = plain_number(given)
     if not (math.isfinite(value) and value > 0):
-        asked = suggestion(given)
+        hint = suggestion(given)
         raise InputError(
-            f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{asked}"
+            f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{hint}"
         )
     return value
 
@@ -221,6 +220,6 @@ def _number(given: str, name: str, text: str) -> float:
 
 
 def _in_m(text: str) -> str:
-    """A length without its unit."""
+    """Converts a length with a unit to a number in m."""
     match = LENGTH.fullmatch(text)
     return text if match is None else repr(plain_number(match["number"]) / PER_M[match["unit"]])

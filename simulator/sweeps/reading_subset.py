@@ -1,4 +1,4 @@
-"""Sweeps as if fewer readings had been taken."""
+"""Sweeps restricted to some of their readings."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 
 def read_mask(sweeps: xr.Dataset) -> NDArray[np.bool_]:
-    """Which interfaces were read at which frequencies, shape (interface, frequency)."""
+    """Mask of the readings that were taken, shape (interface, frequency)."""
     taken = taken_of(sweeps)
     whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
     return whole if taken is None else taken
 
 
 def restricted(sweeps: xr.Dataset, read: NDArray[np.bool_]) -> xr.Dataset:
-    """The same sweeps of these readings only; interfaces and frequencies without any are gone.
+    """The sweeps with these readings only; interfaces and frequencies without any are dropped.
 
-    read: shape (interface, frequency), each among those that were taken, one at least.
+    read: mask of shape (interface, frequency), a non-empty subset of the readings taken.
     """
     import xarray as xr
 

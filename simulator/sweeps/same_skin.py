@@ -1,7 +1,8 @@
-"""Whether sweeps are of the skin they are asked of, by what no session and no calibration changes.
+"""Checks that two scenes describe the same skin.
 
-These are size, outline, pixels, foils and how they are driven. Resistances, capacitance, loss,
-leads, what is around the skin and the meter may differ.
+Compared are the properties that neither a session nor a calibration changes: size, outline, pixels,
+foils and how they are driven. Resistances, capacitance, loss, leads, surroundings and the meter may
+differ.
 """
 
 from __future__ import annotations
@@ -14,24 +15,24 @@ from . import inputs
 from .errors import InputError
 
 
-def check_same_skin(recorded: str, asked: str, source: str, how: str = "recorded") -> None:
-    """Raises InputError in one line where two scenes are of different skins.
+def check_same_skin(recorded: str, requested: str, source: str, how: str = "recorded") -> None:
+    """Raises InputError in one line if two scenes describe different skins.
 
-    recorded, asked: TOML texts of scenes; nothing is compared where one of them says no skin.
-    source: what the former belongs to, as its user calls it. how: what was done for that scene.
+    recorded, requested: TOML texts of scenes; a text without a skin is not compared. source: what
+    the first belongs to, in the user's words. how: what was done for that scene.
     """
-    told = difference(recorded, asked)
-    if told is not None:
-        names = f"{how} for {_name(recorded)}, asked of {_name(asked)}"
-        raise InputError(f"{source}: {names}: {told}; --anyway insists")
+    differing = difference(recorded, requested)
+    if differing is not None:
+        names = f"{how} for {_name(recorded)}, but used for {_name(requested)}"
+        raise InputError(f"{source}: {names}: {differing}; --anyway ignores this")
 
 
-def difference(recorded: str, asked: str) -> str | None:
-    """The first thing that sets two scenes' skins apart, in words; None where there is none.
+def difference(recorded: str, requested: str) -> str | None:
+    """The first difference between two scenes' skins in words; None if they are equal.
 
-    recorded, asked: as of `check_same_skin`. Interfaces that only one of them has do not count.
+    recorded, requested: as in `check_same_skin`. Interfaces that only one has are ignored.
     """
-    ours, theirs = _traits(recorded), _traits(asked)
+    ours, theirs = _traits(recorded), _traits(requested)
     for key in ours:
         if key in theirs and ours[key] != theirs[key]:
             written = isinstance(ours[key], str) and isinstance(theirs[key], str)
@@ -44,7 +45,7 @@ def _name(text: str) -> str:
 
 
 def _traits(text: str) -> dict[str, Any]:
-    """By what they are called; none of a text that is no scene."""
+    """Properties of a skin by name; empty for a text that is no scene."""
     try:
         return _of_table(inputs.tables(text))
     except (KeyError, TypeError, ValueError, AttributeError):
@@ -72,7 +73,7 @@ def _of_table(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _mesh(given: Any) -> str | None:
-    """The name of the mesh's file: of one that is named, and of one that goes along."""
+    """Name of the mesh's file, whether the mesh is named or embedded."""
     source = given["source"] if isinstance(given, dict) else given
     return None if source is None else re.split(r"[/\\]", str(source))[-1]
 

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 UNPRESSED = "none"
 OPENING = "opening"
-"""Coordinate of sweeps at rest that are told apart: the first of a session, or else the latest."""
+"""Coordinate that marks baseline sweeps: the first of a session, or else the latest."""
 MEASURED, VIRTUAL = "measured", "virtual meter"
-"""The attribute `model` of sweeps that a meter recorded, and that the virtual one did."""
+"""Values of the attribute `model` for sweeps of a real and of the virtual meter."""
 QUANTITIES = {
     "Rs": ("series resistance, Re Z", "ohm"),
     "X": ("series reactance, Im Z", "ohm"),
@@ -40,14 +40,14 @@ LABELS = {
 }
 NAMES = ("interface", "press")
 SHOWN = 60
-"""Characters of a name that is refused."""
+"""Number of characters shown of a refused name."""
 TAKEN = "taken"
-"""Coordinate of sweeps whose interfaces are not all read at all frequencies: whether one is at one,
-shape (interface, frequency). Quantities are NaN where it is not."""
+"""Coordinate: mask of the readings taken, shape (interface, frequency). It exists only if some
+interfaces skip some frequencies; quantities are NaN there."""
 TIME = "time"
-"""Coordinate of sweeps whose time is known: of their middle, s since 1970-01-01 UTC."""
+"""Coordinate: time of the middle of each sweep, s since 1970-01-01 UTC, if known."""
 SESSIONS = "sessions"
-"""Attribute that names sessions: a JSON object of names by number."""
+"""Attribute with the names of sessions: a JSON object of names by number."""
 
 
 def tabled(
@@ -65,14 +65,14 @@ def tabled(
     attributes: Mapping[str, str | int | float] | None = None,
     taken: NDArray[np.bool_] | None = None,
 ) -> SweepTable:
-    """Sweeps from complex impedance, as plain arrays: written where nothing else needs xarray.
+    """Sweeps from complex impedance as plain arrays, without importing xarray.
 
     Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
-    session: one per sweep. time: of the middle of each, s since 1970-01-01 UTC. Cp: F, shape of Z,
-    where a meter displayed its own value instead of the one that follows from Z. errors:
-    `Rs_error` [ohm] and `Cp_error` [F], shape of Z. taken: as of TAKEN, all for None; what else
-    stands in the arrays is left out.
-    Raises InputError where the result would break the schema (see `check`).
+    session: one per sweep. time: middle of each sweep, s since 1970-01-01 UTC. Cp: F, shape of Z,
+    if a meter displayed its own value instead of the one that follows from Z. errors: `Rs_error`
+    [ohm] and `Cp_error` [F], shape of Z. taken: mask as in TAKEN, None for all; other values in the
+    arrays are ignored.
+    Raises InputError if the result would violate the schema (see `check`).
     """
     Z = np.asarray(Z, dtype=np.complex128)
     frequency = _checked_frequency(np.asarray(frequency, dtype=np.float64))
@@ -118,8 +118,10 @@ def tabled(
             DIMENSIONS[1:], taken.astype(np.int8), {"long_name": "whether it was read"}
         )
     if time is not None:
-        told = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
-        coordinates[TIME] = SweepVariable(("sweep",), np.asarray(time, dtype=np.float64), told)
+        described_time = {"long_name": "time since 1970-01-01 UTC", "units": "s"}
+        coordinates[TIME] = SweepVariable(
+            ("sweep",), np.asarray(time, dtype=np.float64), described_time
+        )
     return _checked(SweepTable(quantities, coordinates, dict(attributes or {})))
 
 
@@ -132,7 +134,7 @@ def _with_xarray(make: Callable[P, SweepTable]) -> Callable[P, xr.Dataset]:
 
 
 build = _with_xarray(tabled)
-"""As `tabled`, the sweeps as `xarray.Dataset`."""
+"""Like `tabled`, but returns an `xarray.Dataset`."""
 
 
 def _checked(sweeps: SweepTable) -> SweepTable:
@@ -158,9 +160,9 @@ def _check_readings(
 
 
 def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
-    """Which interfaces were read at which frequencies, as of TAKEN; None where all were at all.
+    """The mask TAKEN of sweeps, shape (interface, frequency); None if all readings were taken.
 
-    Raises InputError where that is of another shape.
+    Raises InputError if the mask has other dimensions.
     """
     if TAKEN not in sweeps.variables:
         return None
@@ -170,7 +172,7 @@ def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
 
 
 def read_at(sweeps: xr.Dataset, interface: str) -> xr.Dataset:
-    """The sweeps at one interface, at the frequencies that it was read at."""
+    """The sweeps at one interface, at the frequencies at which it was read."""
     taken = taken_of(sweeps)
     index = [str(name) for name in sweeps["interface"].values].index(interface)
     if taken is None:
@@ -185,14 +187,14 @@ def _check_finite(name: str, values: NDArray[np.float64]) -> None:
 
 
 def _check_printable(name: str, values: NDArray) -> None:
-    """Names stand on terminals, in tables and in charts, which obey what is not printable."""
+    """Refuses control characters: names appear on terminals, in tables and in charts."""
     for each in set(map(str, values.tolist())):
         if not each.isprintable():
             raise InputError(f"`{name}` must be printable, on one line, got {each[:SHOWN]!r}")
 
 
 def check(sweeps: xr.Dataset) -> xr.Dataset:
-    """The same sweeps, if they keep the schema.
+    """Returns the sweeps if they satisfy the schema.
 
     Raises InputError naming the variable and what is wrong with it: absent, of other dimensions,
     not finite, names that are not printable, or frequencies that are not positive and ascending.
@@ -223,10 +225,10 @@ def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def session_names(sweeps: xr.Dataset) -> dict[int, str]:
-    """Names of the sessions that have one. Raises InputError where the attribute is spoilt."""
+    """Names of named sessions by number. Raises InputError if the attribute is malformed."""
     try:
-        told = objects(str(sweeps.attrs.get(SESSIONS, "{}")))
-        return {int(number): str(name) for number, name in told.items()}
+        names = objects(str(sweeps.attrs.get(SESSIONS, "{}")))
+        return {int(number): str(name) for number, name in names.items()}
     except (ValueError, AttributeError) as error:
         raise InputError(f"attribute `{SESSIONS}` must be names by number: {error}") from error
 
@@ -238,9 +240,9 @@ def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
 
 
 def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """One data set from several of the same interfaces and frequencies; attributes of the first.
+    """Concatenates data sets of equal interfaces and frequencies; attributes are the first's.
 
-    Raises InputError where there is none, or interfaces or frequencies differ.
+    Raises InputError if there is none, or if interfaces or frequencies differ.
     """
     import xarray as xr
 
@@ -253,12 +255,12 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
         if not same_taken(part, first):
             raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
-    told = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
-    return xr.concat(told, dim="sweep", combine_attrs="override", join="exact")
+    masked = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
+    return xr.concat(masked, dim="sweep", combine_attrs="override", join="exact")
 
 
 def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:
-    """Whether the interfaces of both were read at the same of as many frequencies."""
+    """True if both data sets have the same mask of readings taken."""
     first, second = taken_of(one), taken_of(other)
     if first is None or second is None:
         return first is second
@@ -266,10 +268,10 @@ def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:
 
 
 def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """The same presses at several interfaces, each recorded by itself, as one data set.
+    """Joins recordings of the same presses at different interfaces into one data set.
 
-    Attributes and time of the first. Raises InputError where presses, sessions or frequencies
-    differ, or an interface is named twice.
+    Attributes and time are the first's. Raises InputError if presses, sessions or frequencies
+    differ, or if an interface is named twice.
     """
     import xarray as xr
 
@@ -289,6 +291,6 @@ def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def _all_taken(sweeps: xr.Dataset) -> xr.Dataset:
-    """The same, and told that all interfaces were read at all frequencies."""
+    """Adds the mask TAKEN with all readings taken."""
     whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=np.int8)
     return sweeps.assign_coords({TAKEN: (DIMENSIONS[1:], whole)})

@@ -1,4 +1,4 @@
-"""Sweeps as plain arrays, before xarray has them: what a command needs that only writes them."""
+"""Sweeps as plain arrays without xarray, for commands that only write them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class SweepVariable:
 
 @dataclass(frozen=True)
 class SweepTable:
-    """Quantities and coordinates by name, and attributes, as an `xarray.Dataset` has them."""
+    """Quantities, coordinates and attributes, in the layout of an `xarray.Dataset`."""
 
     quantities: Mapping[str, SweepVariable]
     coordinates: Mapping[str, SweepVariable]
@@ -34,17 +34,17 @@ class SweepTable:
 
     @property
     def variables(self) -> dict[str, SweepVariable]:
-        """Quantities first, then coordinates."""
+        """All arrays by name: quantities first, then coordinates."""
         return {**self.quantities, **self.coordinates}
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Lengths of the dimensions, by name."""
+        """Lengths of the dimensions by name."""
         shape = self.quantities["Rs"].values.shape
         return dict(zip(DIMENSIONS, shape, strict=True))
 
     def dataset(self) -> xr.Dataset:
-        """The same as `xarray.Dataset`."""
+        """The sweeps as an `xarray.Dataset`."""
         import xarray as xr
 
         quantities, coordinates = (
@@ -55,7 +55,7 @@ class SweepTable:
 
 
 def table_of(sweeps: xr.Dataset, names: Sequence[str]) -> SweepTable:
-    """Those variables of sweeps, as far as they are there; quantities as DIMENSIONS order them."""
+    """The named variables of sweeps that exist; quantities have the order of DIMENSIONS."""
     there = [name for name in names if name in sweeps.variables]
     taken = {name: sweeps[name] for name in there}
     ordered = {

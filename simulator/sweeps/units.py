@@ -1,4 +1,4 @@
-"""Numbers as people write them, with a unit, with a prefix, or with a decimal comma."""
+"""Parses and formats numbers with units, SI prefixes or a decimal comma."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PLAIN = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 
 
 def plain_number(text: str) -> float:
-    """The value of a decimal number with a point; NaN of any other text.
+    """The value of a decimal number with a point; NaN for any other text.
 
     Python would also read `1_0`, `nan`, `inf` and the digits of other scripts.
     """
@@ -25,7 +25,7 @@ def plain_number(text: str) -> float:
 
 
 def in_si(text: str) -> str | None:
-    """The same number without its unit, with a point; None where it is plain or cannot be read."""
+    """The number in SI without its unit, with a point; None if it is plain or not a number."""
     match = WRITTEN.fullmatch(text.strip())
     if match is None or (match["unit"] is None and "," not in match["number"]):
         return None
@@ -40,13 +40,13 @@ def in_si(text: str) -> str | None:
 
 
 def suggestion(text: str) -> str:
-    """`; did you mean` that, of a number with a unit or a comma; nothing of other text."""
+    """`; did you mean NUMBER?` for a number with a unit or a comma; empty for other text."""
     plain = in_si(text)
     return "" if plain is None else f"; did you mean {plain}?"
 
 
 def _power(unit: str) -> int | None:
-    """Of ten, that a unit of the SI or a prefix alone stands for."""
+    """Power of ten of an SI unit with its prefix, or of a prefix alone; None if unknown."""
     if unit == "%":
         return -2
     if unit in ("", *BASES):
@@ -55,11 +55,11 @@ def _power(unit: str) -> int | None:
     return PREFIXES.get(prefix) if base in ("", *BASES) else None
 
 
-SHOWN = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
+PREFIX_OF_POWER = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}
 
 
 def prefixed(value: float, unit: str) -> str:
-    """A number with its unit to three digits, with the prefix that suits it: 5.46 kHz."""
+    """A number with three digits, its unit and a suitable SI prefix: 5.46 kHz."""
     power = 3 * math.floor(math.log10(abs(value)) / 3 + 1e-12) if value else 0
-    power = min(max(power, min(SHOWN)), max(SHOWN))
-    return f"{value / 10.0**power:.3g} {SHOWN[power]}{unit}"
+    power = min(max(power, min(PREFIX_OF_POWER)), max(PREFIX_OF_POWER))
+    return f"{value / 10.0**power:.3g} {PREFIX_OF_POWER[power]}{unit}"

@@ -14,7 +14,7 @@ OWN, CALIBRATED, OTHER = (
         load_scene("strip-1x4"),
     )
 )
-REFUSED = "trained for strip-1x3, asked of strip-1x4: pixels 1x3, not 1x4"
+REFUSED = "trained for strip-1x3, but used for strip-1x4: pixels 1x3, not 1x4"
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_a_model_in_memory_keeps_to_its_skin(model, files):
 
 def test_live_takes_rest_of_its_own_skin_only(model, files):
     assert read_rest([files / "calibrated.nc"], model)
-    with pytest.raises(InputError, match="recorded for strip-1x4, asked of strip-1x3"):
+    with pytest.raises(InputError, match="recorded for strip-1x4, but used for strip-1x3"):
         read_rest([files / "other.nc"], model)
     assert read_rest([files / "other.nc"], model, anyway=True)
 
@@ -79,7 +79,7 @@ def test_a_gap_is_told_between_sweeps_of_one_skin(run, refused, files, tmp_path)
     write(read(files / "other.nc").assign_attrs(model="measured"), measured)
     code, out, err = run("gap", files / "own.nc", measured, "-o", tmp_path / "gap")
     assert (code, out) == (2, "")
-    assert "measured.nc: recorded for strip-1x4, asked of strip-1x3" in err
+    assert "measured.nc: recorded for strip-1x4, but used for strip-1x3" in err
     assert not (tmp_path / "gap").exists()
     insisted = ("--anyway", "--estimator", "oracle")
     assert "'oracle'" in refused(

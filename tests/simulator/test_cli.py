@@ -262,7 +262,7 @@ def test_wrong_use_ends_with_one_line_and_code_2(refused, arguments):
     ("failure", "told"),
     [
         (RuntimeError("the sheet does not fit"), "the sheet does not fit (RuntimeError;"),
-        (MemoryError(), "the memory of this machine does not suffice"),
+        (MemoryError(), "this machine has too little memory"),
         (ZeroDivisionError("division by zero"), "the numbers of the scene or of the options lie"),
         (OverflowError("cannot convert"), "the numbers of the scene or of the options lie"),
         (LinAlgError("Singular matrix"), "the numbers of the scene or of the options lie"),

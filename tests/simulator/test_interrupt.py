@@ -38,9 +38,9 @@ with end_on_signals(), whole_file(Path(sys.argv[1])) as unfinished:
 WAITED_FOR = """
 import sys, time
 from rcskin.simulator.interrupt import end_on_signals
-from rcskin.simulator.sweeps.cleanup import waited_for
+from rcskin.simulator.sweeps.cleanup import cleanup_block
 
-with end_on_signals(), waited_for():
+with end_on_signals(), cleanup_block():
     print("at work", flush=True)
     try:
         time.sleep(1000)

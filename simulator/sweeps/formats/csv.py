@@ -1,7 +1,7 @@
 """Sweeps as CSV for people: one line per sweep, interface and frequency, named columns.
 
-Attributes (scene, settings ...) stand above as TOML in lines of comment; `pandas.read_csv` leaves
-them out with `comment="#"`.
+Attributes (scene, settings ...) precede the table as TOML in comment lines; `pandas.read_csv` skips
+them with `comment="#"`.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
 SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
-TOLD = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
+WRITTEN_VARIABLES = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
 NAMED = ("press", "session", "interface")
-"""Columns of text."""
+"""Columns that hold text."""
 UNLABELLED = {
     "sweep": "0",
     "press": "unknown",
@@ -51,29 +51,29 @@ UNLABELLED = {
     "interface": "unnamed",
 }
 WHOLE = ("sweep", "row", "column", "session")
-MOST_WHOLE = 1e9
-"""Of their values; sessions of more digits are names."""
+MAX_WHOLE = 1e9
+"""Limit of whole numbers; sessions with more digits are names."""
 NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for one session"
-"""What the attribute `session_rule` then says."""
+"""Value of the attribute `session_rule` for files without that column."""
 
 
 def write_csv(sweeps: xr.Dataset, path: Path) -> None:
-    """Write sweeps in long form, a line for each reading; they read back to the same bits."""
-    write_rows(table_of(sweeps, TOLD), path)
+    """Writes sweeps in long form, one line per reading; they read back to the same bits."""
+    write_rows(table_of(sweeps, WRITTEN_VARIABLES), path)
 
 
 def write_rows(sweeps: SweepTable, path: Path) -> None:
-    """As `write_csv`."""
+    """Like `write_csv`, for a `SweepTable`."""
     _append(sweeps, path, 0)
     seal_text(path)
 
 
 def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
-    """Add sweeps in long form to a file, counted on from `first`.
+    """Appends sweeps in long form to a file; their numbers start at `first`.
 
-    Attributes and header stand before 0. The digest above is for `seal_text` to fill in at the end.
+    Attributes and header precede sweep 0. Call `seal_text` at the end to fill in the digest.
     """
-    _append(table_of(sweeps, TOLD), path, first)
+    _append(table_of(sweeps, WRITTEN_VARIABLES), path, first)
 
 
 def _append(sweeps: SweepTable, path: Path, first: int) -> None:
@@ -98,17 +98,17 @@ def _append(sweeps: SweepTable, path: Path, first: int) -> None:
 
 
 def read_csv(path: Path) -> xr.Dataset:
-    """Sweeps from a CSV with named columns in any order.
+    """Reads sweeps from a CSV with named columns in any order.
 
-    `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. Where only
-    `Cp_F` is given, X is followed along the frequencies (see `branch`), and the attributes
-    `branch_rule` and `branch_doubt` say so. Columns that name the sweep,
-    the press and the interface may be absent from a file of one unlabelled sweep. Sessions may be
-    numbers or names; where their column is absent, the attribute `session_rule` says what follows.
+    `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. If only `Cp_F`
+    is given, X is followed along the frequencies (see `branch`), and the attributes `branch_rule`
+    and `branch_doubt` say so. Columns of the sweep, the press and the interface may be absent from
+    a file with one unlabelled sweep. Sessions may be numbers or names; if their column is absent,
+    the attribute `session_rule` states the consequence.
 
-    Raises InputError naming the file, and the line and column where there is one: an absent column,
-    a cell that is not a plain decimal number, a sweep with other readings than the first, lines
-    that are not what the checksum above says, a Cp of other Rs and X where there is no checksum.
+    Raises InputError naming the file, and line and column if there are any: a missing column, a
+    cell that is no plain decimal number, a sweep with other readings than the first, lines that do
+    not match the checksum, and, without a checksum, a Cp that contradicts Rs and X.
     """
     content = inputs.table(path)
     sealed = check_text(path, content)
@@ -146,7 +146,7 @@ def read_csv(path: Path) -> xr.Dataset:
 
 
 def _commented(attributes: Mapping[Any, Any]) -> str:
-    """Attributes as TOML in lines of comment."""
+    """Attributes as TOML in comment lines."""
     import tomli_w
 
     plain = {
@@ -159,7 +159,7 @@ def _commented(attributes: Mapping[Any, Any]) -> str:
 
 
 def _comments(content: bytes) -> list[str]:
-    """The lines of comment above, without their sign."""
+    """The comment lines above the table, without their sign."""
     lines = io.TextIOWrapper(io.BytesIO(content), encoding="utf-8-sig", errors="replace")
     return [line[1:].removeprefix(" ") for line in takewhile(_is_comment, lines)]
 
@@ -169,26 +169,26 @@ def _is_comment(line: str) -> bool:
 
 
 def _attributes(comments: Sequence[str]) -> dict[str, Any]:
-    """What `_commented` wrote; the comments as they are where they are none of that."""
+    """Inverse of `_commented`; other comments become the attribute `preamble`."""
     try:
-        branch_attributes = inputs.tables("".join(comments))
+        attributes = inputs.tables("".join(comments))
     except tomllib.TOMLDecodeError:
         return {"preamble": "".join(comments)}
-    return {name: value for name, value in branch_attributes.items() if name not in OWN_KEYS}
+    return {name: value for name, value in attributes.items() if name not in OWN_KEYS}
 
 
 def _sessions(table: pd.DataFrame) -> tuple[pd.DataFrame, dict[str, str]]:
-    """The table with sessions by number, and the attribute of their names where these stood."""
+    """The table with numbered sessions, and the attribute of their names if the file had names."""
     texts = table["session"]
     if texts.str.fullmatch(r"[+-]?[0-9]{1,9}").all():
         return table, {}
     names = {name: number for number, name in enumerate(dict.fromkeys(texts))}
-    branch_attributes = json.dumps({number: name for name, number in names.items()})
-    return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: branch_attributes}
+    by_number = json.dumps({number: name for name, number in names.items()})
+    return table.assign(session=[str(names[text]) for text in texts]), {SESSIONS: by_number}
 
 
 def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
-    """All cells below so many lines as text, indexed by the line of the file they stand on."""
+    """All cells below the comment lines as text, indexed by their line in the file."""
     import pandas as pd
 
     try:
@@ -234,7 +234,7 @@ def _finite(path: Path, name: str, column: list[str], lines: list[int]) -> np.nd
     values = np.array([plain_number(text) for text in column])
     good, kind = np.isfinite(values), "finite"
     if name in WHOLE:
-        good, kind = good & (values == np.rint(values)) & (np.abs(values) < MOST_WHOLE), "whole"
+        good, kind = good & (values == np.rint(values)) & (np.abs(values) < MAX_WHOLE), "whole"
     bad = np.flatnonzero(~good)
     if bad.size:
         raise InputError(
@@ -245,7 +245,7 @@ def _finite(path: Path, name: str, column: list[str], lines: list[int]) -> np.nd
 
 
 def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
-    """Raises InputError where Cp is not that of Rs and X, as no reading of a meter is."""
+    """Raises InputError if a Cp contradicts Rs and X, which no reading of a meter does."""
     if not set(QUANTITIES) <= set(table):
         return
     Rs, X, Cp, f = (table[name].to_numpy() for name in (*QUANTITIES, "frequency_Hz"))
@@ -261,7 +261,7 @@ def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
 def _readings(
     path: Path, table: pd.DataFrame, frequency: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Which interface was read at which frequency, the same in all sweeps, and the quantities.
+    """The mask of readings taken, equal in all sweeps, and the quantities.
 
     Shapes (interface, frequency) and (sweep, interface, frequency); NaN where nothing was read.
     """
@@ -276,8 +276,8 @@ def _readings(
     np.add.at(counts, where, 1)
     if counts.max() > 1 or (counts != counts[0]).any():
         raise InputError(
-            f"{path}: every sweep needs the same readings once: every interface at the frequencies "
-            "that it has in the others"
+            f"{path}: every sweep must hold the same readings exactly once: each interface at the "
+            "frequencies that it has in the other sweeps"
         )
     columns = {name: np.full(shape, np.nan) for name in QUANTITIES if name in table}
     for name, values in columns.items():

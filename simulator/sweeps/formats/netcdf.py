@@ -1,9 +1,9 @@
-"""Sweeps as NetCDF 4: numbers with a checksum of each chunk, and a digest of the whole file.
+"""Sweeps as NetCDF 4: a checksum for each chunk of numbers, and a digest of the whole file.
 
-HDF5 has no checksum of texts, attributes and much of its own structure, and a bit flipped there
-may end the process: the digest behind its end is compared before it is opened. A file is written
-from plain arrays where xarray is not imported yet, which takes longer than to simulate them; it
-is what `xarray.Dataset.to_netcdf` makes of the same sweeps.
+HDF5 has no checksum of texts, attributes and much of its own structure, and a flipped bit there may
+end the process. Therefore the digest behind its end is checked before the file is opened. A file
+can be written from plain arrays, because importing xarray takes longer than simulating the sweeps;
+the result equals that of `xarray.Dataset.to_netcdf`.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LOCK = threading.RLock()
-"""Held wherever a NetCDF file is open: the libraries below end the process where two threads read
-or write at once, also different files."""
+"""Lock for any open NetCDF file: the libraries below crash if two threads read or write at once,
+even different files."""
 SHORTEST_TEXT = 57
-"""Bytes of a text without characters and of what refers to it, in Python."""
+"""Bytes of an empty text and of its reference in Python."""
 DAMAGED = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, MemoryError)
-"""What libraries raise of files without a digest that are spoilt."""
+"""Exceptions that libraries raise for corrupt files without a digest."""
 
 
 def write_table(sweeps: SweepTable, path: Path) -> None:
-    """Write sweeps as NetCDF 4; texts as strings, numbers to the same bits."""
+    """Writes sweeps as NetCDF 4; texts as strings, numbers to the last bit."""
     from netCDF4 import Dataset
 
     indices = {name for name in sweeps.coordinates if name in DIMENSIONS}
@@ -45,14 +45,17 @@ def write_table(sweeps: SweepTable, path: Path) -> None:
             file.createDimension(name, size)
         for name, each in sweeps.variables.items():
             variable = created(file, name, each.values.dtype, each.dims)
-            told = {**each.attrs, **({"coordinates": named} if name in sweeps.quantities else {})}
-            variable.setncatts(told)
+            attributes = {
+                **each.attrs,
+                **({"coordinates": named} if name in sweeps.quantities else {}),
+            }
+            variable.setncatts(attributes)
             variable[:] = each.values
     seal_binary(path)
 
 
 def created(file: Any, name: str, dtype: np.dtype, dims: tuple[Hashable, ...]) -> Any:
-    """A new variable of an open file, with a checksum of each chunk where it holds numbers."""
+    """Creates a variable in an open file; numbers get a checksum of each chunk."""
     text = dtype.kind in "OUT"
     fill = np.nan if dtype.kind == "f" else None
     kind = str if text else dtype.newbyteorder("=")
@@ -60,7 +63,7 @@ def created(file: Any, name: str, dtype: np.dtype, dims: tuple[Hashable, ...]) -
 
 
 def write_dataset(sweeps: xr.Dataset, path: Path) -> None:
-    """Write any data set as NetCDF 4, as `write_table` does."""
+    """Writes any `xarray.Dataset` as NetCDF 4, in the same way as `write_table`."""
     encoding: Mapping[Hashable, dict[str, bool]] = {
         name: {"fletcher32": True}
         for name, variable in sweeps.variables.items()
@@ -72,9 +75,9 @@ def write_dataset(sweeps: xr.Dataset, path: Path) -> None:
 
 
 def read_dataset(path: Path) -> xr.Dataset:
-    """The data set in a file, in memory.
+    """Reads the data set of a file into memory.
 
-    Raises InputError where the file is not what its digest says, or cannot be read.
+    Raises InputError if the file does not match its digest or cannot be read.
     """
     import xarray as xr
 
@@ -86,12 +89,12 @@ def read_dataset(path: Path) -> xr.Dataset:
     except InputError:
         raise
     except DAMAGED as error:
-        told = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .nc: {told}") from error
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as .nc: {reason}") from error
 
 
 def _declared(path: Path) -> int:
-    """Bytes of all arrays of a file in memory, texts by their shortest."""
+    """Bytes that all arrays of a file take in memory; texts count as empty."""
     from netCDF4 import Dataset
 
     with Dataset(path) as file:

@@ -114,8 +114,10 @@ def test_bad_input_is_one_line_and_nothing_is_written(refused, files, more, mess
 def test_sweeps_of_another_skin_are_refused(refused, files):
     _, measured, folder = files
     err = refused("calibrate", "strip-1x3", measured, "-o", folder)
-    assert err.startswith("rcskin: run.nc: recorded for scene, asked of strip-1x3: width 0.08 m, ")
-    assert err.endswith("; --anyway insists\n")
+    assert err.startswith(
+        "rcskin: run.nc: recorded for scene, but used for strip-1x3: width 0.08 m, "
+    )
+    assert err.endswith("; --anyway ignores this\n")
     assert not folder.exists()
 
 
@@ -125,7 +127,7 @@ def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line, ea
     scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))
     code, _, err = run("calibrate", scene, measured, "-o", folder)
     assert code == 2
-    assert "recorded for scene, asked of longer: length 0.1 m, not 0.11 m" in err
+    assert "recorded for scene, but used for longer: length 0.1 m, not 0.11 m" in err
     code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO, "--anyway")
     assert code == 0 and earth_alone(err), err
 

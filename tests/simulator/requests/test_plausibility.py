@@ -47,7 +47,7 @@ def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickn
         ({"readout": {"phase_accuracy": 0.5}}, ["did you mean 0.00872665?"]),
         ({"readout": {"magnitude_noise": 0.3}}, ["noise = 0.3 of |Z|; did you mean 0.003?"]),
         ({"readout": {"magnitude_accuracy": 0.5}}, ["did you mean 0.005?"]),
-        ({"skin.top.sheet_resistance": 30.0}, ["skin.top.sheet_resistance = 30 ohm/sq beside"]),
+        ({"skin.top.sheet_resistance": 30.0}, ["skin.top.sheet_resistance = 30 ohm/sq, but"]),
         ({"skin.bottom.sheet_resistance": 45.0}, ["= 20000 ohm/sq; did you mean 45000?"]),
         ({"skin.foam.loss_tangent": 2.0}, ["skin.foam.loss_tangent = 2; did you mean 0.02?"]),
         ({"press.capacitance_factor": 180.0}, ["did you mean 1.8?"]),

@@ -146,11 +146,11 @@ def test_a_byte_order_mark_is_no_part_of_the_header(csv):
         (lines_of("1e3,1,-1", "2e3,1,-1,7"), "line 3"),
         (lines_of("1e3,1,-1,7"), "not a CSV of sweeps"),
         (lines_of("0,1,-1"), "`frequency` must be finite and > 0 Hz"),
-        (lines_of("1e3,1,-1", "1e3,2,-1"), "every sweep needs the same readings once"),
+        (lines_of("1e3,1,-1", "1e3,2,-1"), "every sweep must hold the same readings exactly once"),
         (lines_of("1e3,1,1", header="frequency_Hz,Rs_ohm,Cp_F"), "no capacitive reactance"),
         (
             lines_of("0,1,1,-1", "1,2,1,-1", header="sweep,frequency_Hz,Rs_ohm,X_ohm"),
-            "every sweep needs the same readings once: every interface at the frequencies",
+            "every sweep must hold the same readings exactly once: each interface at the",
         ),
         (
             lines_of(
@@ -160,7 +160,7 @@ def test_a_byte_order_mark_is_no_part_of_the_header(csv):
                 "1,b,1,1,-1",
                 header="sweep,interface,frequency_Hz,Rs_ohm,X_ohm",
             ),
-            "every sweep needs the same readings once: every interface at the frequencies",
+            "every sweep must hold the same readings exactly once: each interface at the",
         ),
     ],
 )

@@ -67,8 +67,8 @@ def test_a_folder_is_told(tmp_path, ending):
 def test_a_file_that_is_too_large_is_not_read(tmp_path, ending, kind):
     path = tmp_path / f"large{ending}"
     with path.open("wb") as file:
-        file.truncate(kind.most + 1)
-    assert f"{kind.what} has at most" in refusal(READERS[ending], path)
+        file.truncate(kind.max_bytes + 1)
+    assert f"{kind.label} has at most" in refusal(READERS[ending], path)
 
 
 @pytest.mark.parametrize(
