@@ -58,13 +58,13 @@ def serve(
     ] = None,
 ) -> None:
     """Serve a virtual IM3523 on TCP until interrupted."""
-    from .event_counter import counting
-    from .meter.accuracy_table import DERIVED
+    from .event_counter import counted_events
+    from .meter.accuracy_table import DERIVED_TABLE
     from .virtual import serving
 
     exhibit = _exhibit(scene, recorded, interface, seed)
     pressing = serving.routines(exhibit, script, random, seed)
-    meter = serving.instrument(exhibit, pace, accuracy or DERIVED)
+    meter = serving.instrument(exhibit, pace, accuracy or DERIVED_TABLE)
     if len(exhibit.skins) > 1:
         say(
             f"rcskin: note: connected to interface {meter.interface} of "
@@ -72,7 +72,7 @@ def serve(
             err=True,
         )
     paging = _paging(exhibit, page, page_port)
-    with counting(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
+    with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
         meter.tell = partial(meter.report, "failed readings")
         serving.serve(
             meter,
@@ -98,10 +98,10 @@ def identify(
     baud: Baud = 9600,
 ) -> None:
     """Tell which meters answer, and at what resources."""
-    from .meter.discovery import answering, found_resources
+    from .meter.discovery import find_resources, probe
 
-    names = resources or found_resources()
-    answers = [(name, answering(name, timeout, baud)) for name in names]
+    names = resources or find_resources()
+    answers = [(name, probe(name, timeout, baud)) for name in names]
     for name, answer in answers:
         say(answer.failure or f"{name}  {answer.identity}")
     if not names:
@@ -121,10 +121,10 @@ def correct(
     """Acquire open or short correction, or end it."""
     from .meter.correction import correct as acquire
     from .meter.hioki import open_meter
-    from .meter.termination import ending_in_order
+    from .meter.termination import orderly_termination
     from .record.managed_meter import Station
 
-    with ending_in_order() as tell:
+    with orderly_termination() as tell:
         station = Station(lambda: open_meter(resource, timeout, baud), tell=tell)
         try:
             meter = station.ready()
@@ -143,10 +143,10 @@ def press(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Press the skin of a virtual meter that is being served, until the next press."""
-    from .control_client import ask
+    from .control_client import send_request
 
-    say(ask(control, "press", press=press))
-    if depths := ask(control, "depths"):
+    say(send_request(control, "press", press=press))
+    if depths := send_request(control, "depths"):
         say(f"rcskin: note: {depths}", err=True)
 
 
@@ -156,9 +156,9 @@ def select(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Connect a virtual meter to another interface of its skin."""
-    from .control_client import ask
+    from .control_client import send_request
 
-    say(ask(control, "select", interface=interface))
+    say(send_request(control, "select", interface=interface))
 
 
 @app.command(epilog="Example: rcskin meter misbehave late --times 2")
@@ -175,9 +175,9 @@ def misbehave(
     control: ControlAddress = CONTROL,
 ) -> None:
     """Have a virtual meter misbehave at its next answers."""
-    from .control_client import ask
+    from .control_client import send_request
 
-    ask(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
+    send_request(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
 
 
 def _exhibit(

@@ -14,7 +14,7 @@ PATH_OF_WINDOWS = re.compile(r"""(^|[\s"'=])([A-Za-z]:\\|\\\\\w)""")
 """The begin of `C:\\lab` or `\\\\server\\lab`."""
 
 
-def words_of(command: str) -> list[str]:
+def split_command(command: str) -> list[str]:
     """The words of a command line, split at spaces outside of quotes.
 
     A backslash takes the next character as it stands, but on Windows and where the command names a
@@ -27,7 +27,7 @@ def words_of(command: str) -> list[str]:
     return list(lexer)
 
 
-class Template:
+class CommandTemplate:
     """A command line with `{name}` in it, each to be filled in with a value of its own.
 
     Raises InputError where it is empty, names another, or asks for a part of a value or a format of
@@ -37,7 +37,7 @@ class Template:
     def __init__(self, command: str, option: str, needed: bool = False, **examples: Any) -> None:
         """option: as errors call it. needed: whether a name must be there. examples: of each."""
         try:
-            self._words = words_of(command)
+            self._words = split_command(command)
             parts = [part[1:] for word in self._words for part in Formatter().parse(word)]
             fields = {part for part in parts if part[0] is not None}
             known = {(name, "", None) for name in examples}

@@ -16,7 +16,7 @@ OWN_COMPUTER = ("127.0.0.1", "localhost")
 """Hosts that are sent the token in the user's file: no other computer learns it."""
 
 
-class Address(NamedTuple):
+class ControlEndpoint(NamedTuple):
     """Where a control port is, and the token that it asks for, empty where none is known."""
 
     host: str
@@ -24,7 +24,7 @@ class Address(NamedTuple):
     token: str
 
 
-def checked_address(text: str, must: str) -> Address:
+def checked_address(text: str, must: str) -> ControlEndpoint:
     """The address in [TOKEN@]HOST:PORT; without a token it is looked up for this computer's ports.
 
     Raises InputError saying what it must be.
@@ -33,10 +33,12 @@ def checked_address(text: str, must: str) -> Address:
     if match is None or int(match["port"]) > 65535:
         raise InputError(f"{must}, got {text!r}")
     host, port = match["host"], int(match["port"])
-    return Address(host, port, match["token"] or (read_token(port) if host in OWN_COMPUTER else ""))
+    return ControlEndpoint(
+        host, port, match["token"] or (read_token(port) if host in OWN_COMPUTER else "")
+    )
 
 
-def ask(control: str, do: str, **given: Any) -> Any:
+def send_request(control: str, do: str, **given: Any) -> Any:
     """What the virtual meter answers to a request (see `control`).
 
     control: [TOKEN@]HOST:PORT. Raises InputError where the address or the request is refused,
@@ -53,7 +55,7 @@ def ask(control: str, do: str, **given: Any) -> Any:
     return _result(address, answer)
 
 
-def _result(address: Address, line: bytes) -> Any:
+def _result(address: ControlEndpoint, line: bytes) -> Any:
     """The result in an answer. Raises InputError where it is a refusal, PressError where none."""
     try:
         answer = json.loads(line)
@@ -66,7 +68,7 @@ def _result(address: Address, line: bytes) -> Any:
     raise _absent(address, "what answers is something else" if line else "it hung up")
 
 
-def _absent(address: Address, why: str) -> PressError:
+def _absent(address: ControlEndpoint, why: str) -> PressError:
     return PressError(
         f"no virtual meter answers at {address.host}:{address.port} ({why}); check that "
         "`rcskin meter serve` runs, and the control port that it printed"

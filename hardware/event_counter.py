@@ -16,7 +16,7 @@ Report = Callable[[str, str], None]
 
 
 @dataclass
-class Counted:
+class EventCounter:
     """Prints the first event of a kind at once, then at most one line a minute with their number.
 
     show: prints a line.
@@ -43,7 +43,7 @@ class Counted:
         self._latest.clear()
 
 
-class _Log(logging.Handler):
+class _ReportingHandler(logging.Handler):
     """Reports what a library logs by its first line."""
 
     def __init__(self, report: Report) -> None:
@@ -58,14 +58,14 @@ class _Log(logging.Handler):
 
 
 @contextmanager
-def counting(show: Callable[[str], None]) -> Iterator[Report]:
+def counted_events(show: Callable[[str], None]) -> Iterator[Report]:
     """A report for events that clients cause, while the block runs.
 
     It also takes what asyncio logs of connections (no more files, errors of callbacks). show: as of
     `Counted`.
     """
-    report, logger = Counted(show), logging.getLogger("asyncio")
-    log = _Log(report)
+    report, logger = EventCounter(show), logging.getLogger("asyncio")
+    log = _ReportingHandler(report)
     passed_on, logger.propagate = logger.propagate, False
     logger.addHandler(log)
     try:

@@ -72,9 +72,9 @@ def record(
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
-    from .meter.accuracy_table import DERIVED, read_table
+    from .meter.accuracy_table import DERIVED_TABLE, read_table
     from .meter.hioki import open_meter
-    from .meter.termination import ending_in_order
+    from .meter.termination import orderly_termination
     from .record.recorder import Task
     from .record.recorder import record as record_task
     from .record.recording_journal import Journal
@@ -86,7 +86,7 @@ def record(
     interfaces = checked_interfaces(interface, asked)
     if not (interface or switch or switch_with):
         _check_one_interface(asked)
-    table = read_table(accuracy or DERIVED)
+    table = read_table(accuracy or DERIVED_TABLE)
     steps = _steps(order, asked, repetitions)
     settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
     several = len(interfaces) > 1
@@ -102,7 +102,7 @@ def record(
     )
     warn_of_earth(scene, asked)
     journal = Journal(output)
-    with ending_in_order() as tell, journal.lock(), going_on_later(journal):
+    with orderly_termination() as tell, journal.lock(), going_on_later(journal):
         checked_output(output)
         with screen:
             header, entries = record_task(replace(task, tell=tell), operator)

@@ -37,7 +37,7 @@ def token_file(port: int) -> Path:
 
 
 @contextmanager
-def kept_token(token: str, port: int) -> Iterator[None]:
+def stored_token(token: str, port: int) -> Iterator[None]:
     """The token in its file while the block runs.
 
     Windows protects the user's folder by its access list; elsewhere the mode does. Raises OSError

@@ -20,7 +20,7 @@ import pandas as pd
 import xarray as xr
 from rcskin.benchmarks.accuracy.coverage_parts.metered import metered
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.hardware.meter.errors import ReadingError
+from rcskin.hardware.meter.errors import FailedReadingError
 from rcskin.simulator.calibration.centered_model import Model, model_of
 from rcskin.simulator.calibration.fit import model_tolerance
 from rcskin.simulator.calibration.fit_options import Options
@@ -112,7 +112,7 @@ def _trial(
         true = own_values(scene) if known else _drawn_twin(case, scene, kind, random)
         try:
             sweeps = _read(case, scene, true, random)
-        except ReadingError:
+        except FailedReadingError:
             continue
         found = calibrate(scene, sweeps, Options(prior=kind), model=known)
         return dict(_held(scene, found, true))

@@ -25,8 +25,8 @@ import numpy as np
 import pandas as pd
 import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.hardware.control_client import ask
-from rcskin.hardware.meter.accuracy_table import Conditions
+from rcskin.hardware.control_client import send_request
+from rcskin.hardware.meter.accuracy_table import ReadingConditions
 from rcskin.simulator.scene.scene_files import scene_text
 
 SCENE, PIXELS, FEW_PIXELS = "sheet-5x5-two-interfaces", 5, 3
@@ -122,8 +122,8 @@ def course(model: Path, scene: Path, switch: bool, late: float, presses: list[st
             done, random = [], np.random.default_rng(SEED)
             for press in presses:
                 if random.random() < late:
-                    ask(control, "misbehave", kind="slow", seconds=LATE)
-                ask(control, "press", press=press)
+                    send_request(control, "misbehave", kind="slow", seconds=LATE)
+                send_request(control, "press", press=press)
                 done.append(
                     (time.time(), "nothing pressed" if press == "none" else f"pixel {press}")
                 )
@@ -171,7 +171,7 @@ def measuring(frequencies: tuple[float, ...], interfaces: int) -> float:
 
     A sweep begins at the interface where the one before ended: one turn in each.
     """
-    once = sum(Conditions(frequency, RANGE).seconds for frequency in frequencies)
+    once = sum(ReadingConditions(frequency, RANGE).seconds for frequency in frequencies)
     return interfaces * once + SETTLE * (interfaces - 1)
 
 

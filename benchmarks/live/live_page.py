@@ -21,7 +21,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.live.page_parts.commands import Linked, ended_in, linked, memory, run
 from rcskin.benchmarks.live.page_parts.hostile import Target, besieged, fuzzed
 from rcskin.benchmarks.live.page_parts.viewers import NEVER, Watching
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.simulator.scene.scene_files import load_scene
 
 SEED = 5
@@ -122,14 +122,14 @@ def left_out(pages: Linked, seconds: float) -> list[dict[str, str]]:
 
 def besiege(pages: Linked, clients: int, messages: int) -> list[dict[str, str]]:
     """Hostile clients and messages at the skin's page, with a viewer that looks on."""
-    ask(pages.control, "press", press="none")
+    send_request(pages.control, "press", press="none")
     target, random = Target(pages.skin), np.random.default_rng(SEED)
     before, begun = memory(pages.meter), time.monotonic()
     with Watching(pages.skin, 0.0) as (viewer,):
         asyncio.run(besieged(target, clients, random))
         asyncio.run(fuzzed(target, messages, random))
     lasted, grown = time.monotonic() - begun, memory(pages.meter) - before
-    if ask(pages.control, "state")["press"] != "none" or pages.live.poll() is not None:
+    if send_request(pages.control, "state")["press"] != "none" or pages.live.poll() is not None:
         raise AssertionError("the skin was touched, or the session ended")
     return [
         row(f"{clients} hostile clients and {messages} fuzzed messages", f"{lasted:.0f} s"),

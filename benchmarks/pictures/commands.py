@@ -23,7 +23,7 @@ from pathlib import Path
 
 from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.live.live_interfaces import rcskin_command, served
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rich.console import Console
 from rich.text import Text
 
@@ -95,7 +95,7 @@ def terminal(model: Path) -> str:
             told += part
             *_, picture, _ = ["", *DRAWN_ANEW.split(told)]
             if not pressed and UNTOUCHED in picture:
-                ask(control, "press", press=PRESS)
+                send_request(control, "press", press=PRESS)
                 pressed = True
             if TOLD in picture:
                 written.close()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import Sweep, Watch
 from .live_meter import Link
 from .timed_switch import Turns
@@ -41,7 +41,7 @@ class Pace:
         """A sweep begins."""
         self._since = self._now()
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading came, at a frequency in Hz."""
         self._latest[frequency] = self._now() - self._since
         self.show(frequency, reading)
@@ -86,7 +86,7 @@ def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, Sw
             asked.append(wanted)
             yield wanted
 
-    def watch(frequency: float, reading: Reading) -> None:
+    def watch(frequency: float, reading: MeterReading) -> None:
         pace.reading(frequency, reading)
         questions.tell(*asked[-1], complex(reading.Rs, reading.X))
 

@@ -95,9 +95,9 @@ def live(
 ) -> None:
     """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
     from ...localization.filtering.touch_dynamics import Touching
-    from ..meter.accuracy_table import DERIVED, read_table
+    from ..meter.accuracy_table import DERIVED_TABLE, read_table
     from ..meter.hioki import open_meter
-    from ..meter.termination import ending_in_order
+    from ..meter.termination import orderly_termination
     from ..record.sweep_checks import Limits
     from ..switch.switch_options import asked_switch
     from .live_localizer import localizer_of
@@ -114,7 +114,7 @@ def live(
         Link,
         localizer,
         lambda: open_meter(resource, timeout, baud),
-        read_table(accuracy or DERIVED),
+        read_table(accuracy or DERIVED_TABLE),
         Limits(drift=drift, two_terminal=localizer.scene.two_terminal),
         patience,
         asked_switch(switch, switch_with, settle, localizer.model.interfaces),
@@ -124,7 +124,7 @@ def live(
     kept = Log(journal)
     paged = _paged(localizer, port or 0) if page else nullcontext(())
     try:
-        with ending_in_order() as tell, journal.lock() if journal else nullcontext():
+        with orderly_termination() as tell, journal.lock() if journal else nullcontext():
             link = connect(tell=tell)
             with paged as others, _showing(localizer, plain, others) as (show, key):
                 _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
@@ -181,7 +181,7 @@ def _run(session: Session, answers: int | None) -> None:
 def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
     from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
-    from ..event_counter import counting
+    from ..event_counter import counted_events
     from ..page.page_document import Document
     from ..page.page_thread import beside
     from ..record.recording_dataset import taken_at
@@ -193,7 +193,7 @@ def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
         restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
     )
     document = Document.of(scene, "live")
-    shown = counting(lambda text: say(f"rcskin: page: {text}", err=True))
+    shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, beside(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)
         yield (Shown(model, post),)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TextIO
 
 from ...simulator.safe_text import escaped
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from .live_session import Moment
 
 
@@ -23,7 +23,7 @@ class Plain:
     _told: str = field(default="", init=False)
     _remarks: tuple[str, ...] = field(default=(), init=False)
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """Readings are not shown."""
 
     def answer(self, moment: Moment) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ..meter.accuracy_table import AccuracyTable
-from ..meter.errors import MeterError, NoConnectionError, ReadingError
+from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.hioki import Meter
-from ..meter.settings_snapshot import require, restore, snapshot
+from ..meter.settings_snapshot import require_settings, restore_settings, snapshot
 from ..meter.termination import shielded
 from ..record.managed_meter import Station
 from ..record.measured_sweep import (
@@ -112,7 +112,7 @@ class Link:
 
     def _look(self) -> None:
         assert self.header is not None
-        require(self._meter, self.header.settings)
+        require_settings(self._meter, self.header.settings)
         self._looked = time.monotonic()
         self._recovered()
 
@@ -123,7 +123,7 @@ class Link:
         meter itself calls failed is no reason to connect anew, or to give up; nor is a switch that
         fails one to let the meter go.
         """
-        if isinstance(failure, ReadingError):
+        if isinstance(failure, FailedReadingError):
             self._recovered()
             return 0.0
         gone, what = NoConnectionError, "meter"
@@ -151,7 +151,7 @@ class Link:
         model, pixels = self._localizer.model, self._localizer.scene.pixels
         check_frequencies(meter, model.frequencies)
         settings = snapshot(meter)
-        restore(meter, settings)
+        restore_settings(meter, settings)
         self._station.header = Header(
             scene=model.problem.scene,
             name="live",

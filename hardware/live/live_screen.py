@@ -6,7 +6,7 @@ from collections import deque
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from .live_session import END_KEY, REST_KEY, Moment
 from .pixel_grid import fitting
 from .touch_answer import readings_of
@@ -50,7 +50,7 @@ class Screen:
     ) -> None:
         self._live.stop()
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show how far the sweep is."""
         self._done = self._done % self._readings + 1
         self._frequency = frequency

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import Sweep, apart, flags, now
 from ..record.press_order import UNKNOWN
 from .adaptive_reading import Pace, Part, questioned
@@ -83,7 +83,7 @@ class Measured:
 class Show(Protocol):
     """Where a session is shown."""
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading of the sweep under way came, at a frequency in Hz."""
         ...
 

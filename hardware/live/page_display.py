@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import Sweep
 from .live_session import Moment, Seen, Show
 from .touch_answer import Answer, readings_of
@@ -29,7 +29,7 @@ class Together:
 
     shows: Sequence[Show]
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading came, at a frequency in Hz."""
         for show in self.shows:
             show.reading(frequency, reading)
@@ -73,7 +73,7 @@ class Shown:
         }
         self._tell()
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """How far the sweep is, now and then."""
         self._done += 1
         if time.monotonic() - self._posted > OFTEN:

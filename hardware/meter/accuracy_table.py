@@ -17,7 +17,7 @@ from ...simulator.sweeps.reading_time import reading_time
 
 
 @dataclass(frozen=True)
-class Conditions:
+class ReadingConditions:
     """frequency: Hz. range: 1 to 10. level: open voltage at the terminals in V. cable: m."""
 
     frequency: float
@@ -38,7 +38,7 @@ OUTPUT_RESISTANCE = 100.0
 
 
 @dataclass(frozen=True)
-class Drive:
+class GeneratorLevel:
     """What the generator holds: level V its open voltage, CV the skin's voltage, CC its current.
 
     voltage, constant_voltage: V. constant_current: A.
@@ -50,7 +50,7 @@ class Drive:
     constant_current: float
 
     @classmethod
-    def of(cls, settings: Mapping[str, Any]) -> Drive:
+    def of(cls, settings: Mapping[str, Any]) -> GeneratorLevel:
         """That of a meter's settings by name."""
         return cls(**{field.name: settings[field.name] for field in fields(cls)})
 
@@ -59,36 +59,36 @@ class Drive:
         loop = abs(OUTPUT_RESISTANCE + Z)
         return {
             "V": self.voltage,
-            "CV": self.constant_voltage * loop / max(abs(Z), SMALLEST),
+            "CV": self.constant_voltage * loop / max(abs(Z), SMALLEST_RATIO),
             "CC": self.constant_current * loop,
         }[self.level]
 
 
-DERIVED = Path(__file__).with_name("accuracy-3522-50-derived.toml")
+DERIVED_TABLE = Path(__file__).with_name("accuracy-3522-50-derived.toml")
 PROPORTIONAL_FROM = 1e3
-SMALLEST = 1e-9
+SMALLEST_RATIO = 1e-9
 RANGES = range(1, 11)
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 Error = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
-Cells = tuple[tuple[Error, Error], ...]
+BandErrors = tuple[tuple[Error, Error], ...]
 
 
-class _Table(BaseModel):
+class _AccuracyModel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Range(_Table):
+class RangeErrors(_AccuracyModel):
     """Cells (A, B) of one range, one for each band; full_scale: ohm. Z: %. theta: degrees."""
 
     full_scale: Positive
-    Z: Cells
-    theta: Cells
+    Z: BandErrors
+    theta: BandErrors
 
 
-class Coefficients(_Table):
+class ErrorFactors(_AccuracyModel):
     """Factors of the error. level: (from V, factor). cable_1m: factor at 0 Hz, rise per kHz."""
 
     level: tuple[tuple[Error, Positive], ...]
@@ -96,29 +96,29 @@ class Coefficients(_Table):
     cable_1m: tuple[Positive, Error]
 
 
-class Span(_Table):
+class RangeLimits(_AccuracyModel):
     """Least and most of |Z| over full scale that is guaranteed, and that is displayed at all."""
 
     guaranteed: tuple[Error, Positive]
     displayed: tuple[Error, Positive]
 
 
-class AccuracyTable(_Table):
+class AccuracyTable(_AccuracyModel):
     """A meter's table. band_starts, stop: Hz, ascending; a band ends where the next one starts."""
 
     name: str
     band_starts: tuple[Positive, ...]
     stop: Positive
-    range: tuple[Range, ...]
-    coefficients: Coefficients
-    span: Span
+    range: tuple[RangeErrors, ...]
+    coefficients: ErrorFactors
+    span: RangeLimits
 
-    def knows(self, range_number: int) -> bool:
+    def has_range(self, range_number: int) -> bool:
         """Whether it has a row of this range; where not, `bound` tells that of the nearest."""
         scale = full_scale(range_number)
         return any(math.isclose(row.full_scale, scale) for row in self.range)
 
-    def outside(self, Z: complex, conditions: Conditions) -> bool:
+    def is_outside_guarantee(self, Z: complex, conditions: ReadingConditions) -> bool:
         """Whether a reading is known to be outside guaranteed accuracy under these conditions.
 
         A range of which it has no row is not: nothing is known of that.
@@ -129,7 +129,7 @@ class AccuracyTable(_Table):
         within = low <= abs(Z) / full_scale(conditions.range) <= high
         return not (in_band and strong and within)
 
-    def bound(self, Z: complex, conditions: Conditions) -> tuple[float, float]:
+    def error_bounds(self, Z: complex, conditions: ReadingConditions) -> tuple[float, float]:
         """Bounds on the systematic error of |Z| (a fraction) and of the phase (rad).
 
         Where the table has no cell, those of the nearest range and band are taken.
@@ -137,7 +137,7 @@ class AccuracyTable(_Table):
         band = max(0, bisect_right(self.band_starts, conditions.frequency) - 1)
         scale = full_scale(conditions.range)
         row = min(self.range, key=lambda r: abs(math.log(r.full_scale / scale)))
-        size = max(abs(Z) / scale, SMALLEST)
+        size = max(abs(Z) / scale, SMALLEST_RATIO)
         over = abs((10 * size if scale >= PROPORTIONAL_FROM else 1 / size) - 1)
         factor = self._factor(conditions)
         of_Z, of_theta = (A + B * over for A, B in (row.Z[band], row.theta[band]))
@@ -148,7 +148,7 @@ class AccuracyTable(_Table):
         most = self.span.guaranteed[1]
         return next((n for n in RANGES if abs(Z) <= most * full_scale(n)), RANGES[-1])
 
-    def _factor(self, conditions: Conditions) -> float:
+    def _factor(self, conditions: ReadingConditions) -> float:
         levels = self.coefficients.level
         level = next((k for volt, k in reversed(levels) if volt <= conditions.level), levels[0][1])
         at_0_Hz, rise = self.coefficients.cable_1m
@@ -161,7 +161,7 @@ def full_scale(range_number: int) -> float:
     return 10.0 ** (range_number - 2)
 
 
-def read_table(path: Path = DERIVED) -> AccuracyTable:
+def read_table(path: Path = DERIVED_TABLE) -> AccuracyTable:
     """The table in a TOML file. Raises InputError naming the file, the key and what is wrong."""
     try:
         table = AccuracyTable.model_validate(inputs.tables(inputs.text(path, inputs.SETTINGS)))

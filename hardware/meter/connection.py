@@ -45,16 +45,16 @@ class Connection(Protocol):
         ...
 
 
-CLOSED = (OSError, ValueError, TypeError, AttributeError)
+CLOSED_ERRORS = (OSError, ValueError, TypeError, AttributeError)
 """What a backend raises of a line that another thread lets go at that moment."""
 
 
-OF_PYVISA_PY = {"TCPIP", "ASRL"}
+PYVISA_PY_INTERFACES = {"TCPIP", "ASRL"}
 """Interfaces that pyvisa-py reaches by itself on every system: sockets and serial ports."""
 
 
-def visa(interface: str = "") -> ResourceManager:
-    """PyVISA with the backend that reaches such an interface: pyvisa-py for OF_PYVISA_PY.
+def resource_manager(interface: str = "") -> ResourceManager:
+    """PyVISA with the backend that reaches such an interface: pyvisa-py for PYVISA_PY_INTERFACES.
 
     For others it is PyVISA's choice: NI-VISA or another vendor's library where one is installed,
     else pyvisa-py. The user's own choice, in PYVISA_LIBRARY, is kept for all. Raises ValueError or
@@ -62,7 +62,7 @@ def visa(interface: str = "") -> ResourceManager:
     """
     from pyvisa import ResourceManager
 
-    own = interface in OF_PYVISA_PY and "PYVISA_LIBRARY" not in os.environ
+    own = interface in PYVISA_PY_INTERFACES and "PYVISA_LIBRARY" not in os.environ
     return ResourceManager("@py" if own else "")
 
 
@@ -80,7 +80,7 @@ class VisaConnection:
 
         try:
             self._opened.write(message)
-        except (Error, *CLOSED) as error:
+        except (Error, *CLOSED_ERRORS) as error:
             raise self._lost(error) from error
 
     def read(self, seconds: float = 0.0) -> str:
@@ -99,7 +99,7 @@ class VisaConnection:
             if error.error_code != StatusCode.error_timeout:
                 raise self._lost(error) from error
             raise self._silent(self._timeout + seconds) from error
-        except (Error, *CLOSED) as error:
+        except (Error, *CLOSED_ERRORS) as error:
             raise self._lost(error) from error
         return _text(raw, self.resource)
 
@@ -137,7 +137,7 @@ def connect(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> VisaC
     serial: dict[str, Any] = {"baud_rate": baud_rate, "data_bits": 8} if interface == "ASRL" else {}
     milliseconds = max(1, round(1000 * timeout))
     try:
-        opened = visa(interface).open_resource(
+        opened = resource_manager(interface).open_resource(
             resource,
             open_timeout=milliseconds,
             timeout=milliseconds,
@@ -168,7 +168,7 @@ def _checked_interface(resource: str, timeout: float, baud_rate: int) -> str:
 
 
 def _library_of(interface: str) -> str:
-    if interface in OF_PYVISA_PY:
+    if interface in PYVISA_PY_INTERFACES:
         return ""
     return f"; {interface} needs NI-VISA or another vendor's library, see `pyvisa-info`"
 

@@ -18,10 +18,10 @@ from .errors import (
     RefusedError,
     RestartedError,
 )
-from .termination import look
+from .termination import raise_pending_signal
 
 Answer = TypeVar("Answer")
-IN_STEP = re.compile(r"(\d{1,3});.*HIOKI.*", re.IGNORECASE)
+SYNCHRONIZED = re.compile(r"(\d{1,3});.*HIOKI.*", re.IGNORECASE)
 LATE_ANSWERS = 16
 
 
@@ -45,7 +45,7 @@ REFUSALS = {
 
 
 @dataclass
-class Pulse:
+class AnswerTimes:
     """When a meter last answered, s of `monotonic`, and the longest that an answer took, s.
 
     What a reading is expected to take is no part of it.
@@ -55,7 +55,7 @@ class Pulse:
     longest: float = 0.0
 
 
-PULSE = Pulse()
+ANSWER_TIMES = AnswerTimes()
 """Of all connections: a command works with one meter, however often it connects."""
 
 
@@ -64,25 +64,25 @@ class Conversation:
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._closed = connection, False
-        self._astray: float | None = None
+        self._pending: float | None = None
 
     @property
     def resource(self) -> str:
         """The name of the meter's line."""
         return self._connection.resource
 
-    def tell(self, message: str) -> None:
+    def send(self, message: str) -> None:
         """Send a message that has no answer, and look whether the meter took it.
 
         Raises RefusedError, RestartedError, or MeterError where the connection fails.
         """
-        self._look(f"{message};*ESR?", message)
+        self._check_register(f"{message};*ESR?", message)
 
-    def check(self, message: str) -> None:
+    def check_events(self, message: str) -> None:
         """Raises RefusedError or RestartedError where the event register holds such an event."""
-        self._look("*ESR?", message)
+        self._check_register("*ESR?", message)
 
-    def ask(
+    def query(
         self, message: str, parse: Callable[[str], Answer], about: str = "", seconds: float = 0.0
     ) -> Answer:
         """The answer to a message, understood by `parse`, which raises ValueError at nonsense.
@@ -93,20 +93,20 @@ class Conversation:
         NoAnswerError or GarbledError, and LostConnectionError where nothing helps. An answer that
         nobody waited for, because a signal came, is not taken for this one.
         """
-        look()
+        raise_pending_signal()
         self._require_open()
-        if self._astray is not None:
-            self._back_in_step(self._astray)
+        if self._pending is not None:
+            self._resynchronize(self._pending)
         try:
-            answer = self._answered(message, seconds)
-            return self._understood(message, answer, parse)
+            answer = self._exchange(message, seconds)
+            return self._parsed(message, answer, parse)
         except (NoAnswerError, GarbledError) as failure:
-            raise self._failure(self._back_in_step(), about or message) or failure from None
+            raise self._failure(self._resynchronize(), about or message) or failure from None
         except LostConnectionError:
             self.close()
             raise
 
-    def ask_checked(
+    def query_checked(
         self, message: str, parse: Callable[[str], Answer], seconds: float = 0.0
     ) -> Answer:
         """As `ask`, with a look at the event register in the same exchange.
@@ -122,7 +122,7 @@ class Conversation:
                 raise failure
             return parse(text)
 
-        return self.ask(f"{message};*ESR?", checked, message, seconds)
+        return self.query(f"{message};*ESR?", checked, message, seconds)
 
     def close(self) -> None:
         """Let the connection go; closing twice does no harm."""
@@ -130,20 +130,20 @@ class Conversation:
             self._closed = True
             self._connection.close()
 
-    def _look(self, question: str, about: str) -> None:
-        failure = self._failure(self.ask(question, _events, about), about)
+    def _check_register(self, question: str, about: str) -> None:
+        failure = self._failure(self.query(question, _events, about), about)
         if failure:
             raise failure
 
-    def _answered(self, message: str, seconds: float) -> str:
-        begun, self._astray = monotonic(), seconds
+    def _exchange(self, message: str, seconds: float) -> str:
+        begun, self._pending = monotonic(), seconds
         self._connection.write(message)
         answer = self._connection.read(seconds)
-        self._astray, PULSE.at = None, monotonic()
-        PULSE.longest = max(PULSE.longest, PULSE.at - begun - seconds)
+        self._pending, ANSWER_TIMES.at = None, monotonic()
+        ANSWER_TIMES.longest = max(ANSWER_TIMES.longest, ANSWER_TIMES.at - begun - seconds)
         return answer
 
-    def _understood(self, message: str, answer: str, parse: Callable[[str], Answer]) -> Answer:
+    def _parsed(self, message: str, answer: str, parse: Callable[[str], Answer]) -> Answer:
         try:
             return parse(answer)
         except ValueError as error:
@@ -152,18 +152,18 @@ class Conversation:
                 "and that nothing else talks to the meter"
             ) from error
 
-    def _back_in_step(self, seconds: float = 0.0) -> Event:
+    def _resynchronize(self, seconds: float = 0.0) -> Event:
         """The event register, told in an answer that no earlier question can have.
 
         seconds: that the answer before may take beyond the time-out.
         """
-        self._astray = seconds
+        self._pending = seconds
         try:
             self._connection.write("*ESR?;*IDN?")
             for _ in range(LATE_ANSWERS):
-                match = IN_STEP.fullmatch(self._anything(seconds))
+                match = SYNCHRONIZED.fullmatch(self._any_answer(seconds))
                 if match:
-                    self._astray, PULSE.at = None, monotonic()
+                    self._pending, ANSWER_TIMES.at = None, monotonic()
                     return _events(match[1])
         except MeterError as failure:
             self.close()
@@ -174,7 +174,7 @@ class Conversation:
             "check that nothing else talks to the meter, then connect again"
         )
 
-    def _anything(self, seconds: float) -> str:
+    def _any_answer(self, seconds: float) -> str:
         try:
             return self._connection.read(seconds)
         except GarbledError:

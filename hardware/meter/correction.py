@@ -36,22 +36,22 @@ def correct(
         raise InputError(f"correction is open or short, and ALL, SPOT or OFF; got {kind}, {extent}")
     command, talk = COMMANDS[kind], meter.talk
     meter.trigger = "EXTERNAL"
-    talk.ask(":ESR0?", int)
-    talk.tell(f"{command} {extent}")
+    talk.query(":ESR0?", int)
+    talk.send(f"{command} {extent}")
     if extent == "OFF":
         return
     try:
         completed = _completed(meter, progress, patience, interval)
     except BaseException:
         with shielded(), suppress(MeterError):
-            talk.tell(f"{command} CANCel")
+            talk.send(f"{command} CANCel")
         raise
     if not completed:
-        talk.tell(f"{command} CANCel")
+        talk.send(f"{command} CANCel")
         raise CorrectionError(
             f"{talk.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"
         )
-    error = talk.ask(f"{command}:ERRor?", int)
+    error = talk.query(f"{command}:ERRor?", int)
     if error:
         raise CorrectionError(
             f"{talk.resource}: {kind} correction failed with error {error}; {ADVICE[kind]}"
@@ -62,7 +62,7 @@ def _completed(
     meter: Meter, progress: Callable[[float], None], patience: float, interval: float
 ) -> bool:
     begun = time.monotonic()
-    while not meter.talk.ask(":ESR0?", int) & COMPLETE:
+    while not meter.talk.query(":ESR0?", int) & COMPLETE:
         elapsed = time.monotonic() - begun
         if elapsed > patience:
             return False

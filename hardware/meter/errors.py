@@ -35,7 +35,7 @@ class WrongMeterError(MeterError):
     """What answers is no meter that this driver knows."""
 
 
-class ReadingError(MeterError):
+class FailedReadingError(MeterError):
     """A reading that failed, by the meter's own status: there is no number."""
 
 

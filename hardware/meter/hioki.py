@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any, ClassVar, Self
 
 from ...simulator.sweeps.meter_bands import METER_BANDS
-from .accuracy_table import Conditions
+from .accuracy_table import ReadingConditions
 from .connection import Connection, connect
 from .conversation import Conversation
 from .errors import (
@@ -17,10 +17,18 @@ from .errors import (
     NoConnectionError,
     WrongMeterError,
 )
-from .meter_identity import MODELS, Identity, parse_identity
-from .meter_reading import Reading, parse_reading
-from .original_settings import KEEPER, not_as_found, put_back
-from .setting import Choice, Number, Registers, Report, Setting, Switch, Whole
+from .meter_identity import MODELS, MeterIdentity, parse_identity
+from .meter_reading import MeterReading, parse_reading
+from .original_settings import SETTINGS_STORE, not_restored_message, restore_original
+from .setting import (
+    IntegerFormat,
+    MeterProperty,
+    NumberFormat,
+    OnOffFormat,
+    RegisterFormat,
+    Setting,
+    WordFormat,
+)
 
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 CORRECTIONS = ("OFF", "ALL", "SPOT")
@@ -45,45 +53,57 @@ class HiokiMeter:
     model: ClassVar[str]
     frequency: ClassVar[Setting[float]]
 
-    header = Setting(":HEADer", Switch(), "Whether answers begin with the name of what they tell")
-    items = Setting(":MEASure:ITEM", Registers(2), "Quantities of a reading")
-    valid = Setting(":MEASure:VALid", Whole(1, 31), "Parts of a reading")
-    mode = Setting(":MODE", Choice(("LCR", "CONTinuous")), "Mode of measurement")
+    header = Setting(
+        ":HEADer", OnOffFormat(), "Whether answers begin with the name of what they tell"
+    )
+    items = Setting(":MEASure:ITEM", RegisterFormat(2), "Quantities of a reading")
+    valid = Setting(":MEASure:VALid", IntegerFormat(1, 31), "Parts of a reading")
+    mode = Setting(":MODE", WordFormat(("LCR", "CONTinuous")), "Mode of measurement")
     level = Setting(
         ":LEVel",
-        Choice(("V", "CV", "CC")),
+        WordFormat(("V", "CV", "CC")),
         "What the level holds: the open voltage (V), the voltage (CV) or the current (CC)",
     )
-    voltage = Setting(":LEVel:VOLTage", Number("V", 5e-3, 5, 4), "Open voltage, rms, level V")
+    voltage = Setting(":LEVel:VOLTage", NumberFormat("V", 5e-3, 5, 4), "Open voltage, rms, level V")
     constant_voltage = Setting(
-        ":LEVel:CVOLTage", Number("V", 5e-3, 5, 4), "Voltage on the skin, rms, level CV"
+        ":LEVel:CVOLTage", NumberFormat("V", 5e-3, 5, 4), "Voltage on the skin, rms, level CV"
     )
     constant_current = Setting(
-        ":LEVel:CCURRent", Number("A", 10e-6, 50e-3, 4), "Current through the skin, rms, level CC"
+        ":LEVel:CCURRent",
+        NumberFormat("A", 10e-6, 50e-3, 4),
+        "Current through the skin, rms, level CC",
     )
     range = Setting(
         ":RANGe",
-        Whole(1, 10),
+        IntegerFormat(1, 10),
         "Range, 100 mohm x 10^(range - 1) full scale; ends automatic choice",
         moves="auto_range",
     )
     auto_range = Setting(
-        ":RANGe:AUTO", Switch(), "Whether the meter chooses the range", moves="range"
+        ":RANGe:AUTO", OnOffFormat(), "Whether the meter chooses the range", moves="range"
     )
     trigger = Setting(
-        ":TRIGger", Choice(("INTernal", "EXTernal")), "What starts a measurement: itself, or *TRG"
+        ":TRIGger",
+        WordFormat(("INTernal", "EXTernal")),
+        "What starts a measurement: itself, or *TRG",
     )
-    cable = Setting(":CORRection:CABLe", Whole(0, 1), "Length of the cable, m")
-    load_correction = Setting(":CORRection:LOAD", Switch(), "Whether load correction is applied")
-    open_correction = Report(":CORRection:OPEN?", Choice(CORRECTIONS), "Open correction in use")
-    short_correction = Report(":CORRection:SHORt?", Choice(CORRECTIONS), "Short correction in use")
+    cable = Setting(":CORRection:CABLe", IntegerFormat(0, 1), "Length of the cable, m")
+    load_correction = Setting(
+        ":CORRection:LOAD", OnOffFormat(), "Whether load correction is applied"
+    )
+    open_correction = MeterProperty(
+        ":CORRection:OPEN?", WordFormat(CORRECTIONS), "Open correction in use"
+    )
+    short_correction = MeterProperty(
+        ":CORRection:SHORt?", WordFormat(CORRECTIONS), "Short correction in use"
+    )
 
-    def __init__(self, connection: Connection, identity: Identity | None = None) -> None:
+    def __init__(self, connection: Connection, identity: MeterIdentity | None = None) -> None:
         self.talk = Conversation(connection)
-        self.identity = identity or self.talk.ask("*IDN?", parse_identity)
+        self.identity = identity or self.talk.query("*IDN?", parse_identity)
         self.found: dict[str, Any] | None = None
         self.known: dict[str, Any] = {}
-        self._keeper = KEEPER.get()
+        self._keeper = SETTINGS_STORE.get()
 
     def note_found(self) -> None:
         """As of `Holder`."""
@@ -98,13 +118,13 @@ class HiokiMeter:
         """
         if self.found is None:
             self.found = self._keeper.found(self.identity) if self._keeper else {}
-        self.talk.tell("*CLS")
+        self.talk.send("*CLS")
         self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
 
     def put_back(self) -> None:
         """Set everything that was set to what it was before, as `putting_back`."""
-        put_back(self)
+        restore_original(self)
 
     def let_go(self) -> None:
         """Put back what was set, close, and log what was not confirmed; of a keeper it is his."""
@@ -113,20 +133,20 @@ class HiokiMeter:
                 with suppress(MeterError):
                     self.put_back()
                 if self.found:
-                    LOG.warning("%s: %s", self.talk.resource, not_as_found(self.found))
+                    LOG.warning("%s: %s", self.talk.resource, not_restored_message(self.found))
         finally:
             self.close()
 
-    def read(self) -> Reading:
+    def read(self) -> MeterReading:
         """A reading that was started by this call and by nothing before it.
 
         Once set up, it is waited for as long as speed, averaging and delay make it.
         Raises ReadingError where the meter calls it failed, RefusedError where it would not be
         triggered (then what it answered was stale), RestartedError, or another MeterError.
         """
-        return self.talk.ask_checked(READ, parse_reading, self._longest)
+        return self.talk.query_checked(READ, parse_reading, self._longest)
 
-    def read_at(self, frequency: float) -> Reading:
+    def read_at(self, frequency: float) -> MeterReading:
         """A reading at a frequency in Hz, as `read`, in two exchanges.
 
         The meter rounds a frequency to five digits; it tells with the reading at which it is.
@@ -135,7 +155,7 @@ class HiokiMeter:
         """
         self.frequency = frequency
         question = f"{READ};{type(self).frequency.ask}"
-        reading, told = self.talk.ask_checked(question, self._reading_at, self._longest)
+        reading, told = self.talk.query_checked(question, self._reading_at, self._longest)
         if abs(told / frequency - 1) > ROUNDING:
             raise GarbledError(
                 f"{self.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "
@@ -143,7 +163,7 @@ class HiokiMeter:
             )
         return reading
 
-    def _reading_at(self, answer: str) -> tuple[Reading, float]:
+    def _reading_at(self, answer: str) -> tuple[MeterReading, float]:
         reading, _, told = answer.rpartition(";")
         return parse_reading(reading), type(self).frequency.allowed.read(told.strip())
 
@@ -159,7 +179,7 @@ class HiokiMeter:
             if name not in self.known:
                 self.known[name] = getattr(self, name)
         frequency, speed, averaging, delay = (self.known[name] for name in TIMING)
-        return Conditions(frequency, 1, speed, averaging).seconds + delay
+        return ReadingConditions(frequency, 1, speed, averaging).seconds + delay
 
     def close(self) -> None:
         """Let the connection go; closing twice does no harm."""
@@ -176,24 +196,24 @@ class IM3523(HiokiMeter):
     """40 Hz to 200 kHz; speed, averaging and delay are kept for each range and set alike."""
 
     model = "IM3523"
-    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
-    speed = Setting(":RANGe:SYNC:SPEEd", Choice(SPEEDS), "Speed", each_range=True)
+    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
+    speed = Setting(":RANGe:SYNC:SPEEd", WordFormat(SPEEDS), "Speed", each_range=True)
     averaging = Setting(
-        ":RANGe:SYNC:AVERaging", Whole(1, 256, "OFF"), "Readings averaged", each_range=True
+        ":RANGe:SYNC:AVERaging", IntegerFormat(1, 256, "OFF"), "Readings averaged", each_range=True
     )
     trigger_delay = Setting(
         ":RANGe:SYNC:TRIGger:DELay",
-        Number("s", 0, 9.9999, 5),
+        NumberFormat("s", 0, 9.9999, 5),
         "Time from trigger to measurement",
         each_range=True,
     )
 
 
 class _Sibling(HiokiMeter):
-    speed = Setting(":SPEEd", Choice(SPEEDS), "Speed")
-    averaging = Setting(":AVERaging", Whole(1, 256, "OFF"), "Readings averaged")
+    speed = Setting(":SPEEd", WordFormat(SPEEDS), "Speed")
+    averaging = Setting(":AVERaging", IntegerFormat(1, 256, "OFF"), "Readings averaged")
     trigger_delay = Setting(
-        ":TRIGger:DELay", Number("s", 0, 9.9999, 5), "Time from trigger to measurement"
+        ":TRIGger:DELay", NumberFormat("s", 0, 9.9999, 5), "Time from trigger to measurement"
     )
 
 
@@ -201,17 +221,19 @@ class IM3533(_Sibling):
     """1 mHz to 200 kHz."""
 
     model = "IM3533"
-    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3533"], 5), "Frequency")
+    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3533"], 5), "Frequency")
 
 
 class IM3536(_Sibling):
     """4 Hz to 8 MHz, from 10 mV."""
 
     model = "IM3536"
-    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3536"], 5), "Frequency")
-    voltage = Setting(":LEVel:VOLTage", Number("V", 10e-3, 5, 4), "Open voltage, rms, level V")
+    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3536"], 5), "Frequency")
+    voltage = Setting(
+        ":LEVel:VOLTage", NumberFormat("V", 10e-3, 5, 4), "Open voltage, rms, level V"
+    )
     constant_voltage = Setting(
-        ":LEVel:CVOLTage", Number("V", 10e-3, 5, 4), "Voltage on the skin, rms, level CV"
+        ":LEVel:CVOLTage", NumberFormat("V", 10e-3, 5, 4), "Voltage on the skin, rms, level CV"
     )
 
 
@@ -219,7 +241,7 @@ class IM3570(_Sibling):
     """4 Hz to 5 MHz."""
 
     model = "IM3570"
-    frequency = Setting(":FREQuency", Number("Hz", *METER_BANDS["IM3570"], 5), "Frequency")
+    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3570"], 5), "Frequency")
 
 
 Meter = IM3523 | IM3533 | IM3536 | IM3570
@@ -261,9 +283,9 @@ def start(connection: Connection) -> Meter:
     return meter
 
 
-def identify(connection: Connection) -> Identity:
+def identify(connection: Connection) -> MeterIdentity:
     """Who answers at the other end. Raises NoConnectionError, or another MeterError."""
     try:
-        return Conversation(connection).ask("*IDN?", parse_identity)
+        return Conversation(connection).query("*IDN?", parse_identity)
     except LostConnectionError as error:
         raise NoConnectionError(str(error).replace("is lost", "cannot be made")) from error

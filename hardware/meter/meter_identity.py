@@ -15,7 +15,7 @@ MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
-class Identity:
+class MeterIdentity:
     """What `*IDN?` told; model is empty where it is none of MODELS."""
 
     text: str
@@ -27,7 +27,7 @@ class Identity:
         return f"{self.model or 'unknown model'} ({self.text})"
 
 
-def parse_identity(text: str) -> Identity:
+def parse_identity(text: str) -> MeterIdentity:
     """The identity in an answer to `*IDN?`. Raises ValueError where it names nothing at all."""
     fields = [field.strip() for field in text.split(",")]
     if not any(fields):
@@ -35,9 +35,9 @@ def parse_identity(text: str) -> Identity:
     found = MODEL.search(text)
     firmware = next((f for f in fields if re.fullmatch(r"V(er)?\.?\s*\d[\w.]*", f, re.I)), "")
     serial = next((f for f in fields if re.fullmatch(r"\d{4,}", f)), "")
-    return Identity(text.strip(), found[1].upper() if found else "", serial, firmware)
+    return MeterIdentity(text.strip(), found[1].upper() if found else "", serial, firmware)
 
 
-def origin(text: str) -> str:
+def sweep_origin(text: str) -> str:
     """What sweeps are that a meter recorded which answers so to `*IDN?`: measured, or virtual."""
     return VIRTUAL if parse_identity(text).serial == VIRTUAL_SERIAL else MEASURED

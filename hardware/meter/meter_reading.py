@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from .errors import ReadingError
+from .errors import FailedReadingError
 
 PLACEHOLDER = 1e30
 CONTACT = "contact error: check the leads and terminals"
 
 
-class Status(Enum):
+class ReadingStatus(Enum):
     """How a reading ended: the meter's code, and what to check where it is not normal."""
 
     NORMAL = 0, "normal"
@@ -34,25 +34,25 @@ class Status(Enum):
         self.code, self.meaning = code, meaning
 
     @property
-    def kept(self) -> bool:
+    def has_values(self) -> bool:
         """Whether a number comes with it."""
         return self.code in (0, 2, 3, 5)
 
 
-BY_CODE = {status.code: status for status in Status}
+BY_CODE = {status.code: status for status in ReadingStatus}
 
 
 @dataclass(frozen=True)
-class Reading:
+class MeterReading:
     """Cp [F], Rs [ohm] and X [ohm] of one measurement; status: normal, or a flag on the numbers."""
 
     Cp: float
     Rs: float
     X: float
-    status: Status = Status.NORMAL
+    status: ReadingStatus = ReadingStatus.NORMAL
 
 
-def parse_reading(text: str) -> Reading:
+def parse_reading(text: str) -> MeterReading:
     """The reading in an answer `status, Cp, Rs, X`, whatever its number of digits and spaces.
 
     Raises ReadingError where the status is a failure, ValueError where the answer is none.
@@ -62,9 +62,9 @@ def parse_reading(text: str) -> Reading:
         raise ValueError(text)
     status = BY_CODE.get(int(code))
     if status is None:
-        raise ReadingError(f"the meter gave status {code:g}, which has no known meaning")
-    if not status.kept:
-        raise ReadingError(f"the reading failed with status {status.code}: {status.meaning}")
+        raise FailedReadingError(f"the meter gave status {code:g}, which has no known meaning")
+    if not status.has_values:
+        raise FailedReadingError(f"the reading failed with status {status.code}: {status.meaning}")
     if not all(math.isfinite(value) and abs(value) < PLACEHOLDER for value in (Cp, Rs, X)):
         raise ValueError(text)
-    return Reading(Cp, Rs, X, status)
+    return MeterReading(Cp, Rs, X, status)

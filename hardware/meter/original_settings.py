@@ -9,20 +9,20 @@ from typing import Any, Protocol
 
 from ...simulator.sweeps import InputError
 from .errors import MeterError, RefusedError, RestartedError
-from .meter_identity import Identity
-from .setting import Holder, Setting
+from .meter_identity import MeterIdentity
+from .setting import Setting, SettingsOwner
 from .termination import shielded
 
-LAST = ("auto_range", "trigger", "header")
+RESTORED_LAST = ("auto_range", "trigger", "header")
 """Settings that are put back after all others, in this order."""
-RESTARTS = 3
+MAX_RESTARTS = 3
 """Times that a meter may be switched on anew while its settings are put back."""
 
 
-class Keeper(Protocol):
+class OriginalSettingsStore(Protocol):
     """Who sees to it that settings are put back, over other connections too."""
 
-    def found(self, identity: Identity) -> dict[str, Any]:
+    def found(self, identity: MeterIdentity) -> dict[str, Any]:
         """A meter's settings as they were at first; whoever sets others adds them.
 
         Raises WrongMeterError where those of another meter are kept.
@@ -34,11 +34,11 @@ class Keeper(Protocol):
         ...
 
 
-KEEPER: ContextVar[Keeper | None] = ContextVar("keeper", default=None)
+SETTINGS_STORE: ContextVar[OriginalSettingsStore | None] = ContextVar("keeper", default=None)
 """Of the meters that are opened; None: each is put back as it is let go."""
 
 
-def put_back(meter: Holder) -> None:
+def restore_original(meter: SettingsOwner) -> None:
     """Set everything that was set to what it was before. No signal ends that.
 
     `found` then has what the meter did not confirm. Raises MeterError where the connection fails,
@@ -49,19 +49,23 @@ def put_back(meter: Holder) -> None:
     try:
         with shielded():
             with suppress(MeterError):
-                meter.talk.check("the end")  # what it was just answering answers nothing else
-            for _ in range(RESTARTS):
+                meter.talk.check_events(
+                    "the end"
+                )  # what it was just answering answers nothing else
+            for _ in range(MAX_RESTARTS):
                 with suppress(RestartedError):
-                    return _put_back(meter, kept)
+                    return _restore_each(meter, kept)
                 kept.update(everything)
-            _put_back(meter, kept)
+            _restore_each(meter, kept)
     finally:
         meter.found = kept
 
 
-def _put_back(meter: Holder, kept: dict[str, Any]) -> None:
+def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
     """Set what is kept, and drop what the meter confirms; what it refuses stays."""
-    for name in sorted(kept, key=lambda name: name in LAST and 1 + LAST.index(name)):
+    for name in sorted(
+        kept, key=lambda name: name in RESTORED_LAST and 1 + RESTORED_LAST.index(name)
+    ):
         setting = getattr(type(meter), name, None)
         if not isinstance(setting, Setting):
             continue
@@ -70,17 +74,18 @@ def _put_back(meter: Holder, kept: dict[str, Any]) -> None:
             del kept[name]
 
 
-def not_as_found(settings: Mapping[str, Any]) -> str:
+def not_restored_message(settings: Mapping[str, Any]) -> str:
     """What is told of settings that were not put back. settings: as they should be."""
-    return f"the meter is not as it was found; not confirmed is what should be {written(settings)}"
+    expected = settings_text(settings)
+    return f"the meter is not as it was found; it did not confirm {expected}; set that on its panel"
 
 
-def written(settings: Mapping[str, Any]) -> str:
+def settings_text(settings: Mapping[str, Any]) -> str:
     """Settings with their values, in words."""
-    return ", ".join(f"{name} = {_words(value)}" for name, value in settings.items())
+    return ", ".join(f"{name} = {_value_text(value)}" for name, value in settings.items())
 
 
-def _words(value: Any) -> str:
+def _value_text(value: Any) -> str:
     """A value, or one of each range or register, which may all be the same."""
     each = value if isinstance(value, (tuple, list)) else (value,)
     return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from .conversation import Conversation
 
 T = TypeVar("T")
-Told = TypeVar("Told", covariant=True)
+Value_co = TypeVar("Value_co", covariant=True)
 
 
-class Holder(Protocol):
+class SettingsOwner(Protocol):
     """What settings are declared on: something with a conversation."""
 
     talk: Conversation
@@ -29,7 +29,7 @@ class Holder(Protocol):
         ...
 
 
-class Allowed(Protocol[Told]):
+class ValueFormat(Protocol[Value_co]):
     """Values that a setting may take, and how they are written."""
 
     def __str__(self) -> str:
@@ -40,13 +40,13 @@ class Allowed(Protocol[Told]):
         """The value as the meter reads it; None where it is not allowed."""
         ...
 
-    def read(self, text: str) -> Told:
+    def read(self, text: str) -> Value_co:
         """The value that the meter wrote; raises ValueError where it is none."""
         ...
 
 
 @dataclass(frozen=True)
-class Number:
+class NumberFormat:
     """Numbers in a unit, sent with so many significant digits."""
 
     unit: str
@@ -71,7 +71,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Whole:
+class IntegerFormat:
     """Whole numbers; `lowest_word` is what the meter calls the lowest, where it has a word."""
 
     low: int
@@ -95,7 +95,7 @@ class Whole:
 
 
 @dataclass(frozen=True)
-class Choice:
+class WordFormat:
     """One of some words; the meter may answer with the short form or the long one."""
 
     words: tuple[str, ...]
@@ -119,7 +119,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Registers:
+class RegisterFormat:
     """So many registers of eight bits."""
 
     count: int
@@ -138,7 +138,7 @@ class Registers:
 
 
 @dataclass(frozen=True)
-class Switch:
+class OnOffFormat:
     """On or off."""
 
     def __str__(self) -> str:
@@ -154,10 +154,10 @@ class Switch:
         return {"ON": True, "1": True, "OFF": False, "0": False}[text.strip().upper()]
 
 
-class Report(Generic[T]):
+class MeterProperty(Generic[T]):
     """Something a meter tells of itself, asked anew each time."""
 
-    def __init__(self, ask: str, allowed: Allowed[T], meaning: str) -> None:
+    def __init__(self, ask: str, allowed: ValueFormat[T], meaning: str) -> None:
         """ask: the question; `{range}` in it stands for the present range."""
         self.ask, self.allowed, self.__doc__ = ask, allowed, f"{meaning}: {allowed}."
 
@@ -167,14 +167,14 @@ class Report(Generic[T]):
     @overload
     def __get__(self, meter: None, owner: type) -> Self: ...
     @overload
-    def __get__(self, meter: Holder, owner: type) -> T: ...
+    def __get__(self, meter: SettingsOwner, owner: type) -> T: ...
     def __get__(self, meter: Any, owner: type) -> Self | T:
         if meter is None:
             return self
         at = {"range": meter.range} if "{range}" in self.ask else {}
         return meter.talk.ask(self.ask.format(**at), self._read)
 
-    def __set__(self, meter: Holder, value: T) -> None:
+    def __set__(self, meter: SettingsOwner, value: T) -> None:
         raise AttributeError(f"`{self.name}` is told by the meter and cannot be set")
 
     def _read(self, text: str) -> T:
@@ -184,13 +184,13 @@ class Report(Generic[T]):
             raise ValueError(text) from error
 
 
-class Setting(Report[T]):
+class Setting(MeterProperty[T]):
     """A report that can also be set; each set is followed by a look at the event register."""
 
     def __init__(
         self,
         command: str,
-        allowed: Allowed[T],
+        allowed: ValueFormat[T],
         meaning: str,
         *,
         each_range: bool = False,
@@ -204,30 +204,30 @@ class Setting(Report[T]):
         self.tell = f"{command} ALL," if each_range else f"{command} "
         self._command, self._each_range, self._moves = command, each_range, moves
 
-    def __set__(self, meter: Holder, value: T) -> None:
+    def __set__(self, meter: SettingsOwner, value: T) -> None:
         """Raises InputError where it is not allowed, RefusedError where the meter objects."""
         text = self.allowed.write(value)
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
         self._find(meter)
-        meter.talk.tell(f"{self.tell}{text}")
+        meter.talk.send(f"{self.tell}{text}")
         meter.known[self.name] = self.allowed.read(text)
 
-    def now(self, meter: Holder) -> T | tuple[T, ...]:
+    def now(self, meter: SettingsOwner) -> T | tuple[T, ...]:
         """What it is set to: one value, or one for each range."""
         if not self._each_range:
             return self.__get__(meter, type(meter))
-        return tuple(meter.talk.ask(f"{self._command}? {n}", self._read) for n in RANGES)
+        return tuple(meter.talk.query(f"{self._command}? {n}", self._read) for n in RANGES)
 
-    def put_back(self, meter: Holder, found: Any) -> None:
+    def put_back(self, meter: SettingsOwner, found: Any) -> None:
         """Set what `now` told earlier. Raises as setting it does."""
         if not self._each_range or len(set(found)) == 1:
             self.__set__(meter, found[0] if self._each_range else found)
             return
         for n, value in zip(RANGES, found, strict=True):
-            meter.talk.tell(f"{self._command} {n},{self.allowed.write(value)}")
+            meter.talk.send(f"{self._command} {n},{self.allowed.write(value)}")
 
-    def _find(self, meter: Holder) -> None:
+    def _find(self, meter: SettingsOwner) -> None:
         """Keep what it is, and what moves with it, where that is kept and not known yet."""
         if meter.found is None:
             return

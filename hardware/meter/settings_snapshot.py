@@ -21,19 +21,19 @@ SETTABLE = (
     "cable",
     "load_correction",
 )
-TOLD = ("open_correction", "short_correction")
+REPORTED = ("open_correction", "short_correction")
 Value = str | int | float | bool
 
 
 def snapshot(meter: Meter) -> dict[str, Value]:
     """Every setting that a reading depends on; the range only if fixed. Raises MeterError."""
-    told = {name: getattr(meter, name) for name in (*SETTABLE, *TOLD)}
+    told = {name: getattr(meter, name) for name in (*SETTABLE, *REPORTED)}
     if told["auto_range"]:
         del told["range"]
     return told
 
 
-def apply(meter: Meter, settings: Mapping[str, Any]) -> None:
+def apply_settings(meter: Meter, settings: Mapping[str, Any]) -> None:
     """Set what is named and settable; automatic range comes after the range, which ends it.
 
     Raises InputError where a value is not allowed, MeterError where the meter fails.
@@ -43,15 +43,15 @@ def apply(meter: Meter, settings: Mapping[str, Any]) -> None:
             setattr(meter, name, settings[name])
 
 
-def restore(meter: Meter, settings: Mapping[str, Value]) -> None:
+def restore_settings(meter: Meter, settings: Mapping[str, Value]) -> None:
     """Set the meter as it was in a snapshot.
 
     Raises CorrectionError where open or short correction is no longer what it was: those cannot be
     set again, only acquired again.
     """
-    apply(meter, settings)
+    apply_settings(meter, settings)
     now = snapshot(meter)
-    for name in TOLD:
+    for name in REPORTED:
         if now[name] != settings[name]:
             raise CorrectionError(
                 f"{meter.talk.resource}: {name.replace('_', ' ')} was {settings[name]} when the "
@@ -59,7 +59,7 @@ def restore(meter: Meter, settings: Mapping[str, Value]) -> None:
             )
 
 
-def require(meter: Meter, settings: Mapping[str, Value]) -> None:
+def require_settings(meter: Meter, settings: Mapping[str, Value]) -> None:
     """Raises RestartedError where any setting is no longer what it was in a snapshot."""
     now = snapshot(meter)
     for name in {**settings, **now}:

@@ -8,16 +8,16 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-CLOSED = (2, 5, 6)
+CLOSING_EVENTS = (2, 5, 6)
 """CTRL_CLOSE_EVENT, CTRL_LOGOFF_EVENT, CTRL_SHUTDOWN_EVENT of HandlerRoutine
 (https://learn.microsoft.com/windows/console/handlerroutine)."""
-GRANTED = 4.5
+GRACE_PERIOD = 4.5
 """Seconds: Windows ends the process when the handler returns, or 5 s after it was called."""
 
 
 @contextmanager
-def closing_console() -> Iterator[None]:
-    """That the console is closed comes as SIGBREAK, and the block has GRANTED s to end.
+def handle_console_close() -> Iterator[None]:
+    """That the console is closed comes as SIGBREAK, and the block has GRACE_PERIOD s to end.
 
     Elsewhere a closed terminal is SIGHUP, and nothing is done here.
     """
@@ -31,10 +31,10 @@ def closing_console() -> Iterator[None]:
 
     @ctypes.WINFUNCTYPE(ctypes.c_int, ctypes.c_uint)
     def closed(event: int) -> int:
-        if event not in CLOSED:
+        if event not in CLOSING_EVENTS:
             return 0  # Ctrl-C and Ctrl-Break are signals already
         interrupt_main(signal.SIGBREAK)
-        ended.wait(GRANTED)
+        ended.wait(GRACE_PERIOD)
         return 1
 
     kernel = ctypes.windll.kernel32

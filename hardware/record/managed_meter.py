@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
 
-from ..meter.conversation import PULSE
+from ..meter.conversation import ANSWER_TIMES
 from ..meter.errors import MeterError, WrongMeterError
 from ..meter.hioki import TIMING, Meter
-from ..meter.meter_identity import Identity
-from ..meter.original_settings import KEEPER, not_as_found, written
-from ..meter.settings_snapshot import restore
-from ..meter.termination import look, shielded
+from ..meter.meter_identity import MeterIdentity
+from ..meter.original_settings import SETTINGS_STORE, not_restored_message, settings_text
+from ..meter.settings_snapshot import restore_settings
+from ..meter.termination import raise_pending_signal, shielded
 from .recording_journal import Header, Journal
 
 PARTING, SLOWER, PAUSE, POLLED = 2.0, 2.0, 0.2, 0.05
@@ -51,17 +51,17 @@ class Station:
                 "%s: a command that was cut off left the meter changed; at the end it is put back "
                 "to what it was at first: %s",
                 self.journal.folder,
-                written(self._found),
+                settings_text(self._found),
             )
 
     def ready(self) -> Meter:
         """The meter, set up. Raises MeterError, WrongMeterError where it is another than before."""
-        look()
+        raise_pending_signal()
         if self.meter is None:
             self.meter = self._connected()
             try:
                 if self.header is not None:
-                    restore(self.meter, self.header.settings)
+                    restore_settings(self.meter, self.header.settings)
             except BaseException:
                 self.close()
                 raise
@@ -88,12 +88,12 @@ class Station:
                     parting.join(POLLED)
                 self._left = True
             if self._found:
-                self.tell(not_as_found(self._found))
+                self.tell(not_restored_message(self._found))
             elif self.journal:
                 self.journal.drop_found()
             self.close()
 
-    def found(self, identity: Identity) -> dict[str, Any]:
+    def found(self, identity: MeterIdentity) -> dict[str, Any]:
         """As of `Keeper`."""
         expected = self.header.meter if self.header else self._identity or identity.text
         if identity.text != expected:
@@ -111,8 +111,8 @@ class Station:
 
     def _patient(self, begun: float) -> bool:
         """Whether the meter answered lately, for a line as slow as it is."""
-        silent = time.monotonic() - max(begun, PULSE.at)
-        return silent < PARTING + SLOWER * PULSE.longest + self._under_way()
+        silent = time.monotonic() - max(begun, ANSWER_TIMES.at)
+        return silent < PARTING + SLOWER * ANSWER_TIMES.longest + self._under_way()
 
     def _under_way(self) -> float:
         """Seconds that a reading may take which nobody waits for any more."""
@@ -132,8 +132,8 @@ class Station:
 
     def _connected(self) -> Meter:
         """The meter, which knows how it was found at first."""
-        before = KEEPER.set(self)
+        before = SETTINGS_STORE.set(self)
         try:
             return self.connect()
         finally:
-            KEEPER.reset(before)
+            SETTINGS_STORE.reset(before)

@@ -13,7 +13,7 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import outside_band
 from ..meter.hioki import Meter
-from ..meter.meter_reading import BY_CODE, Reading
+from ..meter.meter_reading import BY_CODE, MeterReading
 from ..switch.switch import Switch
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 APART = 1.0
 """Seconds between two interfaces, beyond which a touch may well have changed."""
-Watch = Callable[[float, Reading], None]
+Watch = Callable[[float, MeterReading], None]
 Turn = Callable[[str], None]
 
 
@@ -141,7 +141,7 @@ def measure_readings(
     is asked where it stands at the first reading and where the interface changes. Raises as
     `measure_sweep`.
     """
-    found: dict[str, dict[float, Reading]] = {}
+    found: dict[str, dict[float, MeterReading]] = {}
     times: dict[str, tuple[str, str]] = {}
     here = None
     for interface, frequency in asked:
@@ -175,7 +175,7 @@ def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Wa
     return _trace_of(readings, interface, begun, now())
 
 
-def _trace_of(readings: Sequence[Reading], interface: str, begun: str, ended: str) -> Trace:
+def _trace_of(readings: Sequence[MeterReading], interface: str, begun: str, ended: str) -> Trace:
     return Trace(
         tuple(reading.Cp for reading in readings),
         tuple(reading.Rs for reading in readings),
@@ -187,7 +187,7 @@ def _trace_of(readings: Sequence[Reading], interface: str, begun: str, ended: st
     )
 
 
-def _at(meter: Meter, frequency: float, watch: Watch) -> Reading:
+def _at(meter: Meter, frequency: float, watch: Watch) -> MeterReading:
     reading = meter.read_at(frequency)
     watch(frequency, reading)
     return reading

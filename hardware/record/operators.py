@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..command_template import Template
+from ..command_template import CommandTemplate
 from ..meter.errors import MeterError, PressError
-from ..meter.meter_reading import Reading
+from ..meter.meter_reading import MeterReading
 from .measured_sweep import Sweep
 from .press_order import Step
 
@@ -59,7 +59,7 @@ class Operator(Protocol):
         """An interface is about to be connected; what comes next is of it."""
         ...
 
-    def watch(self, frequency: float, reading: Reading) -> None:
+    def watch(self, frequency: float, reading: MeterReading) -> None:
         """A reading came, at a frequency in Hz."""
         ...
 
@@ -77,7 +77,7 @@ class Display(Protocol):
 
     def begin(self, title: str, rest: Sweep | None) -> None: ...
     def turn(self, interface: str) -> None: ...
-    def reading(self, frequency: float, reading: Reading) -> None: ...
+    def reading(self, frequency: float, reading: MeterReading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
 
@@ -111,7 +111,7 @@ class Machine:
         """Show it."""
         self.show.turn(interface)
 
-    def watch(self, frequency: float, reading: Reading) -> None:
+    def watch(self, frequency: float, reading: MeterReading) -> None:
         """Show the reading."""
         self.show.reading(frequency, reading)
 
@@ -139,7 +139,7 @@ def pressing_by_command(command: str) -> Press:
     Raises InputError where the command cannot be understood; the press raises PressError where it
     cannot be run or ends with another code than 0.
     """
-    template = Template(command, "press-with", press="none", row=0, column=0)
+    template = CommandTemplate(command, "press-with", press="none", row=0, column=0)
 
     def press(step: Step) -> None:
         filled = template.filled(press=step.press, row=step.row, column=step.column)
@@ -153,9 +153,9 @@ def pressing_by_command(command: str) -> Press:
 
 def pressing_virtually(control: str) -> Press:
     """Presses a virtual meter's skin through its control port."""
-    from ..control_client import ask
+    from ..control_client import send_request
 
     def press(step: Step) -> None:
-        ask(control, "press", press=step.press)
+        send_request(control, "press", press=step.press)
 
     return press

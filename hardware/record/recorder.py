@@ -15,7 +15,7 @@ from ...simulator.sweeps import InputError
 from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import MeterError
 from ..meter.hioki import Meter
-from ..meter.settings_snapshot import apply, require, restore, snapshot
+from ..meter.settings_snapshot import apply_settings, require_settings, restore_settings, snapshot
 from ..meter.termination import shielded
 from ..switch.switch import Switch
 from .managed_meter import Station
@@ -153,7 +153,7 @@ class Course:
             task.header.of_each,
         )
         assert self.station.header is not None
-        require(meter, self.station.header.settings)
+        require_settings(meter, self.station.header.settings)
         return Entry(step.press, sweep, begun, now())
 
     def _progress(self, number: int, rests: Sequence[Sweep]) -> StepStatus:
@@ -191,9 +191,9 @@ def _ask_for_mounting(journal: Journal, entries: Iterable[Entry], operator: Oper
 def _begun(journal: Journal, task: Task, station: Station) -> Header:
     meter = station.ready()
     check_frequencies(meter, task.header.frequencies)
-    apply(meter, task.header.asked)
+    apply_settings(meter, task.header.asked)
     settings = snapshot(meter)
-    restore(meter, settings)
+    restore_settings(meter, settings)
     begun = now()
     station.header = replace(
         task.header,

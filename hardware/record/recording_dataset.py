@@ -11,7 +11,7 @@ import numpy as np
 
 from ...simulator.sweeps import build
 from ...simulator.sweeps.schema import SESSIONS
-from ..meter.meter_identity import origin
+from ..meter.meter_identity import sweep_origin
 from .measured_sweep import Sweep, flagged, trace_times
 from .press_order import UNKNOWN, Step, parse_step
 from .recording_journal import Entry, Header
@@ -45,7 +45,7 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
         time=[entry.time for entry in entries],
         attributes={
             "scene": header.scene,
-            "model": origin(header.meter),
+            "model": sweep_origin(header.meter),
             "meter": header.meter,
             "settings": json.dumps(header.settings),
             "begun": header.begun,

@@ -56,7 +56,7 @@ def gather_command(
 def _tell_if_changed(journal: Journal) -> None:
     """Log how a meter should be that a command which was killed left changed."""
     from ...simulator.sweeps import InputError
-    from ..meter.original_settings import written
+    from ..meter.original_settings import settings_text
 
     with suppress(InputError), journal.lock():  # else it is under way
         if found := journal.found():
@@ -64,7 +64,7 @@ def _tell_if_changed(journal: Journal) -> None:
                 "%s: a command that was cut off left the meter changed; the same command puts it "
                 "back to what it was at first: %s",
                 journal.folder,
-                written(found[1]),
+                settings_text(found[1]),
             )
 
 

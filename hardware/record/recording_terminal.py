@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from ..meter.errors import MeterError
-from ..meter.meter_reading import Reading, Status
+from ..meter.meter_reading import MeterReading, ReadingStatus
 from .measured_sweep import Sweep, Trace
 from .operators import Display, StepStatus
 from .press_detection import percent_of_rest
@@ -40,7 +40,7 @@ class Screen:
         self._title = self._press = ""
         self._all_rest: Sweep | None = None
         self._rest: Trace | None = None
-        self._readings: list[tuple[float, Reading]] = []
+        self._readings: list[tuple[float, MeterReading]] = []
 
     def __enter__(self) -> Self:
         return self
@@ -65,7 +65,7 @@ class Screen:
             self._title = f"{self._press}, interface {interface}"
         self._rest = self._all_rest and self._all_rest.at(interface)
 
-    def reading(self, frequency: float, reading: Reading) -> None:
+    def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading came, at a frequency in Hz."""
         from rich.live import Live
 
@@ -131,7 +131,7 @@ class Screen:
                 f"{reading.Rs / 1e3:.6g}",
                 f"{reading.Cp * 1e12:.6g}",
                 *(f"{change[place]:+.2f}" for change in changes.values()),
-                "" if reading.status is Status.NORMAL else reading.status.meaning,
+                "" if reading.status is ReadingStatus.NORMAL else reading.status.meaning,
             )
         return table
 
@@ -177,7 +177,7 @@ class Person:
         """Have the person connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
         self._choice(f"Keep the press, connect interface {interface}, then Enter (q: quit) ", "")
 
-    def watch(self, frequency: float, reading: Reading) -> None:
+    def watch(self, frequency: float, reading: MeterReading) -> None:
         """Show the reading."""
         self.show.reading(frequency, reading)
 

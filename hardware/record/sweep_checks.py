@@ -10,7 +10,7 @@ import numpy as np
 
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
-from ..meter.accuracy_table import AccuracyTable, Conditions, Drive, full_scale
+from ..meter.accuracy_table import AccuracyTable, GeneratorLevel, ReadingConditions, full_scale
 from .measured_sweep import Sweep, Trace
 
 if TYPE_CHECKING:
@@ -78,15 +78,15 @@ class Judge:
     def bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
         """Of the meter's error, at each frequency by its own reading."""
         pairs = [
-            self.table.bound(z, self._conditions(f, z))
+            self.table.error_bounds(z, self._conditions(f, z))
             for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
         ]
         return ErrorBounds(*np.array(pairs).T)
 
-    def _conditions(self, frequency: float, Z: complex) -> Conditions:
+    def _conditions(self, frequency: float, Z: complex) -> ReadingConditions:
         settings = self.settings
-        drive = Drive.of(settings)
-        return Conditions(
+        drive = GeneratorLevel.of(settings)
+        return ReadingConditions(
             frequency,
             settings.get("range") or self.table.fitting_range(Z),
             settings["speed"],
@@ -112,7 +112,7 @@ class Judge:
             self._conditions(float(f), complex(z)).range
             for f, z in zip(self.frequency, Z, strict=True)
         }
-        unknown = [f"{full_scale(n):g}" for n in sorted(used) if not self.table.knows(n)]
+        unknown = [f"{full_scale(n):g}" for n in sorted(used) if not self.table.has_range(n)]
         if not unknown:
             return ""
         return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"

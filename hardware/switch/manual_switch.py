@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..command_template import Template
+from ..command_template import CommandTemplate
 from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
 
 
@@ -35,7 +35,7 @@ class Command:
     template: with `{interface}`. timeout: s that it may take.
     """
 
-    template: Template
+    template: CommandTemplate
     timeout: float
 
     def put(self, position: str, /) -> None:

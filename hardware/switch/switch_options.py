@@ -48,10 +48,10 @@ def _made(
     by_name = {each: each for each in interfaces}
     waiting = SETTLE if settle is None else settle
     if command:
-        from ..command_template import Template
+        from ..command_template import CommandTemplate
         from .manual_switch import Command
 
-        template = Template(command, "switch-with", needed=True, interface="left")
+        template = CommandTemplate(command, "switch-with", needed=True, interface="left")
         device = Command(template, COMMAND_TIMEOUT)
         return Turning(lambda: device, by_name, waiting)
     if name is not None and name != ASK:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..control_client import ask
+from ..control_client import send_request
 from ..meter.errors import PressError
 from .errors import NoSwitchError
 
@@ -28,6 +28,6 @@ class VirtualSwitch:
 
     def _ask(self, do: str, **given: str):
         try:
-            return ask(self.control, do, **given)
+            return send_request(self.control, do, **given)
         except PressError as error:
             raise NoSwitchError(str(error)) from error

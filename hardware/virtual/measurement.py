@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..meter.accuracy_table import AccuracyTable, Conditions, Drive, full_scale
+from ..meter.accuracy_table import AccuracyTable, GeneratorLevel, ReadingConditions, full_scale
 from .language import values as numbers
 from .meter_state import Settings
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Skin = Specimen | Recorded
 
-Readout = Callable[[complex, Conditions], complex]
+Readout = Callable[[complex, ReadingConditions], complex]
 """What the meter makes of an impedance in ohm, with its errors of the session and the reading."""
 NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW = 0, 1, 2, 7, -7
 WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
@@ -36,10 +36,10 @@ class Result:
 
     status: int
     Z: complex
-    conditions: Conditions
+    conditions: ReadingConditions
 
 
-NOTHING = Result(NOT_MEASURED, 0j, Conditions(1e3, 6))
+NOTHING = Result(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
 
 
 @dataclass(frozen=True)
@@ -63,21 +63,21 @@ class Bench:
         shown = self.readout(Z, at_hand)
         return Result(self._status(shown, at_hand), shown, at_hand)
 
-    def _status(self, Z: complex, at_hand: Conditions) -> int:
+    def _status(self, Z: complex, at_hand: ReadingConditions) -> int:
         low, high = self.accuracy.span.displayed
         size = abs(Z) / full_scale(at_hand.range)
         if size > high:
             return OVERFLOW
         if size < low:
             return UNDERFLOW
-        return OUTSIDE_GUARANTEE if self.accuracy.outside(Z, at_hand) else NORMAL
+        return OUTSIDE_GUARANTEE if self.accuracy.is_outside_guarantee(Z, at_hand) else NORMAL
 
 
-def conditions(settings: Settings, range_number: int, Z: complex) -> Conditions:
+def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingConditions:
     """What the settings mean for a measurement of Z in ohm, in one range."""
     kept = settings.each_range[range_number]
-    drive = Drive.of(vars(settings))
-    return Conditions(
+    drive = GeneratorLevel.of(vars(settings))
+    return ReadingConditions(
         settings.frequency,
         range_number,
         kept.speed,

@@ -9,7 +9,7 @@ from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
 from ..page.page_address import LOOPBACK
-from ..tokens import kept_token
+from ..tokens import stored_token
 from .clients import Client, Clients, open_port
 from .control import Control
 from .faults import ON_ANSWERS, Fault
@@ -53,7 +53,7 @@ async def listening(
         steering = Clients(control.serve, "control port", report)
         steered = await open_port(stack, steering, LOOPBACK, control_port)
         try:
-            stack.enter_context(kept_token(control.token, steered))
+            stack.enter_context(stored_token(control.token, steered))
         except (OSError, RuntimeError) as error:
             at = f"{control.token}@{LOOPBACK}:{steered}"
             report("tokens not kept", f"token not kept ({error}): commands need --control {at}")

@@ -13,7 +13,7 @@ from ...simulator.sweeps.schema import read_at
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..meter.accuracy_table import Conditions
+    from ..meter.accuracy_table import ReadingConditions
 
 
 class Recorded:
@@ -80,6 +80,6 @@ class Recorded:
         return ""
 
 
-def exact(Z: complex, conditions: Conditions) -> complex:
+def exact(Z: complex, conditions: ReadingConditions) -> complex:
     """A readout without error of its own: the recording has the meter's."""
     return Z

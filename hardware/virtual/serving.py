@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
-from ..meter.accuracy_table import DERIVED, read_table
+from ..meter.accuracy_table import DERIVED_TABLE, read_table
 from ..page.page_address import LOOPBACK
 from .control import Control
 from .instrument import Instrument
@@ -97,7 +97,7 @@ def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> Exhibit:
     return Exhibit(skins, exact, rows, columns, first)
 
 
-def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED) -> Instrument:
+def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED_TABLE) -> Instrument:
     """A virtual meter on an exhibit at rest, warm: its first reading takes no longer than others.
 
     pace: how long measurements take, 1 as long as a meter's, 0 no time.

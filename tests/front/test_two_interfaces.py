@@ -141,13 +141,13 @@ def test_what_is_recorded_calibrates(scene, recorded, folder):
 
 
 def test_live_tells_pixels_from_all(model, ports, switch):
-    from rcskin.hardware.control_client import ask
+    from rcskin.hardware.control_client import send_request
 
     control, where = f"127.0.0.1:{ports.control}", ["--resource", ports.resource]
-    ask(control, "press", press="none")
+    send_request(control, "press", press="none")
     log = model.with_suffix(".rest.nc")
     told("live", "--model", model, *where, *switch, "--sweeps", 1, "--log", log)
     for press in ("2,1", "1,2"):
-        ask(control, "press", press=press)
+        send_request(control, "press", press=press)
         line = told("live", "--model", model, *where, *switch, "--sweeps", 1, "--rest-file", log)
         assert line.split("\t")[1] == f"pixel {press}"

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 import pyvisa
-from rcskin.hardware.command_template import Template
+from rcskin.hardware.command_template import CommandTemplate
 from rcskin.hardware.live.key_input import keys
 from rcskin.hardware.meter.connection import connect
-from rcskin.hardware.meter.discovery import found_resources
+from rcskin.hardware.meter.discovery import find_resources
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.virtual.serving import serve as serve_until_told
 from rcskin.simulator.sweeps import read
@@ -52,7 +52,7 @@ def test_a_signal_ends_a_virtual_meter_where_loops_take_none(
     ],
 )
 def test_a_path_of_windows_in_a_command_keeps_its_backslashes(command, words):
-    assert Template(command, "press-with", press="none").filled(press="2,3") == words
+    assert CommandTemplate(command, "press-with", press="none").filled(press="2,3") == words
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_resources_of_every_backend_are_found(monkeypatch):
     manager = lambda backend: SimpleNamespace(list_resources=lambda kind: found[backend])  # noqa: E731
     monkeypatch.setattr(pyvisa, "ResourceManager", manager)
     monkeypatch.delenv("PYVISA_LIBRARY", raising=False)
-    assert found_resources() == ["ASRL3::INSTR", "GPIB0::1::INSTR"]
+    assert find_resources() == ["ASRL3::INSTR", "GPIB0::1::INSTR"]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
@@ -86,7 +86,7 @@ def test_live_tells_columns_of_a_skin_pressed_by_depth(swept):
         rest = swept.with_name("rest.nc")
         run("live", *where, "--log", rest)
         for column, by in ((1, ""), (3, ":1.5mm")):
-            ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}{by}")
+            send_request(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}{by}")
             told = run("live", *where, "--rest-file", rest).stdout
             assert told.count(f"column {column}") == 2
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
-from rcskin.hardware.meter.meter_reading import Reading, parse_reading
+from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.virtual.measurement import Bench, written
 from rcskin.hardware.virtual.meter_state import Settings
@@ -49,7 +49,7 @@ def metered(
     )
 
 
-def _trace(bench: Bench, scene: Scene, press: str) -> list[Reading]:
+def _trace(bench: Bench, scene: Scene, press: str) -> list[MeterReading]:
     """A reading at each frequency, by way of what the meter would answer."""
     found = []
     for frequency in scene.frequencies:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.live_localizer import Localizer
 from rcskin.hardware.live.live_meter import Link
-from rcskin.hardware.meter.accuracy_table import Conditions, read_table
+from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import Limits
 from rcskin.hardware.virtual.control import Control
@@ -88,7 +88,7 @@ class Stage:
             self._press = self.pressed(f"{held.row},{held.column}" if held else "none")
         return self._benches[interface].impedance(self._press, frequency)
 
-    def read(self, Z: complex, at_hand: Conditions) -> complex:
+    def read(self, Z: complex, at_hand: ReadingConditions) -> complex:
         """What the meter makes of it, in its time."""
         self.now += at_hand.seconds + TALK
         return self._errors[self._here].read(Z, at_hand.range)
@@ -147,7 +147,7 @@ class Relays:
     def select(self, name: str) -> None:
         """Turn, where it is elsewhere."""
         if name != self.selected:
-            ask(self.control, "select", interface=name)
+            send_request(self.control, "select", interface=name)
             self.stage.now += TURN
             self.selected = name
 

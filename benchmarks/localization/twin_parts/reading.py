@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy_table import DERIVED, read_table
+from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.measure.readout import Meter
 from rcskin.simulator.press.press import check_press, parse_press
 from rcskin.simulator.scene.meter import Readout
@@ -35,7 +35,7 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
 def _measured(
     Z: np.ndarray, readout: Readout, random: np.random.Generator, ranges: str
 ) -> np.ndarray:
-    table = read_table(DERIVED)
+    table = read_table(DERIVED_TABLE)
     used = np.vectorize(table.fitting_range)(Z) if ranges != ONE else np.zeros(Z.shape)
     if ranges == HELD:
         used = np.broadcast_to(used[:1], Z.shape)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy_table import DERIVED, read_table
+from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.operators import Machine, pressing_virtually
 from rcskin.hardware.record.press_order import parse_step
@@ -48,7 +48,7 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
             header_of(scene, [interface], steps),
             Path(folder) / "twin.nc",
             lambda: open_meter(ports.resource, TIMEOUT),
-            read_table(DERIVED),
+            read_table(DERIVED_TABLE),
         )
         header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
     return gather(header, entries)

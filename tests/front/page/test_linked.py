@@ -1,7 +1,7 @@
 """Pages on the line, in a browser: pressed on the one, measured, answered on the other."""
 
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 
 LATEST = 30_000
 """ms, on a machine that does much besides."""
@@ -50,13 +50,13 @@ def test_a_press_on_the_one_page_is_answered_on_the_other(pages, open_page):
 def test_what_others_press_is_shown_and_not_pressed_again(pages, open_page):
     skin, other = open_page(pages.skin), open_page(pages.skin)
     says(skin, "skin-press", "Nothing is pressed")
-    ask(pages.control, "press", press="1,3")
+    send_request(pages.control, "press", press="1,3")
     for page in (skin, other):
         says(page, "skin-press", "Pressed: 1,3:2")
         says(page, "answer", "column 3")
     press(other, 1)
     says(skin, "answer", "column 1")
-    assert ask(pages.control, "state")["press"] == "1,1:2.0"
+    assert send_request(pages.control, "state")["press"] == "1,1:2.0"
     other.locator("#release").click()
     says(skin, "skin-press", "Nothing is pressed")
 
@@ -65,20 +65,20 @@ def test_what_others_press_is_shown_and_not_pressed_again(pages, open_page):
 def test_a_press_of_any_shape_is_left_as_others_made_it(pages, open_page, shape):
     skin = open_page(pages.skin)
     says(skin, "skin-press", "Nothing is pressed")
-    ask(pages.control, "press", press=shape)
+    send_request(pages.control, "press", press=shape)
     says(skin, "skin-press", f"Pressed: {shape}")
     if shape.startswith("rect"):
         skin.locator("#answer", has_not_text="Nothing").wait_for(timeout=LATEST)
     skin.wait_for_timeout(300)
-    assert ask(pages.control, "state")["press"] == shape
-    ask(pages.control, "press", press="none")
+    assert send_request(pages.control, "state")["press"] == shape
+    send_request(pages.control, "press", press="none")
     says(skin, "answer", "Nothing")
 
 
 def test_faults_are_told_in_words(pages, open_page):
     live = open_page(pages.live)
     says(live, "live-answer", "Nothing")
-    ask(pages.control, "misbehave", kind="drop", times=3)
+    send_request(pages.control, "misbehave", kind="drop", times=3)
     says(live, "live-why", "rying again")
     says(live, "live-answer", "Nothing")
     assert "Sweeps lost: 0" not in live.locator("#live-times").text_content()
@@ -91,9 +91,9 @@ def test_a_slow_page_is_left_out_frames(pages, open_page):
     says(slow, "left", "Frames left out, drawing being slower:")
     says(quick, "live-answer", "Nothing")
     press_column_3 = {"control": pages.control, "do": "press"}
-    ask(**press_column_3, press="1,3")
+    send_request(**press_column_3, press="1,3")
     says(slow, "live-answer", "Column 3")
-    ask(**press_column_3, press="none")
+    send_request(**press_column_3, press="none")
 
 
 def test_the_policy_lets_no_other_script_run(pages, chromium):

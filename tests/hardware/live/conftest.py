@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import typer
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.command import live as command
 from rcskin.hardware.live.live_baseline import Rest
 from rcskin.hardware.live.live_meter import Link
@@ -93,7 +93,7 @@ def gather(command):
 @pytest.fixture
 def press(ports):
     """A function that gives a function that presses through the control port."""
-    return lambda where: lambda: ask(f"127.0.0.1:{ports.control}", "press", press=where)
+    return lambda where: lambda: send_request(f"127.0.0.1:{ports.control}", "press", press=where)
 
 
 @pytest.fixture

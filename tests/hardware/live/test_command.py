@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.meter_state import PerRange
@@ -56,7 +56,7 @@ def set_otherwise(instrument):
 def test_in_a_pipe_each_answer_is_a_line(start, ports):
     process = start("--sweeps", 4)
     first = process.stdout.readline()
-    ask(f"127.0.0.1:{ports.control}", "press", press="2,3")
+    send_request(f"127.0.0.1:{ports.control}", "press", press="2,3")
     out, err = process.communicate(timeout=20)
     assert process.returncode == 0
     assert CONTROL_CODE not in out + err

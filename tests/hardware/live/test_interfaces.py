@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
 from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch import Turning
@@ -155,7 +155,7 @@ def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrume
 
     def turn(frequency, reading):
         if frequency == Pixels.frequencies[1]:
-            ask(f"127.0.0.1:{ports.control}", "select", interface="bottom")
+            send_request(f"127.0.0.1:{ports.control}", "select", interface="bottom")
 
     def measured(watch):
         if chosen:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.live.live_baseline import RENEWED_AFTER
 from rcskin.hardware.live.live_session import END_KEY, REST_KEY
-from rcskin.hardware.meter.errors import MeterError, NoConnectionError, ReadingError
+from rcskin.hardware.meter.errors import FailedReadingError, MeterError, NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance
 
@@ -131,7 +131,7 @@ def test_a_failed_reading_shows_that_the_meter_is_there(session):
     link = session(patience=0.2).link
     link.failed(MeterError("gone"))
     time.sleep(0.3)
-    assert link.failed(ReadingError("overflow")) == 0
+    assert link.failed(FailedReadingError("overflow")) == 0
     assert link.failed(MeterError("gone")) > 0
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.model.model_file import save
 from rcskin.localization.model.training import train
@@ -43,10 +43,10 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
         where = ["--resource", ports.resource, "--model", str(model)]
         for column in (1, 2, 3):
             rest = model.with_name(f"{column}.nc")
-            ask(f"127.0.0.1:{ports.control}", "press", press="none")
+            send_request(f"127.0.0.1:{ports.control}", "press", press="none")
             told = live(*where, "--sweeps", "2", "--log", str(rest))
             assert labels(told) == ["nothing pressed"] * 2
-            ask(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
+            send_request(f"127.0.0.1:{ports.control}", "press", press=f"1,{column}")
             told = live(*where, "--sweeps", "2", "--rest-file", str(rest))
             assert labels(told) == [f"column {column}"] * 2
 
@@ -66,7 +66,7 @@ def test_a_finger_is_answered_at_its_column_whether_it_presses_or_touches(tmp_pa
         told = live(*where, "--sweeps", "1", "--log", str(rest))
         assert labels(told) == ["nothing pressed"]
         for press in ("1,2:touch", "1,2:1.8:4pF", "1,3:1.8"):
-            ask(f"127.0.0.1:{ports.control}", "press", press=press)
+            send_request(f"127.0.0.1:{ports.control}", "press", press=press)
             told = live(*where, "--sweeps", "1", "--rest-file", str(rest))
             assert labels(told) == [f"column {press[2]}"]
 
@@ -81,7 +81,7 @@ def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, s
         rest = tmp_path / "rest.nc"
         live(*where, "--sweeps", "2", "--log", str(rest))
         for press, told in (("1,2", "column 2"), ("1,1+1,3", "cannot tell")):
-            ask(f"127.0.0.1:{ports.control}", "press", press=press)
+            send_request(f"127.0.0.1:{ports.control}", "press", press=press)
             answers = live(*where, "--sweeps", "2", "--rest-file", str(rest))
             assert labels(answers) == [told] * 2
 
@@ -100,7 +100,7 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
         where = ["--resource", ports.resource, "--model", str(inverting), "--filter"]
         rest = model.with_name("rest.nc")
         assert labels(live(*where, "--sweeps", "3", "--log", str(rest))) == ["nothing pressed"] * 3
-        ask(f"127.0.0.1:{ports.control}", "press", press="1,2")
+        send_request(f"127.0.0.1:{ports.control}", "press", press="1,2")
         where += ["--adaptive", "--rest-file", str(rest)]
         assert labels(live(*where, "--sweeps", "4"))[-2:] == ["column 2"] * 2
 
@@ -127,7 +127,7 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
         where += ["--settle", "0"]
         rest = tmp_path / "rest.nc"
         assert labels(live(*where, "--sweeps", "1", "--log", str(rest))) == ["nothing pressed"]
-        ask(control, "press", press="2,1")
+        send_request(control, "press", press="2,1")
         told = live(*where, "--adaptive", "--page", "--rest-file", str(rest), "--sweeps", "3")
         assert labels(told) == ["pixel 2,1"] * 3
 
@@ -153,7 +153,7 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
         where += ["--switch", control, "--settle", "0"]
         told = live(*where, "--sweeps", "2", "--log", str(rest))
         assert labels(told) == ["nothing pressed"] * 2
-        ask(control, "press", press="2,1")
+        send_request(control, "press", press="2,1")
         assert labels(live(*where, "--sweeps", "2", "--rest-file", str(rest))) == ["pixel 2,1"] * 2
         with pytest.raises(InputError, match="the page takes no `frequencies` of interfaces"):
             live(*where, "--sweeps", "1", "--page")

@@ -5,7 +5,12 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.meter.accuracy_table import DERIVED, Conditions, full_scale, read_table
+from rcskin.hardware.meter.accuracy_table import (
+    DERIVED_TABLE,
+    ReadingConditions,
+    full_scale,
+    read_table,
+)
 from rcskin.simulator.sweeps import InputError
 
 TABLE = read_table()
@@ -21,15 +26,15 @@ def test_ranges_count_from_100_mohm_to_100_Mohm():
 
 
 def test_at_full_and_tenth_scale_the_formula_is_its_cell():
-    at = Conditions(5e3, 6, "SLOW2")
-    dz, dt = TABLE.bound(1e3 + 0j, at)
+    at = ReadingConditions(5e3, 6, "SLOW2")
+    dz, dt = TABLE.error_bounds(1e3 + 0j, at)
     assert (dz, dt) == pytest.approx((0.1e-2, math.radians(0.05)))
-    dz, _ = TABLE.bound(1e4 + 0j, at)
+    dz, _ = TABLE.error_bounds(1e4 + 0j, at)
     assert dz == pytest.approx((0.1 + 0.002 * 9) / 100)
 
 
 def test_below_1_kohm_the_formula_turns_round():
-    dz, _ = TABLE.bound(10 + 0j, Conditions(5e3, 4, "SLOW2"))
+    dz, _ = TABLE.error_bounds(10 + 0j, ReadingConditions(5e3, 4, "SLOW2"))
     assert dz == pytest.approx((0.15 + 0.01 * 9) / 100)
 
 
@@ -45,43 +50,45 @@ def test_below_1_kohm_the_formula_turns_round():
     ],
 )
 def test_coefficients_multiply(more, factor):
-    best = TABLE.bound(5e3 + 0j, Conditions(5e3, 6, "SLOW2"))
-    other = TABLE.bound(5e3 + 0j, Conditions(5e3, 6, **{"speed": "SLOW2", **more}))
+    best = TABLE.error_bounds(5e3 + 0j, ReadingConditions(5e3, 6, "SLOW2"))
+    other = TABLE.error_bounds(5e3 + 0j, ReadingConditions(5e3, 6, **{"speed": "SLOW2", **more}))
     assert other == pytest.approx([factor * each for each in best])
 
 
 @given(impedances, st.floats(1, 1e6), st.integers(1, 10))
 def test_bounds_are_finite_everywhere(Z, frequency, number):
-    dz, dt = TABLE.bound(Z, Conditions(frequency, number))
+    dz, dt = TABLE.error_bounds(Z, ReadingConditions(frequency, number))
     assert 0 < dz < math.inf and 0 < dt < math.inf
 
 
 @given(impedances)
 def test_the_fitting_range_guarantees_what_any_range_does(Z):
-    vouched = [n for n in range(1, 11) if not TABLE.outside(Z, Conditions(1e3, n))]
+    vouched = [
+        n for n in range(1, 11) if not TABLE.is_outside_guarantee(Z, ReadingConditions(1e3, n))
+    ]
     assert not vouched or TABLE.fitting_range(Z) == min(vouched)
 
 
 @pytest.mark.parametrize(
     ("Z", "at"),
     [
-        (5e3, Conditions(5e3, 10)),
-        (5e3, Conditions(3e5, 6)),
-        (5e3, Conditions(5e3, 6, level=0.005)),
-        (5e2, Conditions(5e3, 6)),
-        (2e4, Conditions(5e3, 6)),
+        (5e3, ReadingConditions(5e3, 10)),
+        (5e3, ReadingConditions(3e5, 6)),
+        (5e3, ReadingConditions(5e3, 6, level=0.005)),
+        (5e2, ReadingConditions(5e3, 6)),
+        (2e4, ReadingConditions(5e3, 6)),
     ],
 )
 def test_what_is_known_not_to_be_guaranteed_is_outside(Z, at):
-    assert not TABLE.outside(5e3 + 0j, Conditions(5e3, 6))
-    assert TABLE.outside(complex(Z), at)
+    assert not TABLE.is_outside_guarantee(5e3 + 0j, ReadingConditions(5e3, 6))
+    assert TABLE.is_outside_guarantee(complex(Z), at)
 
 
 @pytest.mark.parametrize(("Z", "number"), [(5e-2, 1), (5.0, 3), (5e6, 9), (5e7, 10)])
 def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
-    assert not TABLE.knows(number)
-    assert TABLE.knows(6)
-    assert not TABLE.outside(complex(Z), Conditions(5e3, number))
+    assert not TABLE.has_range(number)
+    assert TABLE.has_range(6)
+    assert not TABLE.is_outside_guarantee(complex(Z), ReadingConditions(5e3, number))
 
 
 @pytest.mark.parametrize(
@@ -97,7 +104,7 @@ def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
     ],
 )
 def test_a_bad_table_is_told_with_file_and_key(tmp_path, old, new, told):
-    text = DERIVED.read_text()
+    text = DERIVED_TABLE.read_text()
     assert old in text
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new, 1))

@@ -5,17 +5,22 @@ import re
 
 import pytest
 from rcskin.hardware.meter.correction import correct
-from rcskin.hardware.meter.discovery import answering
+from rcskin.hardware.meter.discovery import probe
 from rcskin.hardware.meter.errors import (
     CorrectionError,
+    FailedReadingError,
     NoConnectionError,
-    ReadingError,
     RefusedError,
     RestartedError,
 )
 from rcskin.hardware.meter.hioki import IM3523, open_meter
-from rcskin.hardware.meter.meter_reading import Status, parse_reading
-from rcskin.hardware.meter.settings_snapshot import apply, require, restore, snapshot
+from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
+from rcskin.hardware.meter.settings_snapshot import (
+    apply_settings,
+    require_settings,
+    restore_settings,
+    snapshot,
+)
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -73,7 +78,7 @@ def test_under_internal_trigger_a_reading_is_refused_rather_than_stale(meter):
     with pytest.raises(RefusedError, match="TRG"):
         meter.read()
     meter.trigger = "EXTERNAL"
-    assert meter.read().status is Status.NORMAL
+    assert meter.read().status is ReadingStatus.NORMAL
 
 
 def test_internal_trigger_gives_stale_values_until_it_has_had_its_time(make_instrument, say):
@@ -90,7 +95,7 @@ def test_internal_trigger_gives_stale_values_until_it_has_had_its_time(make_inst
 
 
 def test_before_any_measurement_there_is_no_number(meter):
-    with pytest.raises(ReadingError, match="status 1: nothing was measured"):
+    with pytest.raises(FailedReadingError, match="status 1: nothing was measured"):
         meter.talk.ask(":MEASure?", parse_reading)
 
 
@@ -98,7 +103,7 @@ def test_before_any_measurement_there_is_no_number(meter):
 def test_ranges_end_in_overflow_or_lose_their_guarantee(meter, range_number, code):
     meter.range = range_number
     if code == 7:
-        with pytest.raises(ReadingError, match="status 7: overflow"):
+        with pytest.raises(FailedReadingError, match="status 7: overflow"):
             meter.read()
     else:
         assert meter.read().status.code == code
@@ -106,7 +111,7 @@ def test_ranges_end_in_overflow_or_lose_their_guarantee(meter, range_number, cod
 
 def test_a_weak_signal_is_outside_guaranteed_accuracy(meter):
     meter.voltage = 0.005
-    assert meter.read().status is Status.OUTSIDE_GUARANTEE
+    assert meter.read().status is ReadingStatus.OUTSIDE_GUARANTEE
 
 
 def test_automatic_range_finds_the_range_of_the_skin(meter):
@@ -144,12 +149,14 @@ def test_a_skin_that_has_no_answer_fails_inside_the_meter(
 
 
 def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
-    from rcskin.hardware.meter.accuracy_table import Conditions
+    from rcskin.hardware.meter.accuracy_table import ReadingConditions
 
-    seconds = [Conditions(1e4, 5, speed).seconds for speed in ("FAST", "MEDIUM", "SLOW", "SLOW2")]
+    seconds = [
+        ReadingConditions(1e4, 5, speed).seconds for speed in ("FAST", "MEDIUM", "SLOW", "SLOW2")
+    ]
     assert seconds == sorted(set(seconds))
-    assert Conditions(1e4, 5, averaging=8).seconds == 8 * Conditions(1e4, 5).seconds
-    assert Conditions(40, 5, "FAST").seconds == 1 / 40
+    assert ReadingConditions(1e4, 5, averaging=8).seconds == 8 * ReadingConditions(1e4, 5).seconds
+    assert ReadingConditions(40, 5, "FAST").seconds == 1 / 40
 
 
 @pytest.mark.parametrize(
@@ -190,13 +197,13 @@ def test_a_failed_correction_says_what_to_check(instrument, meter):
 
 
 def test_settings_are_restored_from_a_snapshot(meter):
-    apply(meter, {"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
+    apply_settings(meter, {"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
     kept = snapshot(meter)
     meter.talk.tell("*RST")
     with pytest.raises(RestartedError, match="`voltage` is 1.0 and was 0.5"):
-        require(meter, kept)
-    restore(meter, kept)
-    require(meter, kept)
+        require_settings(meter, kept)
+    restore_settings(meter, kept)
+    require_settings(meter, kept)
     assert meter.range == 5
 
 
@@ -205,7 +212,7 @@ def test_a_lost_correction_cannot_be_restored(meter):
     kept = snapshot(meter)
     correct(meter, "open", "OFF")
     with pytest.raises(CorrectionError, match="open correction was ALL.*is OFF now"):
-        restore(meter, kept)
+        restore_settings(meter, kept)
 
 
 def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
@@ -223,11 +230,11 @@ def test_frequencies_out_of_reach_are_told_before_anything_is_measured(meter):
 
 
 def test_what_answers_is_identified(ports):
-    assert answering(ports.resource, 1, 9600).identity.model == "IM3523"
+    assert probe(ports.resource, 1, 9600).identity.model == "IM3523"
 
 
 def test_nothing_behind_an_address_is_told_with_what_to_check():
-    silent = answering("TCPIP0::127.0.0.1::1::SOCKET", 0.3, 9600)
+    silent = probe("TCPIP0::127.0.0.1::1::SOCKET", 0.3, 9600)
     assert silent.identity is None
     assert "check the cable" in silent.failure
 

@@ -9,7 +9,12 @@ from threading import Thread
 from types import SimpleNamespace
 
 import pytest
-from rcskin.hardware.meter.termination import Ending, ending_in_order, look, shielded
+from rcskin.hardware.meter.termination import (
+    Termination,
+    orderly_termination,
+    raise_pending_signal,
+    shielded,
+)
 
 
 class Deaf:
@@ -23,34 +28,34 @@ class Deaf:
 
 def test_a_ctrl_c_that_is_lost_in_a_library_is_raised_at_the_next_look(capfd):
     lost = Deaf()
-    with pytest.raises(KeyboardInterrupt), ending_in_order():
+    with pytest.raises(KeyboardInterrupt), orderly_termination():
         del lost
         gc.collect()
         with shielded():
-            look()
-        look()
+            raise_pending_signal()
+        raise_pending_signal()
     assert capfd.readouterr() == ("", "")
 
 
 def test_an_ignored_signal_stays_ignored(monkeypatch):
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
-        with ending_in_order():
+        with orderly_termination():
             os.kill(os.getpid(), signal.SIGHUP)
-            look()
+            raise_pending_signal()
     finally:
         signal.signal(signal.SIGHUP, before)
 
 
 def test_who_insists_gets_out(monkeypatch, capfd):
-    ending = Ending(shields=1)
+    ending = Termination(shields=1)
     monkeypatch.setattr("rcskin.hardware.meter.termination._ending", ending)
     for seconds, number in enumerate((15, 2, 15, 2, 15, 2), start=1):
         with shielded() as insisting:
             assert not insisting()
         later = 2 * seconds
         monkeypatch.setattr("rcskin.hardware.meter.termination.monotonic", lambda now=later: now)
-        ending.hear(number, None)
+        ending.on_signal(number, None)
     with shielded() as insisting:
         assert insisting()
     err = capfd.readouterr().err
@@ -65,7 +70,7 @@ def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monke
     monkeypatch.setattr(signal, "SIGBREAK", signal.SIGUSR1, raising=False)
     monkeypatch.setattr(ctypes, "windll", windll, raising=False)
     monkeypatch.setattr(ctypes, "WINFUNCTYPE", lambda *types: lambda made: made, raising=False)
-    with pytest.raises(SystemExit) as ended, ending_in_order():
+    with pytest.raises(SystemExit) as ended, orderly_termination():
         (closed,) = handlers
         assert closed(0) == closed(1) == 0
         system = Thread(target=closed, args=(2,))

@@ -49,7 +49,9 @@ def test_a_reading_far_off_is_noticed(number, factor):
 def test_errors_within_the_meters_bounds_are_no_violation(errors):
     Z = LINE.copy()
     for n, (of_size, of_phase) in enumerate(errors):
-        dz, dt = JUDGE.table.bound(complex(Z[n]), JUDGE._conditions(FREQUENCY[n], complex(Z[n])))
+        dz, dt = JUDGE.table.error_bounds(
+            complex(Z[n]), JUDGE._conditions(FREQUENCY[n], complex(Z[n]))
+        )
         Z[n] *= (1 + of_size * dz) * np.exp(1j * of_phase * dt)
     assert JUDGE.remarks(sweep_of(Z), [], at_rest=False) == []
 

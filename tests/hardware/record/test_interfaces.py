@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.operators import Machine
 from rcskin.hardware.record.recording_journal import Header, Journal
 from rcskin.hardware.switch.errors import StuckSwitchError
@@ -180,7 +180,7 @@ def test_a_person_is_asked_to_connect(recorded, ports, instrument, rig_skins, mo
         asked.append(question)
         if "connect interface" in question:
             name = question.split("interface ")[1].split(",")[0]
-            ask(f"127.0.0.1:{ports.control}", "select", interface=name)
+            send_request(f"127.0.0.1:{ports.control}", "select", interface=name)
         elif "Release" in question:
             instrument.press = "none"
         else:

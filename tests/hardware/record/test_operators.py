@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.hardware.meter.meter_reading import Reading, Status
+from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
 from rcskin.hardware.record.measured_sweep import Sweep, Trace
 from rcskin.hardware.record.operators import pressing_by_command
 from rcskin.hardware.record.press_order import Step
@@ -24,8 +24,10 @@ def shown():
         with Screen(console, plain) as screen:
             screen.begin("1/9  press 2,1", rest)
             screen.turn("left")
-            screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
-            screen.reading(2e3, Reading(99.5e-12, 43.21e3, -9e4, Status.OUTSIDE_GUARANTEE))
+            screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
+            screen.reading(
+                2e3, MeterReading(99.5e-12, 43.21e3, -9e4, ReadingStatus.OUTSIDE_GUARANTEE)
+            )
             screen.end(remarks)
         return file.getvalue()
 
@@ -67,7 +69,7 @@ def test_a_sweep_that_ends_early_gives_the_cursor_back():
         Screen(Console(file=file, force_terminal=True, width=100)) as screen,
     ):
         screen.begin("1/9  press 2,1", None)
-        screen.reading(1e3, Reading(123.456e-12, 54.321e3, -1e5))
+        screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
         raise KeyboardInterrupt
     assert file.getvalue().rindex("\x1b[?25h") > file.getvalue().rindex("\x1b[?25l")
 

@@ -1,17 +1,17 @@
 """Whatever a meter does wrong: the driver says so, and never takes a number for another."""
 
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import (
+    FailedReadingError,
     GarbledError,
     LostConnectionError,
     MeterError,
     NoAnswerError,
-    ReadingError,
     RestartedError,
 )
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.meter.meter_reading import Status
+from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import simulated
@@ -26,11 +26,11 @@ from rcskin.simulator.sweeps import InputError
         (Fault("half"), NoAnswerError, "no whole answer within 0.5 s; check"),
         (Fault("garbage"), GarbledError, "no line of text; check the baud rate"),
         (Fault("late", seconds=0.7), NoAnswerError, "slow measurement has time enough"),
-        (Fault("status"), ReadingError, "status 7: overflow: check the leads"),
-        (Fault("status", status=-7), ReadingError, "status -7: underflow"),
-        (Fault("status", status=1), ReadingError, "status 1: nothing was measured"),
-        (Fault("status", status=9), ReadingError, "status 9: sampling error"),
-        (Fault("status", status=14), ReadingError, "status 14: contact error"),
+        (Fault("status"), FailedReadingError, "status 7: overflow: check the leads"),
+        (Fault("status", status=-7), FailedReadingError, "status -7: underflow"),
+        (Fault("status", status=1), FailedReadingError, "status 1: nothing was measured"),
+        (Fault("status", status=9), FailedReadingError, "status 9: sampling error"),
+        (Fault("status", status=14), FailedReadingError, "status 14: contact error"),
         (Fault("forget"), RestartedError, "settings and corrections are lost"),
     ],
 )
@@ -46,7 +46,7 @@ def test_a_fault_is_told_and_the_next_readings_are_right_again(
         meter.frequency = frequency
         reading = meter.read()
         assert reading.X == pytest.approx(pillow.impedance("none", frequency).imag, rel=1e-5)
-        assert reading.status is Status.NORMAL
+        assert reading.status is ReadingStatus.NORMAL
 
 
 def test_a_dropped_connection_is_lost_and_a_new_one_works(instrument, ports, meter):
@@ -56,7 +56,7 @@ def test_a_dropped_connection_is_lost_and_a_new_one_works(instrument, ports, met
     with pytest.raises(LostConnectionError, match="connect again"):
         meter.read()
     with open_meter(ports.resource, 1) as again:
-        assert again.read().status is Status.NORMAL
+        assert again.read().status is ReadingStatus.NORMAL
 
 
 def test_a_meter_that_stays_silent_is_let_go(instrument, meter):
@@ -82,11 +82,11 @@ def test_settings_lost_within_a_sweep_are_noticed_at_the_next_word(instrument, m
 
 
 def test_faults_are_asked_for_through_the_side_door(ports, meter):
-    ask(f"127.0.0.1:{ports.control}", "misbehave", kind="status", times=2, status=12)
+    send_request(f"127.0.0.1:{ports.control}", "misbehave", kind="status", times=2, status=12)
     for _ in range(2):
-        with pytest.raises(ReadingError, match="status 12"):
+        with pytest.raises(FailedReadingError, match="status 12"):
             meter.read()
-    assert meter.read().status is Status.NORMAL
+    assert meter.read().status is ReadingStatus.NORMAL
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_faults_are_asked_for_through_the_side_door(ports, meter):
 )
 def test_misbehaviour_out_of_range_is_refused(ports, given, told):
     with pytest.raises(InputError, match=told):
-        ask(f"127.0.0.1:{ports.control}", "misbehave", **given)
+        send_request(f"127.0.0.1:{ports.control}", "misbehave", **given)
 
 
 @pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])

@@ -5,7 +5,7 @@ import signal
 import socket
 
 import pytest
-from rcskin.hardware.control_client import ask
+from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.simulator.sweeps import InputError
 
@@ -28,10 +28,10 @@ def test_a_press_on_the_page_is_measured_by_a_driver(served, look):
         before = meter.read().X
         assert viewer.press("2,1") == {"do": "pressed", "press": "2,1"}
         assert meter.read().X == pytest.approx(before / 1.02, rel=1e-3)
-        assert ask(control, "state")["press"] == "2,1"
+        assert send_request(control, "state")["press"] == "2,1"
         state = other.until(lambda state: state["press"] == "2,1" and state["reading"])
         assert state["reading"]["frequency"] == 4e3
-        ask(control, "press", press="none")
+        send_request(control, "press", press="none")
         viewer.until(lambda state: state["press"] == "none")
 
 

@@ -2,17 +2,17 @@
 
 import pytest
 from rcskin.hardware.meter.errors import (
+    FailedReadingError,
     GarbledError,
     MeterError,
-    ReadingError,
     RefusedError,
     RestartedError,
     WrongMeterError,
 )
 from rcskin.hardware.meter.hioki import IM3523, IM3533, IM3536, IM3570, start
 from rcskin.hardware.meter.meter_identity import parse_identity
-from rcskin.hardware.meter.meter_reading import Status, parse_reading
-from rcskin.hardware.meter.settings_snapshot import apply
+from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
+from rcskin.hardware.meter.settings_snapshot import apply_settings
 from rcskin.simulator.sweeps import InputError
 
 OK = ("*ESR?", "0")
@@ -142,7 +142,7 @@ def test_a_reading_is_triggered_read_and_checked(script):
     with script(("*TRG;:MEASure?;*ESR?", f"{GOOD};0")) as line:
         reading = IM3523(line, IDENTITY).read()
     assert (reading.Cp, reading.Rs, reading.X) == (4.99299e9, 10e3, -159155.0)
-    assert reading.status is Status.NORMAL
+    assert reading.status is ReadingStatus.NORMAL
 
 
 @pytest.mark.parametrize("stale", [GOOD, "1, 999999E+28, 999999E+28, 999999E+28"])
@@ -156,7 +156,7 @@ def test_a_failed_reading_leaves_the_conversation_in_step(script):
     failed = ("*TRG;:MEASure?;*ESR?", "7, 999999E+28, 999999E+28, 999999E+28;0")
     with script(failed, (":FREQuency?", "1.0000E+03")) as line:
         meter = IM3523(line, IDENTITY)
-        with pytest.raises(ReadingError, match="status 7"):
+        with pytest.raises(FailedReadingError, match="status 7"):
             meter.read()
         assert meter.frequency == 1e3
 
@@ -182,12 +182,12 @@ def test_a_reading_at_another_frequency_than_was_set_is_none(script):
 def test_a_doubtful_reading_is_kept_and_flagged(code):
     reading = parse_reading(f"{code}, 1.0E-09, 10.0E+03,-1.0E+03")
     assert (reading.status.code, reading.Rs) == (code, 10e3)
-    assert reading.status is not Status.NORMAL
+    assert reading.status is not ReadingStatus.NORMAL
 
 
 @pytest.mark.parametrize("code", [1, 7, -7, 9, 12, 13, 14, 15, 16, 17, 4, 99])
 def test_a_failed_reading_raises_whatever_numbers_come_with_it(code):
-    with pytest.raises(ReadingError, match=f"status {code}"):
+    with pytest.raises(FailedReadingError, match=f"status {code}"):
         parse_reading(f"{code}, 1.0E-09, 10.0E+03,-1.0E+03")
 
 
@@ -272,8 +272,8 @@ def test_another_instrument_is_refused_and_let_go(script):
 def test_a_fixed_range_stays_fixed_when_settings_are_applied(script):
     exchange = [*said(":RANGe 4"), *said(":RANGe:AUTO OFF"), *said(":CORRection:CABLe 1")]
     with script(*exchange) as line:
-        apply(IM3523(line, IDENTITY), {"cable": 1, "auto_range": False, "range": 4})
+        apply_settings(IM3523(line, IDENTITY), {"cable": 1, "auto_range": False, "range": 4})
 
 
 def test_all_failures_are_of_one_family():
-    assert issubclass(RefusedError, MeterError) and issubclass(ReadingError, MeterError)
+    assert issubclass(RefusedError, MeterError) and issubclass(FailedReadingError, MeterError)

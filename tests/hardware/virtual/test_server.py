@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.control_client import ask
-from rcskin.hardware.event_counter import counting
+from rcskin.hardware.control_client import send_request
+from rcskin.hardware.event_counter import counted_events
 from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.tokens import read_token, token_file
@@ -106,9 +106,9 @@ def test_the_token_is_in_a_file_that_only_the_user_reads_while_it_is_served(inst
         assert os.name == "nt" or path.stat().st_mode & 0o077 == 0
         named = f"{path.read_text()}@{control(ports)}"
         path.unlink()
-        assert ask(named, "state")["press"] == "none"
+        assert send_request(named, "state")["press"] == "none"
         with pytest.raises(InputError, match="TOKEN@HOST:PORT"):
-            ask(control(ports), "state")
+            send_request(control(ports), "state")
     assert not path.exists()
 
 
@@ -121,13 +121,13 @@ def test_a_token_that_cannot_be_kept_is_told_to_the_operator(
     said = []
     with running(make_instrument(report=lambda kind, text: said.append(text))):
         told = said[0].split("need --control ")[1]
-        assert ask(told, "state")["press"] == "none"
+        assert send_request(told, "state")["press"] == "none"
 
 
 def test_what_clients_cause_is_counted_in_a_line_a_minute(monkeypatch):
     lines, now = [], [0.0]
     monkeypatch.setattr("rcskin.hardware.event_counter.time.monotonic", lambda: now[0])
-    with counting(lines.append) as report:
+    with counted_events(lines.append) as report:
         for number in range(1000):
             now[0] = number * 0.1
             report("of a kind", f"number {number}")
@@ -232,31 +232,31 @@ def test_bad_clients_of_the_side_door_are_answered_or_ignored(ports, raw):
     for bad in (b"{}\n", b"[1]\n", b"\xff\n", b'{"do": "sing"}\n', b'{"do": "press", "x": 1}\n'):
         assert b'"error"' in raw(ports.control, bad)
     assert b'"error"' in raw(ports.control, b"x" * 100_000 + b"\n")
-    assert ask(control(ports), "state")["press"] == "none"
+    assert send_request(control(ports), "state")["press"] == "none"
 
 
 def test_the_skin_is_pressed_while_it_runs(ports, meter):
     at_rest = meter.read()
-    assert ask(control(ports), "press", press="9,1") == "9,1"
+    assert send_request(control(ports), "press", press="9,1") == "9,1"
     assert meter.read().Cp > at_rest.Cp
-    ask(control(ports), "press", press="none")
+    send_request(control(ports), "press", press="none")
     assert meter.read() == at_rest
 
 
 def test_a_press_that_is_none_is_refused_in_one_line(ports):
     with pytest.raises(InputError, match="press 'hard': must be ROW,COLUMN"):
-        ask(control(ports), "press", press="hard")
+        send_request(control(ports), "press", press="hard")
 
 
 @pytest.mark.parametrize("address", ["nowhere", "127.0.0.1", "127.0.0.1:99999", ":1"])
 def test_addresses_that_are_none_are_refused(address):
     with pytest.raises(InputError, match="`control` must be HOST:PORT"):
-        ask(address, "state")
+        send_request(address, "state")
 
 
 def test_an_absent_virtual_meter_is_told_with_what_to_check():
     with pytest.raises(PressError, match="check that `rcskin meter serve` runs"):
-        ask("127.0.0.1:1", "state")
+        send_request("127.0.0.1:1", "state")
 
 
 def test_a_script_presses_at_its_times(tmp_path, make_instrument, serve, pillow):
@@ -297,7 +297,7 @@ def test_random_presses_are_drawn_from_all_pixels(make_instrument, serve):
 def _states_until(ports, enough):
     seen = []
     for _ in range(5000):
-        seen.append(ask(control(ports), "state")["press"])
+        seen.append(send_request(control(ports), "state")["press"])
         if enough(seen):
             break
     return seen
