@@ -11,7 +11,7 @@ import typer
 from ..simulator.requests.options import complete_scene
 from ..simulator.safe_text import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
-from .record.recording_output import gather_command
+from .record.recording_output import gather
 from .record_command import record
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def serve(
 
 
 app.command(epilog=f"Example: rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc")(record)
-app.command("gather", epilog="Example: rcskin meter gather run.nc -o so-far.nc")(gather_command)
+app.command("gather", epilog="Example: rcskin meter gather run.nc -o so-far.nc")(gather)
 
 
 @app.command()
@@ -122,16 +122,16 @@ def correct(
     from .meter.correction import correct as acquire
     from .meter.hioki import open_meter
     from .meter.termination import orderly_termination
-    from .record.managed_meter import Station
+    from .record.managed_meter import ManagedMeter
 
     with orderly_termination() as tell:
-        station = Station(lambda: open_meter(resource, timeout, baud), tell=tell)
+        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), tell=tell)
         try:
             meter = station.ready()
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
         finally:
-            station.leave()
+            station.release()
         say(f"open correction {state[0]}, short correction {state[1]}")
 
 
@@ -201,7 +201,7 @@ def _exhibit(
 def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
     """The page that was asked for. Raises InputError where there is none."""
     from ..simulator.sweeps import InputError
-    from .page.page_document import Document
+    from .page.page_document import PageDocument
     from .virtual import serving
 
     if not page:
@@ -210,5 +210,5 @@ def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
         return None
     if exhibit.scene is None:
         raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
-    document = Document.of(exhibit.scene, "skin")
+    document = PageDocument.of(exhibit.scene, "skin")
     return serving.Paging(document, port or 0, lambda address: say(f"page  {address.url}"))

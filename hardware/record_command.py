@@ -21,14 +21,14 @@ from .options import (
     SwitchWith,
     Timeout,
 )
-from .record.recording_output import finish, going_on_later, remarkable
+from .record.recording_output import explain_resuming, finish, summary_remarks
 
 if TYPE_CHECKING:
     from ..simulator.scene.scene import Scene
     from .record.operators import Operator
-    from .record.press_order import Step
-    from .record.recording_journal import Header
-    from .record.recording_terminal import Screen
+    from .record.press_order import PressStep
+    from .record.recording_journal import RecordingHeader
+    from .record.recording_terminal import RecordingScreen
 
 
 def record(
@@ -75,11 +75,11 @@ def record(
     from .meter.accuracy_table import DERIVED_TABLE, read_table
     from .meter.hioki import open_meter
     from .meter.termination import orderly_termination
-    from .record.recorder import Task
+    from .record.recorder import RecordingTask
     from .record.recorder import record as record_task
-    from .record.recording_journal import Journal
-    from .record.sweep_checks import Limits
-    from .switch.switch_options import asked_switch
+    from .record.recording_journal import RecordingJournal
+    from .record.sweep_checks import SweepLimits
+    from .switch.switch_options import switch_from_options
 
     checked_output(output)
     asked = requested_scene(scene)
@@ -91,44 +91,44 @@ def record(
     settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
     several = len(interfaces) > 1
     screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
-    task = Task(
+    task = RecordingTask(
         header_of(asked, interfaces, steps, settings, session),
         output,
         lambda: open_meter(resource, timeout, baud),
         table,
-        Limits(repeatability=repeatability, drift=drift, two_terminal=asked.two_terminal),
+        SweepLimits(repeatability=repeatability, drift=drift, two_terminal=asked.two_terminal),
         same_mounting,
-        asked_switch(switch, switch_with, settle, interfaces, ask),
+        switch_from_options(switch, switch_with, settle, interfaces, ask),
     )
     warn_of_earth(scene, asked)
-    journal = Journal(output)
-    with orderly_termination() as tell, journal.lock(), going_on_later(journal):
+    journal = RecordingJournal(output)
+    with orderly_termination() as tell, journal.lock(), explain_resuming(journal):
         checked_output(output)
         with screen:
             header, entries = record_task(replace(task, tell=tell), operator)
         sweeps = finish(journal, header, dict(enumerate(entries)))
-        say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *remarkable(entries)]))
+        say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *summary_remarks(entries)]))
 
 
 def header_of(
     scene: Scene,
     interfaces: Sequence[str],
-    steps: Sequence[Step],
+    steps: Sequence[PressStep],
     settings: Mapping[str, Any] | None = None,
     session: str = "",
-) -> Header:
+) -> RecordingHeader:
     """The header of a recording of these steps at these interfaces, before a meter is connected.
 
     settings: of the meter, to be set before it begins. session: as of `Header`.
     """
     from ..simulator.scene.changed_readings import restricted_to_interfaces
     from ..simulator.scene.scene_files import scene_text
-    from .record.recording_journal import Header
+    from .record.recording_journal import RecordingHeader
 
     read = restricted_to_interfaces(scene, interfaces)
     whole = tuple(read.frequencies.tolist())
     own = {name: tuple(each) for name, each in read.reading.own.items()}
-    return Header(
+    return RecordingHeader(
         scene=scene_text(scene),
         name=scene.name,
         interfaces=tuple(interfaces),
@@ -156,7 +156,7 @@ def _check_one_interface(scene: Scene) -> None:
         )
 
 
-def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[Step]:
+def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[PressStep]:
     from itertools import product
 
     from ..simulator.press.pixels import pixels_with_skin
@@ -203,31 +203,31 @@ def _operator(
     control: str | None,
     press_with: str | None,
     retries: int,
-    steps: list[Step],
+    steps: list[PressStep],
     several: bool,
-) -> tuple[Screen, Operator, Callable[[str], None] | None]:
+) -> tuple[RecordingScreen, Operator, Callable[[str], None] | None]:
     """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
 
     from ..simulator.sweeps import InputError
-    from .record.operators import Machine, pressing_by_command, pressing_virtually
-    from .record.recording_terminal import Person, Screen
+    from .record.operators import MachineOperator, press_by_command, press_virtual_skin
+    from .record.recording_terminal import PersonOperator, RecordingScreen
 
     console = terminal(stderr=True, highlight=False)
     if control and press_with:
         raise InputError("`control` and `press-with` cannot both press the skin")
     if not (control or press_with or unattended):
-        screen = Screen(console, plain=True, several=several)
-        person = Person(console, screen)
+        screen = RecordingScreen(console, plain=True, several=several)
+        person = PersonOperator(console, screen)
         return screen, person, person.connect
     if not (control or press_with) and any(step.row for step in steps):
         raise InputError("unattended, a recording is pressed by --control or --press-with")
-    screen, by = Screen(console, several=several), _untouched
+    screen, by = RecordingScreen(console, several=several), _untouched
     if control:
-        by = pressing_virtually(control)
+        by = press_virtual_skin(control)
     elif press_with:
-        by = pressing_by_command(press_with)
-    return screen, Machine(by, screen, retries), None
+        by = press_by_command(press_with)
+    return screen, MachineOperator(by, screen, retries), None
 
 
-def _untouched(step: Step) -> None:
+def _untouched(step: PressStep) -> None:
     """Nothing is pressed by anyone."""

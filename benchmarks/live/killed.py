@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.hardware.record.recording_journal import Journal
+from rcskin.hardware.record.recording_journal import RecordingJournal
 
 SCENE, MOMENTS = "strip-1x3", 10
 LONGEST = 4.0
@@ -46,7 +46,7 @@ def killed(resource: str, trained: Path, log: Path, seconds: float) -> tuple[int
     lines = [first, *live.communicate()[0].splitlines()]
     told = [line.split("\t")[1] for line in lines if line.count("\t") == 3]
     rcskin("meter", "gather", log, "-o", log.with_suffix(".csv"))
-    journal = Journal(log)
+    journal = RecordingJournal(log)
     header = journal.header()
     assert header is not None
     entries = journal.entries(header).values()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..meter.meter_reading import MeterReading
-from ..record.measured_sweep import Sweep, Watch
+from ..record.measured_sweep import MeasuredSweep, Watch
 from .live_meter import Link
 from .timed_switch import Turns
 
@@ -76,7 +76,7 @@ class Part:
         return sum(each.size for each in self.frequencies)
 
 
-def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, Sweep]:
+def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, MeasuredSweep]:
     """The readings that were asked for. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 

@@ -23,7 +23,7 @@ from ..options import (
 
 if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
-    from ..record.recording_journal import Journal
+    from ..record.recording_journal import RecordingJournal
     from .live_baseline import Rest
     from .live_localizer import Localizer
     from .live_session import Session, Show
@@ -98,8 +98,8 @@ def live(
     from ..meter.accuracy_table import DERIVED_TABLE, read_table
     from ..meter.hioki import open_meter
     from ..meter.termination import orderly_termination
-    from ..record.sweep_checks import Limits
-    from ..switch.switch_options import asked_switch
+    from ..record.sweep_checks import SweepLimits
+    from ..switch.switch_options import switch_from_options
     from .live_localizer import localizer_of
     from .live_meter import Link
     from .live_session import Session
@@ -115,9 +115,9 @@ def live(
         localizer,
         lambda: open_meter(resource, timeout, baud),
         read_table(accuracy or DERIVED_TABLE),
-        Limits(drift=drift, two_terminal=localizer.scene.two_terminal),
+        SweepLimits(drift=drift, two_terminal=localizer.scene.two_terminal),
         patience,
-        asked_switch(switch, switch_with, settle, localizer.model.interfaces),
+        switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
         journal=journal,
     )
     at_rest = _rest(localizer, rest, rest_file, anyway)
@@ -154,13 +154,13 @@ def _check_options(
         raise InputError("--port is of the page: it needs --page")
 
 
-def _journal(log: Path) -> Journal:
+def _journal(log: Path) -> RecordingJournal:
     """Of a log that may be written. Raises InputError where something is there to be lost."""
     from ...simulator.sweeps import InputError, checked_output
     from ...simulator.sweeps.writing import write_context
-    from ..record.recording_journal import Journal
+    from ..record.recording_journal import RecordingJournal
 
-    journal = Journal(checked_output(log))
+    journal = RecordingJournal(checked_output(log))
     if write_context().overwrite_measured or journal.header() is None:
         return journal
     raise InputError(
@@ -182,19 +182,19 @@ def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
     from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
     from ..event_counter import counted_events
-    from ..page.page_document import Document
-    from ..page.page_thread import beside
-    from ..record.recording_dataset import taken_at
+    from ..page.page_document import PageDocument
+    from ..page.page_thread import serve_in_thread
+    from ..record.recording_dataset import measured_mask
     from .page_display import Shown
 
     model = localizer.model
-    taken = taken_at(model.interfaces, model.frequencies, model.own_frequencies)
+    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
     scene = with_frequencies(
         restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
     )
-    document = Document.of(scene, "live")
+    document = PageDocument.of(scene, "live")
     shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
-    with shown, beside(document, port) as (address, post):
+    with shown, serve_in_thread(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)
         yield (Shown(model, post),)
 

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ..record.measured_sweep import Sweep
+from ..record.measured_sweep import MeasuredSweep
 from .touch_answer import NOTHING_PRESSED, Answer
 
 SURE = 0.95
@@ -25,11 +25,11 @@ class Rest:
     """
 
     wanted: int
-    sweeps: deque[Sweep] = field(init=False)
-    first: Sweep | None = field(default=None, init=False)
-    _firsts: list[Sweep] = field(default_factory=list, init=False)
+    sweeps: deque[MeasuredSweep] = field(init=False)
+    first: MeasuredSweep | None = field(default=None, init=False)
+    _firsts: list[MeasuredSweep] = field(default_factory=list, init=False)
     _quiet: int = field(default=0, init=False)
-    _candidate: Sweep | None = field(default=None, init=False)
+    _candidate: MeasuredSweep | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         self.sweeps = deque(maxlen=self.wanted)
@@ -45,18 +45,18 @@ class Rest:
         return self._quiet == RENEWED_AFTER - 2
 
     @property
-    def opening(self) -> list[Sweep]:
+    def opening(self) -> list[MeasuredSweep]:
         """The first FIRSTS once there are as many, and the first `wanted` before."""
         return self._firsts[: FIRSTS if len(self._firsts) >= FIRSTS else self.wanted]
 
-    def give(self, sweeps: Sequence[Sweep]) -> None:
+    def give(self, sweeps: Sequence[MeasuredSweep]) -> None:
         """Take these, measured earlier, for the skin at rest, however few they are."""
         self.wanted = min(self.wanted, len(sweeps))
         self.forget()
         for sweep in sweeps:
             self.add(sweep)
 
-    def add(self, sweep: Sweep) -> None:
+    def add(self, sweep: MeasuredSweep) -> None:
         """Take a sweep for one at rest."""
         self.first = self.first or sweep
         self.sweeps.append(sweep)
@@ -68,7 +68,7 @@ class Rest:
         self.sweeps, self._firsts = deque(maxlen=self.wanted), []
         self.first, self._quiet, self._candidate = None, 0, None
 
-    def follow(self, sweep: Sweep | None, answer: Answer) -> bool:
+    def follow(self, sweep: MeasuredSweep | None, answer: Answer) -> bool:
         """Whether a sweep was taken for one at rest, in the place of the oldest of the latest.
 
         That happens once in RENEWED_AFTER answers in a row that say "nothing pressed" with a

@@ -14,17 +14,17 @@ from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.hioki import Meter
 from ..meter.settings_snapshot import require_settings, restore_settings, snapshot
 from ..meter.termination import shielded
-from ..record.managed_meter import Station
+from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
-    Sweep,
+    MeasuredSweep,
     Watch,
     check_frequencies,
     measure_readings,
     measure_sweep,
     now,
 )
-from ..record.recording_journal import Header, Journal
-from ..record.sweep_checks import Judge, Limits
+from ..record.recording_journal import RecordingHeader, RecordingJournal
+from ..record.sweep_checks import SweepChecker, SweepLimits
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
 from .timed_switch import Turns
@@ -48,25 +48,25 @@ class Link:
         localizer: Localizer,
         connect: Callable[[], Meter],
         table: AccuracyTable,
-        limits: Limits,
+        limits: SweepLimits,
         patience: float,
         switch: Switch | None = None,
         tell: Callable[[str], None] = lambda text: None,
         clock: Callable[[], float] = time.perf_counter,
-        journal: Journal | None = None,
+        journal: RecordingJournal | None = None,
     ) -> None:
         """tell, journal: as of `Station`. clock: s, of turns."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
-        self._station, self._patience = Station(connect, tell=tell, journal=journal), patience
+        self._station, self._patience = ManagedMeter(connect, tell=tell, journal=journal), patience
         self.turns = Turns(switch, clock) if switch else None
         self._failing_since: float | None = None
         self._wait, self._looked = FIRST_WAIT, 0.0
-        self.judge: Judge | None = None
+        self.judge: SweepChecker | None = None
 
     @property
-    def header(self) -> Header | None:
+    def header(self) -> RecordingHeader | None:
         """What the session began with; None before the first connection."""
         return self._station.header
 
@@ -79,7 +79,7 @@ class Link:
         if self._station.header is None:
             self._begin(meter)
 
-    def sweep(self, watch: Watch) -> Sweep:
+    def sweep(self, watch: Watch) -> MeasuredSweep:
         """Readings that were all measured with those settings, once ready. Raises MeterError."""
         model = self._localizer.model
         sweep = measure_sweep(
@@ -93,7 +93,7 @@ class Link:
         self._look()
         return sweep
 
-    def readings(self, watch: Watch, asked: Iterable[tuple[str, float]]) -> Sweep:
+    def readings(self, watch: Watch, asked: Iterable[tuple[str, float]]) -> MeasuredSweep:
         """Those at (interface, frequency in Hz) that are asked for. Raises MeterError.
 
         The settings are looked at once in LOOKED_AT seconds.
@@ -143,7 +143,7 @@ class Link:
     def leave(self) -> None:
         """Let the meter and the switch go as they were found, as far as they answer."""
         with shielded():
-            self._station.leave()
+            self._station.release()
             if self.turns:
                 self.turns.close()
 
@@ -152,7 +152,7 @@ class Link:
         check_frequencies(meter, model.frequencies)
         settings = snapshot(meter)
         restore_settings(meter, settings)
-        self._station.header = Header(
+        self._station.header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
@@ -169,7 +169,9 @@ class Link:
             of_each=dict(model.own_frequencies),
         )
         frequency = np.array(model.frequencies)
-        self.judge = Judge(frequency, self._table, settings, self._limits, model.own_frequencies)
+        self.judge = SweepChecker(
+            frequency, self._table, settings, self._limits, model.own_frequencies
+        )
 
     def _recovered(self) -> None:
         self._failing_since, self._wait = None, FIRST_WAIT

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading
-from ..record.measured_sweep import Sweep, apart, flags, now
+from ..record.measured_sweep import MeasuredSweep, flag_remarks, now, switching_remarks
 from ..record.press_order import UNKNOWN
 from .adaptive_reading import Pace, Part, questioned
 from .live_baseline import Rest, at_rest
@@ -34,9 +34,9 @@ class Seen:
     """What an answer is of. frequencies: of each trace, Hz, ascending. rest: sweeps of the skin at
     rest."""
 
-    sweep: Sweep
+    sweep: MeasuredSweep
     frequencies: tuple[tuple[float, ...], ...]
-    rest: tuple[Sweep, ...] = ()
+    rest: tuple[MeasuredSweep, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Moment:
 class Measured:
     """A sweep, or part of one. begun, ended: s. gap: s since the one before."""
 
-    sweep: Sweep
+    sweep: MeasuredSweep
     begun: float = 0.0
     ended: float = 0.0
     gap: float = 0.0
@@ -219,8 +219,8 @@ class Session:
                 self._rate(),
                 self.failed,
                 (
-                    *flags([sweep]),
-                    *apart(sweep),
+                    *flag_remarks([sweep]),
+                    *switching_remarks(sweep),
                     *self._drift(measured, answer),
                     *filter(None, [answer.remark]),
                 ),
@@ -239,7 +239,7 @@ class Session:
         )
         return Seen(measured.sweep, read, tuple(self.rest.sweeps))
 
-    def _take_rest(self, sweep: Sweep) -> None:
+    def _take_rest(self, sweep: MeasuredSweep) -> None:
         moved = self._remarks(Measured(sweep), self.rest.first)
         if moved:
             self._restless += 1
@@ -263,7 +263,7 @@ class Session:
         if done < wanted:
             self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
 
-    def _remarks(self, measured: Measured, first: Sweep | None = None) -> list[str]:
+    def _remarks(self, measured: Measured, first: MeasuredSweep | None = None) -> list[str]:
         judge = self.link.judge
         assert judge is not None
         if measured.part is None:
@@ -272,7 +272,7 @@ class Session:
             remark
             for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
             for remark in replace(judge, frequency=read, of_each={}).remarks(
-                Sweep((trace,)), [], at_rest=True
+                MeasuredSweep((trace,)), [], at_rest=True
             )
         ]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..meter.meter_reading import MeterReading
-from ..record.measured_sweep import Sweep
+from ..record.measured_sweep import MeasuredSweep
 from .live_session import Moment, Seen, Show
 from .touch_answer import Answer, readings_of
 
@@ -140,7 +140,7 @@ def _measured(seen: Seen, model: Model) -> dict[str, Any]:
     return {"Z": rows, "rest": rest, "rests": len(seen.rest)}
 
 
-def _mean(sweeps: Sequence[Sweep]) -> list[list[tuple[float, float]]]:
+def _mean(sweeps: Sequence[MeasuredSweep]) -> list[list[tuple[float, float]]]:
     mean = np.mean([[trace.Z for trace in sweep.traces] for sweep in sweeps], axis=0)
     return [[_pair(z) for z in row] for row in mean.tolist()]
 

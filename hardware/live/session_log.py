@@ -13,10 +13,15 @@ from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, siz
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
 from ...simulator.sweeps.writing import WriteContext, in_write_context
-from ..record.measured_sweep import Sweep, Trace, now
+from ..record.measured_sweep import InterfaceTrace, MeasuredSweep, now
 from ..record.press_order import UNKNOWN
-from ..record.recording_dataset import dataset_of, taken_at
-from ..record.recording_journal import Entry, Header, Journal, tell_if_set_back
+from ..record.recording_dataset import measured_mask, sweep_dataset
+from ..record.recording_journal import (
+    JournalEntry,
+    RecordingHeader,
+    RecordingJournal,
+    warn_if_clock_set_back,
+)
 from ..record.recording_output import finish, write_all
 from .live_baseline import Rest
 from .touch_answer import Answer
@@ -29,12 +34,12 @@ if TYPE_CHECKING:
 
 
 def as_dataset(
-    sweeps: Sequence[Sweep], model: Model, press: Sequence[str] | str = UNKNOWN
+    sweeps: Sequence[MeasuredSweep], model: Model, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
     """Sweeps at the model's interfaces and frequencies. press: of each, or of all."""
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
-    return dataset_of(
+    return sweep_dataset(
         sweeps,
         model.interfaces,
         model.frequencies,
@@ -59,7 +64,9 @@ class RestData:
 
     rest: Rest
     model: Model
-    _of: tuple[list[Sweep], list[Sweep]] = field(default_factory=lambda: ([], []), init=False)
+    _of: tuple[list[MeasuredSweep], list[MeasuredSweep]] = field(
+        default_factory=lambda: ([], []), init=False
+    )
     _made: xr.Dataset | None = field(default=None, init=False)
 
     @property
@@ -71,7 +78,7 @@ class RestData:
         return self._made
 
 
-def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> list[Sweep]:
+def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> list[MeasuredSweep]:
     """The unpressed sweeps of a file or several.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
@@ -88,7 +95,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> l
     same = len(frequencies) == len(model.frequencies) and np.allclose(
         frequencies, model.frequencies, rtol=1e-9, atol=0
     )
-    taken = taken_at(model.interfaces, model.frequencies, model.own_frequencies)
+    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
     if (
         not same
         or tuple(unpressed["interface"].values) != model.interfaces
@@ -98,7 +105,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> l
     ordered = unpressed.transpose("sweep", "interface", "frequency")
     values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2)
     return [
-        Sweep(
+        MeasuredSweep(
             tuple(
                 _trace(values_there[:, read], name)
                 for name, values_there, read in zip(model.interfaces, each, taken, strict=True)
@@ -115,10 +122,10 @@ def _taken(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     return every if own is None else own
 
 
-def _trace(values: NDArray[np.float64], interface: str) -> Trace:
+def _trace(values: NDArray[np.float64], interface: str) -> InterfaceTrace:
     """values: Cp, Rs and X, shape (3, frequency)."""
     Cp, Rs, X = (tuple(each) for each in values.tolist())
-    return Trace(Cp, Rs, X, (0,) * len(Cp), interface)
+    return InterfaceTrace(Cp, Rs, X, (0,) * len(Cp), interface)
 
 
 @dataclass
@@ -128,19 +135,21 @@ class Log:
     told: what was written, in one line, and how a session goes on with its rest.
     """
 
-    journal: Journal | None = None
+    journal: RecordingJournal | None = None
     told: str = field(default="", init=False)
     _kept: int = field(default=0, init=False)
-    _latest: Entry | None = field(default=None, init=False)
+    _latest: JournalEntry | None = field(default=None, init=False)
 
-    def keep(self, sweep: Sweep, press: str, begun: str, header: Header | None) -> None:
+    def keep(
+        self, sweep: MeasuredSweep, press: str, begun: str, header: RecordingHeader | None
+    ) -> None:
         """Put a sweep on the disk as it ends. press: `none` where the skin was left untouched."""
         if self.journal is None or header is None:
             return
         if not self._kept:
             self.journal.begin(header)
-        before, self._latest = self._latest, Entry(press, sweep, begun, now())
-        tell_if_set_back(self._latest, before)
+        before, self._latest = self._latest, JournalEntry(press, sweep, begun, now())
+        warn_if_clock_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
         if not self._kept:  # what writing loads is then at hand when the session is told to end
             again = WriteContext(overwrite_measured=True, noted={self.journal.folder})
@@ -155,7 +164,7 @@ class Log:
         self._latest = replace(self._latest, answer=(answer.label, answer.probability))
         self.journal.keep(self._kept - 1, self._latest)
 
-    def write(self, header: Header | None) -> None:
+    def write(self, header: RecordingHeader | None) -> None:
         """Write the sweeps, whole or not at all; nothing where there are none."""
         if self.journal is None or header is None or not self._kept:
             return

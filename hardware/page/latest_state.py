@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 
-def written(state: Mapping[str, Any]) -> str:
+def state_json(state: Mapping[str, Any]) -> str:
     """A state in JSON. Raises ValueError where a number is none."""
     return json.dumps(state, separators=(",", ":"), allow_nan=False)
 
 
 @dataclass
-class Board:
+class LatestState:
     """Read and written in one event loop. number: of the frame, counted from 1; 0 before any."""
 
     number: int = 0

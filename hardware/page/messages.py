@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-LONGEST = 1024
+MAX_MESSAGE = 1024
 """Bytes of a message."""
 
 
@@ -14,26 +14,26 @@ class _Message(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-class Seen(_Message):
+class FrameDrawn(_Message):
     """A frame was drawn: the next one may come."""
 
     do: Literal["seen"]
     frame: Annotated[int, Field(ge=0, le=2**53)]
 
 
-class Press(_Message):
+class PressRequest(_Message):
     """Press the skin, and hold it until the next press."""
 
     do: Literal["press"]
     press: Annotated[str, Field(max_length=400, pattern=r"^[a-z0-9,:.+() -]+$")]
 
 
-_MESSAGES: TypeAdapter[Seen | Press] = TypeAdapter(
-    Annotated[Seen | Press, Field(discriminator="do")]
+_MESSAGES: TypeAdapter[FrameDrawn | PressRequest] = TypeAdapter(
+    Annotated[FrameDrawn | PressRequest, Field(discriminator="do")]
 )
 
 
-def read_message(text: str | bytes) -> Seen | Press:
+def read_message(text: str | bytes) -> FrameDrawn | PressRequest:
     """The message that a text is. Raises ValueError where it is none."""
     if isinstance(text, bytes):
         raise ValueError("a message is text")

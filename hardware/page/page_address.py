@@ -15,7 +15,7 @@ PAGE, LINK = "/", "/link"
 
 
 @dataclass(frozen=True)
-class Address:
+class PageAddress:
     """A port of the loopback, and the token that a page's address carries."""
 
     port: int
@@ -26,7 +26,7 @@ class Address:
         """What is opened in a browser."""
         return f"http://{LOOPBACK}:{self.port}{PAGE}?token={self.token}"
 
-    def refusal(
+    def refusal_status(
         self, target: str, hosts: Sequence[str], origins: Sequence[str]
     ) -> HTTPStatus | None:
         """Why a request is refused; None where it is not.

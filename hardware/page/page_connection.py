@@ -8,9 +8,9 @@ from typing import Any
 
 from websockets.asyncio.server import ServerConnection
 
-from .request_head import END, decided, refusal
+from .request_head import END, is_decidable, refusal_status
 
-MOST_CONNECTIONS, MOST_VIEWERS = 32, 16
+MAX_CONNECTIONS, MAX_VIEWERS = 32, 16
 """With those of the virtual meter below the 256 files of a process on macOS."""
 HEAD_SECONDS = 5.0
 """In which the whole head must come: a browser sends it at once."""
@@ -18,13 +18,13 @@ STAND_IN = b"GET / HTTP/1.1" + END
 """What the library is given for a head that is refused: it answers nothing else by a status."""
 
 
-class Guest(ServerConnection):
+class PageConnection(ServerConnection):
     """A connection that the door knows of from its first byte to its last.
 
     refused: why its request is; None where it is not. bodiless: whether it asked by HEAD.
     """
 
-    def __init__(self, *given: Any, door: Door, **named: Any) -> None:
+    def __init__(self, *given: Any, door: ConnectionLimit, **named: Any) -> None:
         super().__init__(*given, **named)
         self._door, self._received = door, b""
         self._decided = self._ended = self._answered = False
@@ -34,12 +34,12 @@ class Guest(ServerConnection):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Has the door make room."""
         super().connection_made(transport)
-        self._door.enter(self)
+        self._door.admit(self)
         self.loop.call_later(HEAD_SECONDS, self._decide, HTTPStatus.REQUEST_TIMEOUT)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Tells the door."""
-        self._door.leave(self)
+        self._door.remove(self)
         self._decided = True
         super().connection_lost(exc)
 
@@ -47,9 +47,9 @@ class Guest(ServerConnection):
         """Keeps the head until it is whole; what follows a refused one is not heard."""
         if not self._decided:
             self._received += data
-            if decided(self._received):
+            if is_decidable(self._received):
                 head, end, _ = self._received.partition(END)
-                self._decide(refusal(head + end))
+                self._decide(refusal_status(head + end))
         elif self.refused is None:
             super().data_received(data)
 
@@ -62,7 +62,7 @@ class Guest(ServerConnection):
             return True
         return super().eof_received()
 
-    def answered(self) -> None:
+    def note_answered(self) -> None:
         """The answer is being written: where the client said all, nothing else is waited for."""
         self._answered = True
         if self._ended:
@@ -77,31 +77,31 @@ class Guest(ServerConnection):
         super().data_received(STAND_IN if refused else b"GET" + request)
 
 
-class Door:
+class ConnectionLimit:
     """Who is there: of too many, the one is put out that is no viewer and came first."""
 
     def __init__(self) -> None:
-        self.guests: dict[Guest, None] = {}
+        self.connections: dict[PageConnection, None] = {}
         self.viewers: set[ServerConnection] = set()
 
     @property
     def full(self) -> bool:
         """Whether there are as many viewers as there may be."""
-        return len(self.viewers) >= MOST_VIEWERS
+        return len(self.viewers) >= MAX_VIEWERS
 
-    def enter(self, guest: Guest) -> None:
+    def admit(self, guest: PageConnection) -> None:
         """One more; see the class."""
-        if len(self.guests) >= MOST_CONNECTIONS:
-            first = next(each for each in self.guests if each not in self.viewers)
-            self.leave(first)
+        if len(self.connections) >= MAX_CONNECTIONS:
+            first = next(each for each in self.connections if each not in self.viewers)
+            self.remove(first)
             first.transport.abort()
-        self.guests[guest] = None
+        self.connections[guest] = None
 
-    def leave(self, guest: Guest) -> None:
+    def remove(self, guest: PageConnection) -> None:
         """One less."""
-        self.guests.pop(guest, None)
+        self.connections.pop(guest, None)
 
-    def clear(self) -> None:
+    def abort_all(self) -> None:
         """Put out everyone, at once."""
-        for guest in self.guests:
+        for guest in self.connections:
             guest.transport.abort()

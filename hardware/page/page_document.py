@@ -15,14 +15,14 @@ Kind = Literal["live", "skin"]
 
 
 @dataclass(frozen=True)
-class Document:
+class PageDocument:
     """HTML with a stand-in wherever each answer puts a nonce of its own."""
 
     text: str
     stand_in: str
 
     @classmethod
-    def of(cls, scene: Scene, kind: Kind) -> Document:
+    def of(cls, scene: Scene, kind: Kind) -> PageDocument:
         """The document of a scene. Raises InputError as `linked_page`."""
         from ...simulator.page.linked import linked_page
 

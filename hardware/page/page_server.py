@@ -15,20 +15,20 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from ...simulator.sweeps import InputError
-from .latest_state import Board
-from .messages import LONGEST
-from .page_address import LINK, LOOPBACK, Address
-from .page_connection import Door, Guest
-from .page_document import Document
+from .latest_state import LatestState
+from .messages import MAX_MESSAGE
+from .page_address import LINK, LOOPBACK, PageAddress
+from .page_connection import ConnectionLimit, PageConnection
+from .page_document import PageDocument
 from .viewer import PressSkin, Viewer
 
 BACKLOG = 16
 """Connections that are accepted at once, before the door puts others out."""
-SENDING = 60.0
+SENDING_TIMEOUT = 60.0
 """Seconds in which a document of 3 MB must be taken, over a slow tunnel too."""
-PARTING = 0.3
+CLOSING_TIMEOUT = 0.3
 """Seconds that viewers have to take leave."""
-ALWAYS = {
+COMMON_HEADERS = {
     "Cache-Control": "no-store",
     "Connection": "close",
     "Referrer-Policy": "no-referrer",
@@ -36,60 +36,64 @@ ALWAYS = {
 }
 
 
-class Site:
+class PageServer:
     """One page at one address. press: as of `Viewer`."""
 
-    def __init__(self, document: Document, board: Board, press: PressSkin | None = None) -> None:
+    def __init__(
+        self, document: PageDocument, board: LatestState, press: PressSkin | None = None
+    ) -> None:
         self._document, self._board, self._press = document, board, press
-        self._door, self._address = Door(), Address(0)
+        self._door, self._address = ConnectionLimit(), PageAddress(0)
 
     @asynccontextmanager
-    async def served(self, port: int = 0) -> AsyncIterator[Address]:
+    async def served(self, port: int = 0) -> AsyncIterator[PageAddress]:
         """Open while the block runs; port 0 takes any that is free.
 
         Raises InputError where the port cannot be had.
         """
         server = await self._listening(port)
-        self._address = Address(next(iter(server.sockets)).getsockname()[1])
+        self._address = PageAddress(next(iter(server.sockets)).getsockname()[1])
         try:
             yield self._address
         finally:
             server.close()
-            await asyncio.wait([asyncio.ensure_future(server.wait_closed())], timeout=PARTING)
-            self._door.clear()
+            await asyncio.wait(
+                [asyncio.ensure_future(server.wait_closed())], timeout=CLOSING_TIMEOUT
+            )
+            self._door.abort_all()
             await server.wait_closed()
 
     async def _listening(self, port: int) -> Server:
         try:
             return await serve(
-                self._converse,
+                self._serve_viewer,
                 LOOPBACK,
                 port,
-                process_request=self._answered,
+                process_request=self._process_request,
                 compression=None,
                 server_header=None,
-                max_size=LONGEST,
+                max_size=MAX_MESSAGE,
                 max_queue=2,
-                open_timeout=SENDING,
+                open_timeout=SENDING_TIMEOUT,
                 backlog=BACKLOG,
-                logger=_quiet(),
-                create_connection=partial(Guest, door=self._door),  # type: ignore[arg-type]
+                logger=_disabled_logger(),
+                create_connection=partial(PageConnection, door=self._door),  # type: ignore[arg-type]
             )
         except (OSError, OverflowError) as error:
             raise InputError(f"port {port} of {LOOPBACK} cannot be had: {error}") from error
 
-    def _answered(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _process_request(self, connection: ServerConnection, request: Request) -> Response | None:
         """The answer to a request; None has a link opened."""
-        assert isinstance(connection, Guest)
-        connection.answered()
+        assert isinstance(connection, PageConnection)
+        connection.note_answered()
         response = self._response(connection, request)
         if response is not None and connection.bodiless:
             response.body = b""
         return response
 
-    def _response(self, guest: Guest, request: Request) -> Response | None:
+    def _response(self, guest: PageConnection, request: Request) -> Response | None:
         headers = request.headers
-        refusal = guest.refused or self._address.refusal(
+        refusal = guest.refused or self._address.refusal_status(
             request.path, headers.get_all("Host"), headers.get_all("Origin")
         )
         link = urlsplit(request.path).path == LINK if refusal is None else False
@@ -101,10 +105,10 @@ class Site:
             return _response(refusal)
         return None if link else _response(HTTPStatus.OK, *self._document.sent())
 
-    async def _converse(self, connection: ServerConnection) -> None:
+    async def _serve_viewer(self, connection: ServerConnection) -> None:
         self._door.viewers.add(connection)
         try:
-            await Viewer(connection, self._board, self._press).converse()
+            await Viewer(connection, self._board, self._press).serve_frames()
         finally:
             self._door.viewers.discard(connection)
 
@@ -116,11 +120,11 @@ def _response(
     plain = {"Content-Type": "text/plain; charset=utf-8"}
     if status == HTTPStatus.METHOD_NOT_ALLOWED:
         plain["Allow"] = "GET, HEAD"
-    named = {"Content-Length": str(len(text)), **ALWAYS, **(headers or plain)}
+    named = {"Content-Length": str(len(text)), **COMMON_HEADERS, **(headers or plain)}
     return Response(status, status.phrase, Headers(named), text)
 
 
-def _quiet() -> logging.Logger:
+def _disabled_logger() -> logging.Logger:
     """What clients do wrong is theirs to know."""
     logger = logging.getLogger("rcskin.page")
     logger.disabled = True

@@ -8,16 +8,16 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import AsyncExitStack, contextmanager
 from typing import Any
 
-from .latest_state import Board, written
-from .page_address import Address
-from .page_document import Document
-from .page_server import Site
+from .latest_state import LatestState, state_json
+from .page_address import PageAddress
+from .page_document import PageDocument
+from .page_server import PageServer
 
 Post = Callable[[Mapping[str, Any]], None]
 
 
 @contextmanager
-def beside(document: Document, port: int = 0) -> Iterator[tuple[Address, Post]]:
+def serve_in_thread(document: PageDocument, port: int = 0) -> Iterator[tuple[PageAddress, Post]]:
     """A page in a thread of its own while the block runs: where, and what takes its states.
 
     Raises InputError where the port cannot be had.
@@ -25,13 +25,13 @@ def beside(document: Document, port: int = 0) -> Iterator[tuple[Address, Post]]:
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     thread = threading.Thread(target=loop.run_forever, name="page", daemon=True)
     thread.start()
-    board = Board()
+    board = LatestState()
 
     def post(state: Mapping[str, Any]) -> None:
-        loop.call_soon_threadsafe(board.post, written(state))
+        loop.call_soon_threadsafe(board.post, state_json(state))
 
     try:
-        entered = stack.enter_async_context(Site(document, board).served(port))
+        entered = stack.enter_async_context(PageServer(document, board).served(port))
         yield asyncio.run_coroutine_threadsafe(entered, loop).result(), post
     finally:
         asyncio.run_coroutine_threadsafe(stack.aclose(), loop).result()

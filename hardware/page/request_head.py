@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from http import HTTPStatus
 
-LONGEST_HEAD = 8192
+MAX_HEAD = 8192
 """Bytes of request line and headers: browsers send under 2 kB to an address without cookies."""
 METHODS = (b"GET", b"HEAD")
 WORD = rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
@@ -15,30 +15,30 @@ LINE, END = b"\r\n", b"\r\n\r\n"
 BARE = re.compile(rb"(?<!\r)\n")
 
 
-def decided(received: bytes) -> bool:
+def is_decidable(received: bytes) -> bool:
     """Whether these first bytes of a connection hold a whole head, or surely no good one."""
     line, ended, _ = received.partition(LINE)
     return (
         END in received
-        or len(received) > LONGEST_HEAD
+        or len(received) > MAX_HEAD
         or BARE.search(received) is not None
-        or (ended != b"" and _of_request(line) is not None)
+        or (ended != b"" and _request_refusal(line) is not None)
     )
 
 
-def refusal(head: bytes) -> HTTPStatus | None:
+def refusal_status(head: bytes) -> HTTPStatus | None:
     """Why a head up to its empty line is refused; None where it is not.
 
     Only GET and HEAD without a body, in HTTP/1.1, with one Host (RFC 9112, sections 2 to 6).
     """
     line, *headers = head.removesuffix(END).split(LINE)
-    if len(head) > LONGEST_HEAD:
+    if len(head) > MAX_HEAD:
         return HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE
-    sound = head.endswith(END) and _sound(headers)
-    return _of_request(line) or (None if sound else HTTPStatus.BAD_REQUEST)
+    sound = head.endswith(END) and _headers_are_valid(headers)
+    return _request_refusal(line) or (None if sound else HTTPStatus.BAD_REQUEST)
 
 
-def _of_request(line: bytes) -> HTTPStatus | None:
+def _request_refusal(line: bytes) -> HTTPStatus | None:
     request = REQUEST.fullmatch(line)
     if request is None:
         return HTTPStatus.BAD_REQUEST
@@ -49,7 +49,7 @@ def _of_request(line: bytes) -> HTTPStatus | None:
     return None if request[2].startswith(b"/") else HTTPStatus.BAD_REQUEST
 
 
-def _sound(lines: list[bytes]) -> bool:
+def _headers_are_valid(lines: list[bytes]) -> bool:
     """Whether header lines are well-formed, name one host, and promise no body."""
     matches = [HEADER.fullmatch(line) for line in lines]
     if not all(matches):

@@ -6,21 +6,21 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .latest_state import Board, written
+from .latest_state import LatestState, state_json
 
-EVERY = 0.1
+INTERVAL = 0.1
 """Seconds from one look to the next."""
 
 
-def posted(board: Board, state: Mapping[str, Any]) -> None:
+def post_if_changed(board: LatestState, state: Mapping[str, Any]) -> None:
     """Put a state on the board, if it is another one."""
-    text = written(state)
+    text = state_json(state)
     if text != board.state:
         board.post(text)
 
 
-async def watching(board: Board, state: Callable[[], Mapping[str, Any]]) -> None:
+async def keep_updated(board: LatestState, state: Callable[[], Mapping[str, Any]]) -> None:
     """Keep the board as the state is, until cancelled."""
     while True:
-        posted(board, state())
-        await asyncio.sleep(EVERY)
+        post_if_changed(board, state())
+        await asyncio.sleep(INTERVAL)

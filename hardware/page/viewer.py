@@ -8,15 +8,15 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError
-from .latest_state import Board
-from .messages import Press, Seen, read_message
+from .latest_state import LatestState
+from .messages import FrameDrawn, PressRequest, read_message
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
 PressSkin = Callable[[str], Awaitable[str]]
 """Presses a skin; the press in its full form. Raises InputError where it is none on it."""
-NO_MESSAGE = 1008
+POLICY_VIOLATION = 1008
 
 
 class Viewer:
@@ -25,18 +25,20 @@ class Viewer:
     So a slow viewer is left out frames, and none wait for it. press: None where nothing is pressed.
     """
 
-    def __init__(self, socket: ServerConnection, board: Board, press: PressSkin | None) -> None:
+    def __init__(
+        self, socket: ServerConnection, board: LatestState, press: PressSkin | None
+    ) -> None:
         self._socket, self._board, self._press = socket, board, press
         self._sent, self._drawn = 0, asyncio.Event()
 
-    async def converse(self) -> None:
+    async def serve_frames(self) -> None:
         """Until the viewer leaves, or says what is no message."""
         pushing = asyncio.create_task(self._push())
         try:
             async for said in self._socket:
-                await self._heed(read_message(said))
+                await self._handle(read_message(said))
         except ValueError:
-            await self._socket.close(NO_MESSAGE, "no message that is known")
+            await self._socket.close(POLICY_VIOLATION, "no message that is known")
         finally:
             pushing.cancel()
             await asyncio.gather(pushing, return_exceptions=True)
@@ -49,8 +51,8 @@ class Viewer:
             await self._socket.send(frame)
             await self._drawn.wait()
 
-    async def _heed(self, message: Seen | Press) -> None:
-        if isinstance(message, Seen):
+    async def _handle(self, message: FrameDrawn | PressRequest) -> None:
+        if isinstance(message, FrameDrawn):
             if message.frame == self._sent:
                 self._drawn.set()
             return

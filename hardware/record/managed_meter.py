@@ -17,9 +17,9 @@ from ..meter.meter_identity import MeterIdentity
 from ..meter.original_settings import SETTINGS_STORE, not_restored_message, settings_text
 from ..meter.settings_snapshot import restore_settings
 from ..meter.termination import raise_pending_signal, shielded
-from .recording_journal import Header, Journal
+from .recording_journal import RecordingHeader, RecordingJournal
 
-PARTING, SLOWER, PAUSE, POLLED = 2.0, 2.0, 0.2, 0.05
+GIVE_UP_AFTER, SLOW_LINE_FACTOR, PAUSE, POLL_INTERVAL = 2.0, 2.0, 0.2, 0.05
 """While settings are put back: seconds without any answer after which the meter is given up, beyond
 so many times the longest that an answer took; and between tries to reach it, and looks at that."""
 TRIES = 20
@@ -28,7 +28,7 @@ LOG = logging.getLogger(__name__)
 
 
 @dataclass
-class Station:
+class ManagedMeter:
     """One meter, through all its connections. tell: told what could not be put back.
 
     journal: keeps how the meter was found, on the disk before anything is set; what is in it from a
@@ -36,16 +36,16 @@ class Station:
     """
 
     connect: Callable[[], Meter]
-    header: Header | None = None
+    header: RecordingHeader | None = None
     tell: Callable[[str], None] = lambda text: None
-    journal: Journal | None = None
+    journal: RecordingJournal | None = None
     meter: Meter | None = field(default=None, init=False)
     _found: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
-    _left: bool = field(default=False, init=False)
+    _has_left: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        if self.journal and (kept := self.journal.found()):
+        if self.journal and (kept := self.journal.original_settings()):
             self._identity, self._found = kept
             LOG.warning(
                 "%s: a command that was cut off left the meter changed; at the end it is put back "
@@ -73,7 +73,7 @@ class Station:
             self.meter.close()
             self.meter = None
 
-    def leave(self) -> None:
+    def release(self) -> None:
         """Put back all settings as they were found, over a new connection if need be, and let go.
 
         No signal ends that, only a meter that does not answer or a user who insists. What the meter
@@ -85,12 +85,12 @@ class Station:
                 begun = time.monotonic()
                 parting.start()
                 while parting.is_alive() and self._patient(begun) and not insisting():
-                    parting.join(POLLED)
-                self._left = True
+                    parting.join(POLL_INTERVAL)
+                self._has_left = True
             if self._found:
                 self.tell(not_restored_message(self._found))
             elif self.journal:
-                self.journal.drop_found()
+                self.journal.drop_original_settings()
             self.close()
 
     def found(self, identity: MeterIdentity) -> dict[str, Any]:
@@ -107,12 +107,12 @@ class Station:
     def note_found(self) -> None:
         """As of `Keeper`."""
         if self.journal:
-            self.journal.keep_found(self._identity, self._found)
+            self.journal.save_original_settings(self._identity, self._found)
 
     def _patient(self, begun: float) -> bool:
         """Whether the meter answered lately, for a line as slow as it is."""
         silent = time.monotonic() - max(begun, ANSWER_TIMES.at)
-        return silent < PARTING + SLOWER * ANSWER_TIMES.longest + self._under_way()
+        return silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._under_way()
 
     def _under_way(self) -> float:
         """Seconds that a reading may take which nobody waits for any more."""
@@ -126,7 +126,7 @@ class Station:
                 self.meter.put_back()
                 return
             self.close()
-            if self._left:
+            if self._has_left:
                 return
             time.sleep(PAUSE)
 

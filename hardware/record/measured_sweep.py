@@ -19,14 +19,14 @@ from ..switch.switch import Switch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-APART = 1.0
+MAX_PAUSE = 1.0
 """Seconds between two interfaces, beyond which a touch may well have changed."""
 Watch = Callable[[float, MeterReading], None]
 Turn = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Trace:
+class InterfaceTrace:
     """Readings [F, ohm, ohm] and their status codes at one interface, one for each frequency.
 
     begun, ended: ISO 8601, empty where it is not known when they were taken.
@@ -47,12 +47,12 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class MeasuredSweep:
     """What was measured under one press: a trace for each interface, in the recording's order."""
 
-    traces: tuple[Trace, ...]
+    traces: tuple[InterfaceTrace, ...]
 
-    def at(self, interface: str) -> Trace:
+    def at(self, interface: str) -> InterfaceTrace:
         """The trace at an interface."""
         return next(trace for trace in self.traces if trace.interface == interface)
 
@@ -62,24 +62,24 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def trace_times(sweep: Sweep) -> list[tuple[str, str]]:
+def trace_times(sweep: MeasuredSweep) -> list[tuple[str, str]]:
     """When the readings at each interface began and ended."""
     return [(trace.begun, trace.ended) for trace in sweep.traces]
 
 
-def apart(sweep: Sweep) -> list[str]:
+def switching_remarks(sweep: MeasuredSweep) -> list[str]:
     """In words, how long the meter did not measure between two interfaces, where it was long."""
     spans = sorted(trace_times(sweep))
     waits = [
         (datetime.fromisoformat(after) - datetime.fromisoformat(before)).total_seconds()
         for (_, before), (after, _) in pairwise(spans)
     ]
-    if max(waits, default=0.0) <= APART:
+    if max(waits, default=0.0) <= MAX_PAUSE:
         return []
     return [f"the switch took {max(waits):.1f} s: a touch may have changed between the interfaces"]
 
 
-def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int, int]]:
+def flagged_readings(sweeps: Sequence[MeasuredSweep]) -> list[tuple[int, int, int, int]]:
     """Readings not normal: numbers of sweep, interface and frequency, and the status code."""
     return [
         (number, place, index, code)
@@ -90,9 +90,9 @@ def flagged(sweeps: Sequence[Sweep]) -> list[tuple[int, int, int, int]]:
     ]
 
 
-def flags(sweeps: Sequence[Sweep]) -> list[str]:
+def flag_remarks(sweeps: Sequence[MeasuredSweep]) -> list[str]:
     """In words, how many readings of them the meter flagged, and as what."""
-    codes = [code for *_, code in flagged(sweeps)]
+    codes = [code for *_, code in flagged_readings(sweeps)]
     return [
         f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
         f"{BY_CODE[code].meaning}"
@@ -108,7 +108,7 @@ def measure_sweep(
     watch: Watch = lambda frequency, reading: None,
     turn: Turn = lambda interface: None,
     of_each: Mapping[str, Sequence[float]] | None = None,
-) -> Sweep:
+) -> MeasuredSweep:
     """A reading at each interface and frequency [Hz], in any order, none older than this call.
 
     The interface that is connected comes first: a switch turns once less in each sweep. switch: of
@@ -118,7 +118,7 @@ def measure_sweep(
     Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
     switch fails.
     """
-    traces: dict[str, Trace] = {}
+    traces: dict[str, InterfaceTrace] = {}
     for name in sorted(interfaces, key=lambda name: switch is None or name != switch.selected):
         turn(name)
         if switch:
@@ -126,15 +126,15 @@ def measure_sweep(
         traces[name] = _trace(meter, (of_each or {}).get(name, frequencies), name, watch)
         if switch:
             switch.check_stayed()
-    return Sweep(tuple(traces[name] for name in interfaces))
+    return MeasuredSweep(tuple(traces[name] for name in interfaces))
 
 
 def measure_readings(
     meter: Meter,
-    asked: Iterable[tuple[str, float]],
+    requests: Iterable[tuple[str, float]],
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
-) -> Sweep:
+) -> MeasuredSweep:
     """Readings at (interface, frequency in Hz), each asked for when the one before is known.
 
     Traces are of the interfaces that were asked for, by name, and ascend in frequency. The switch
@@ -144,7 +144,7 @@ def measure_readings(
     found: dict[str, dict[float, MeterReading]] = {}
     times: dict[str, tuple[str, str]] = {}
     here = None
-    for interface, frequency in asked:
+    for interface, frequency in requests:
         if switch and interface != here:
             if here is not None:
                 switch.check_stayed()
@@ -154,7 +154,7 @@ def measure_readings(
         times[interface] = begun, now()
     if switch and here is not None:
         switch.check_stayed()
-    return Sweep(
+    return MeasuredSweep(
         tuple(
             _trace_of([reading for _, reading in sorted(found[name].items())], name, *times[name])
             for name in sorted(found)
@@ -169,14 +169,18 @@ def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
         raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
 
 
-def _trace(meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch) -> Trace:
+def _trace(
+    meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch
+) -> InterfaceTrace:
     begun = now()
     readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
     return _trace_of(readings, interface, begun, now())
 
 
-def _trace_of(readings: Sequence[MeterReading], interface: str, begun: str, ended: str) -> Trace:
-    return Trace(
+def _trace_of(
+    readings: Sequence[MeterReading], interface: str, begun: str, ended: str
+) -> InterfaceTrace:
+    return InterfaceTrace(
         tuple(reading.Cp for reading in readings),
         tuple(reading.Rs for reading in readings),
         tuple(reading.X for reading in readings),

@@ -11,10 +11,10 @@ from typing import Protocol
 from ..command_template import CommandTemplate
 from ..meter.errors import MeterError, PressError
 from ..meter.meter_reading import MeterReading
-from .measured_sweep import Sweep
-from .press_order import Step
+from .measured_sweep import MeasuredSweep
+from .press_order import PressStep
 
-Press = Callable[[Step], None]
+Press = Callable[[PressStep], None]
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class StepStatus:
     number: int
     total: int
     left: float | None = None
-    rest: Sweep | None = None
+    rest: MeasuredSweep | None = None
 
     @property
     def words(self) -> str:
@@ -47,7 +47,7 @@ class Operator(Protocol):
         """Whether the skin is mounted as it was when the last sweep was taken, so long ago."""
         ...
 
-    def press(self, step: Step, progress: StepStatus) -> bool:
+    def press(self, step: PressStep, progress: StepStatus) -> bool:
         """True when the skin is pressed and held, False where the step before is to be done again.
 
         Raises PressError where it cannot be pressed, KeyboardInterrupt where the recording is to
@@ -72,38 +72,38 @@ class Operator(Protocol):
         ...
 
 
-class Display(Protocol):
+class RecordingDisplay(Protocol):
     """Where the course of a recording is shown."""
 
-    def begin(self, title: str, rest: Sweep | None) -> None: ...
+    def begin(self, title: str, rest: MeasuredSweep | None) -> None: ...
     def turn(self, interface: str) -> None: ...
     def reading(self, frequency: float, reading: MeterReading) -> None: ...
     def end(self, remarks: Sequence[str]) -> None: ...
 
 
 @dataclass
-class Machine:
+class MachineOperator:
     """Presses by a function, and repeats what failed or is unsound up to `retries` times.
 
     pause: s before the first repetition after a failure, doubled with each further one.
     """
 
-    by: Press
-    show: Display
+    press_skin: Press
+    show: RecordingDisplay
     retries: int = 3
     pause: float = 1.0
-    spent: int = field(default=0, init=False)
+    repetitions: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
 
     def same_mounting(self, ago: str) -> bool:
         """A machine does not know."""
         return False
 
-    def press(self, step: Step, progress: StepStatus) -> bool:
+    def press(self, step: PressStep, progress: StepStatus) -> bool:
         """Have the machine press. Raises PressError where it fails."""
         if progress.number != self.current:
-            self.current, self.spent = progress.number, 0
-        self.by(step)
+            self.current, self.repetitions = progress.number, 0
+        self.press_skin(step)
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
 
@@ -118,22 +118,22 @@ class Machine:
     def kept(self, remarks: Sequence[str]) -> bool:
         """Whether it is sound, or has been repeated often enough."""
         self.show.end(remarks)
-        return not remarks or not self._may_repeat()
+        return not remarks or not self._count_repetition()
 
     def again(self, failure: MeterError) -> bool:
         """Whether it has not failed often enough."""
         self.show.end([str(failure)])
-        if not self._may_repeat():
+        if not self._count_repetition():
             return False
-        time.sleep(self.pause * 2 ** (self.spent - 1))
+        time.sleep(self.pause * 2 ** (self.repetitions - 1))
         return True
 
-    def _may_repeat(self) -> bool:
-        self.spent += 1
-        return self.spent <= self.retries
+    def _count_repetition(self) -> bool:
+        self.repetitions += 1
+        return self.repetitions <= self.retries
 
 
-def pressing_by_command(command: str) -> Press:
+def press_by_command(command: str) -> Press:
     """Presses by running a command in which `{press}`, `{row}` and `{column}` are filled in.
 
     Raises InputError where the command cannot be understood; the press raises PressError where it
@@ -141,7 +141,7 @@ def pressing_by_command(command: str) -> Press:
     """
     template = CommandTemplate(command, "press-with", press="none", row=0, column=0)
 
-    def press(step: Step) -> None:
+    def press(step: PressStep) -> None:
         filled = template.filled(press=step.press, row=step.row, column=step.column)
         try:
             subprocess.run(filled, check=True, capture_output=True, timeout=600)
@@ -151,11 +151,11 @@ def pressing_by_command(command: str) -> Press:
     return press
 
 
-def pressing_virtually(control: str) -> Press:
+def press_virtual_skin(control: str) -> Press:
     """Presses a virtual meter's skin through its control port."""
     from ..control_client import send_request
 
-    def press(step: Step) -> None:
+    def press(step: PressStep) -> None:
         send_request(control, "press", press=step.press)
 
     return press

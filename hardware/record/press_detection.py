@@ -9,35 +9,37 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps.laws.examination import FEWEST_FREQUENCIES
 from ...simulator.sweeps.laws.noise import local_scale, roughness
-from .measured_sweep import Sweep
+from .measured_sweep import MeasuredSweep
 
-SEEN = 2.5
+DETECTION_FACTOR = 2.5
 """A change whose root mean square is so many times its noise is a press. Noise alone has 1, and up
 to 2.1 where it is told from one difference at 20 frequencies."""
 RESOLUTION = 1e-4
 """Least relative noise: what the digits leave open that a meter sends."""
 
 
-def unseen_press(sweep: Sweep, rests: Sequence[Sweep]) -> list[str]:
+def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -> list[str]:
     """A remark where a sweep cannot be told from the skin at rest at any interface, else none.
 
     rests: sweeps at rest of the same session, oldest first; compared with the last one.
     """
-    if not rests:
+    if not baselines:
         return []
-    at_rest = [np.array([rest.traces[k].Z for rest in rests]) for k, _ in enumerate(sweep.traces)]
+    at_rest = [
+        np.array([rest.traces[k].Z for rest in baselines]) for k, _ in enumerate(sweep.traces)
+    ]
     changes = [own.Z / known[-1] - 1 for own, known in zip(sweep.traces, at_rest, strict=True)]
     noises = [_noise(part, known) for part, known in zip(changes, at_rest, strict=True)]
-    if any(_size(part / own) > SEEN for part, own in zip(changes, noises, strict=True)):
+    if any(_rms(part / own) > DETECTION_FACTOR for part, own in zip(changes, noises, strict=True)):
         return []
     change, noise = np.concatenate(changes), np.concatenate(noises)
     return [
-        f"no press is seen: the readings are those at rest, to {100 * _size(change):.2g} %, and "
-        f"the meter's noise is {100 * _size(noise + 1j * noise):.2g} %"
+        f"no press is seen: the readings are those at rest, to {100 * _rms(change):.2g} %, and "
+        f"the meter's noise is {100 * _rms(noise + 1j * noise):.2g} %"
     ]
 
 
-def percent_of_rest(values: Sequence[float], rest: Sequence[float]) -> NDArray[np.float64]:
+def percent_change(values: Sequence[float], rest: Sequence[float]) -> NDArray[np.float64]:
     """How far values are above those at rest, in %; NaN where these are 0. Shape of the values."""
     before = np.array(rest[: len(values)])
     ratio = np.full(before.shape, np.nan)
@@ -45,7 +47,7 @@ def percent_of_rest(values: Sequence[float], rest: Sequence[float]) -> NDArray[n
     return 100 * (ratio - 1)
 
 
-def _size(change: NDArray[np.complex128]) -> float:
+def _rms(change: NDArray[np.complex128]) -> float:
     """Root mean square of real and imaginary parts."""
     return float(np.sqrt(np.mean(np.abs(change) ** 2) / 2))
 

@@ -13,7 +13,7 @@ from ...simulator.sweeps.press_text import parse_touches, written_pixel
 
 
 @dataclass(frozen=True)
-class Step:
+class PressStep:
     """One press; row and column 0 where nothing is pressed, -1 where it is no single pixel."""
 
     press: str
@@ -21,15 +21,15 @@ class Step:
     column: int
 
 
-REST = Step(UNPRESSED, 0, 0)
-FIRST_RESTS = 3
+UNPRESSED_STEP = PressStep(UNPRESSED, 0, 0)
+FIRST_BASELINES = 3
 BYTES_FOR_STEP = 300
 """Of a step, its text and its place in the order."""
 UNKNOWN = "?"
 """The press of a sweep that a localizer is asked of."""
 
 
-def parse_step(text: str, rows: int, columns: int) -> Step:
+def parse_step(text: str, rows: int, columns: int) -> PressStep:
     """The step that presses `text`, see `sweeps.press_text`.
 
     Raises InputError on other syntax, or a pixel that is not among rows x columns.
@@ -39,12 +39,12 @@ def parse_step(text: str, rows: int, columns: int) -> Step:
     for row, column in (touch.pixel for touch in touches if touch.kind == "pixel"):
         if not (1 <= row <= rows and 1 <= column <= columns):
             raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
-    return Step(press, *written_pixel(press)) if touches else REST
+    return PressStep(press, *written_pixel(press)) if touches else UNPRESSED_STEP
 
 
 def standard_order(
     rows: int, columns: int, repetitions: int, without: Collection[tuple[int, int]] = ()
-) -> list[Step]:
+) -> list[PressStep]:
     """Every pixel row by row, so many times, with the skin at rest between and after.
 
     FIRST_RESTS begin it: later presses are told against their mean. without: pixels that are none.
@@ -57,17 +57,21 @@ def standard_order(
         "ask for fewer --repetitions, or fewer `pixels`",
     )
     every = product(range(1, rows + 1), range(1, columns + 1))
-    pixels = [Step(f"{i},{j}", i, j) for i, j in every if (i, j) not in without]
-    return [REST] * (FIRST_RESTS - 1) + [REST, *pixels] * repetitions + [REST]
+    pixels = [PressStep(f"{i},{j}", i, j) for i, j in every if (i, j) not in without]
+    return (
+        [UNPRESSED_STEP] * (FIRST_BASELINES - 1)
+        + [UNPRESSED_STEP, *pixels] * repetitions
+        + [UNPRESSED_STEP]
+    )
 
 
-def read_order(path: Path, rows: int, columns: int) -> list[Step]:
+def read_order(path: Path, rows: int, columns: int) -> list[PressStep]:
     """The order in a file of one press a line; `#` begins a remark.
 
     Raises InputError naming the file and the line.
     """
     lines = inputs.text(path, inputs.SETTINGS).splitlines()
-    steps: list[Step] = []
+    steps: list[PressStep] = []
     for number, line in enumerate(lines, start=1):
         text = line.split("#")[0].strip()
         if not text:

@@ -18,22 +18,28 @@ from ..meter.hioki import Meter
 from ..meter.settings_snapshot import apply_settings, require_settings, restore_settings, snapshot
 from ..meter.termination import shielded
 from ..switch.switch import Switch
-from .managed_meter import Station
-from .measured_sweep import Sweep, check_frequencies, measure_sweep, now
+from .managed_meter import ManagedMeter
+from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
 from .operators import Operator, StepStatus
-from .press_detection import unseen_press
-from .press_order import REST, Step, parse_step
-from .recording_journal import Entry, Header, Journal, differences, tell_if_set_back
-from .sweep_checks import Judge, Limits
+from .press_detection import undetected_press
+from .press_order import UNPRESSED_STEP, PressStep, parse_step
+from .recording_journal import (
+    JournalEntry,
+    RecordingHeader,
+    RecordingJournal,
+    differences,
+    warn_if_clock_set_back,
+)
+from .sweep_checks import SweepChecker, SweepLimits
 
-LATEST = 12
+ETA_STEPS = 12
 """Steps by which the time left is told."""
-MOUNTED = 12.0
+REMOUNT_HOURS = 12.0
 """Hours after which a skin may have been mounted anew."""
 
 
 @dataclass(frozen=True)
-class Task:
+class RecordingTask:
     """What is to be recorded. connect: opens the meter.
 
     header: with all that is known before the meter is connected; its session empty: the time of
@@ -42,75 +48,75 @@ class Task:
     tell: told of settings that could not be put back.
     """
 
-    header: Header
+    header: RecordingHeader
     output: Path
     connect: Callable[[], Meter]
     table: AccuracyTable
-    limits: Limits = Limits()
+    limits: SweepLimits = SweepLimits()
     same_mounting: bool = False
     switch: Switch | None = None
     tell: Callable[[str], None] = lambda text: None
 
     @cached_property
-    def order(self) -> list[Step]:
+    def order(self) -> list[PressStep]:
         """The presses in their order."""
         header = self.header
         return [parse_step(press, header.rows, header.columns) for press in header.order]
 
 
-def record(task: Task, operator: Operator) -> tuple[Header, list[Entry]]:
+def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, list[JournalEntry]]:
     """Every sweep of the task, those included that an earlier run has finished.
 
     Raises InputError where the journal beside the output is of another recording, of another
     mounting or unreadable, MeterError where the operator gives up on a sweep, KeyboardInterrupt
     where the operator ends it; what is finished stays on the disk.
     """
-    journal = Journal(task.output)
+    journal = RecordingJournal(task.output)
     header = _resumed(journal, task)
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
-        _ask_for_mounting(journal, entries.values(), operator)
-    station = Station(task.connect, header, task.tell, journal)
+        _confirm_mounting(journal, entries.values(), operator)
+    station = ManagedMeter(task.connect, header, task.tell, journal)
     try:
         if header is None:
-            header = _begun(journal, task, station)
-        judge = Judge(
+            header = _start(journal, task, station)
+        judge = SweepChecker(
             np.array(header.frequencies),
             task.table,
             header.settings,
             task.limits,
             header.of_each,
         )
-        course = Course(task, station, operator, judge, entries)
+        run = RecordingRun(task, station, operator, judge, entries)
         missing = deque(number for number in range(len(task.order)) if number not in entries)
         while missing:
-            entry = course.step(missing[0])
+            entry = run.step(missing[0])
             if entry is None:
                 missing.appendleft(max(missing[0] - 1, 0))
                 continue
             journal.keep(missing[0], entry)
-            tell_if_set_back(entry, entries.get(missing[0] - 1))
+            warn_if_clock_set_back(entry, entries.get(missing[0] - 1))
             entries[missing.popleft()] = entry
     finally:
         with shielded():
-            station.leave()
+            station.release()
             if task.switch:
                 task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 
 @dataclass
-class Course:
+class RecordingRun:
     """The way through a task. entries: what is finished, by its place in the order."""
 
-    task: Task
-    station: Station
+    task: RecordingTask
+    station: ManagedMeter
     operator: Operator
-    judge: Judge
-    entries: Mapping[int, Entry]
+    judge: SweepChecker
+    entries: Mapping[int, JournalEntry]
     _ends: list[float] = field(default_factory=lambda: [time.monotonic()], init=False)
 
-    def step(self, number: int) -> Entry | None:
+    def step(self, number: int) -> JournalEntry | None:
         """A sweep that the operator keeps; None where the step before is to be done again.
 
         Raises MeterError where the operator gives up, KeyboardInterrupt where the operator ends it.
@@ -119,7 +125,7 @@ class Course:
         before = [entry for place, entry in sorted(self.entries.items()) if place < number]
         sound = [entry for entry in before if not entry.remarks]
         alike = [entry.sweep for entry in sound if entry.press == step.press]
-        rests = [entry.sweep for entry in sound if entry.press == REST.press]
+        rests = [entry.sweep for entry in sound if entry.press == UNPRESSED_STEP.press]
         progress = self._progress(number, rests)
         while True:
             try:
@@ -131,14 +137,14 @@ class Course:
                 continue
             if entry is None:
                 return None
-            remarks = self.judge.remarks(entry.sweep, alike, step == REST)
-            if step != REST:
-                remarks += unseen_press(entry.sweep, rests)
+            remarks = self.judge.remarks(entry.sweep, alike, step == UNPRESSED_STEP)
+            if step != UNPRESSED_STEP:
+                remarks += undetected_press(entry.sweep, rests)
             if self.operator.kept(remarks):
                 self._ends.append(time.monotonic())
                 return replace(entry, remarks=tuple(remarks))
 
-    def _attempt(self, step: Step, progress: StepStatus) -> Entry | None:
+    def _attempt(self, step: PressStep, progress: StepStatus) -> JournalEntry | None:
         meter, task = self.station.ready(), self.task
         if not self.operator.press(step, progress):
             return None
@@ -154,17 +160,17 @@ class Course:
         )
         assert self.station.header is not None
         require_settings(meter, self.station.header.settings)
-        return Entry(step.press, sweep, begun, now())
+        return JournalEntry(step.press, sweep, begun, now())
 
-    def _progress(self, number: int, rests: Sequence[Sweep]) -> StepStatus:
+    def _progress(self, number: int, rests: Sequence[MeasuredSweep]) -> StepStatus:
         """The time left is told from the median of the latest steps of this run."""
         total = len(self.task.order)
-        taken = np.diff(self._ends[-LATEST:])
+        taken = np.diff(self._ends[-ETA_STEPS:])
         left = float(np.median(taken)) * (total - number) if taken.size else None
         return StepStatus(number, total, left, rests[-1] if rests else None)
 
 
-def _resumed(journal: Journal, task: Task) -> Header | None:
+def _resumed(journal: RecordingJournal, task: RecordingTask) -> RecordingHeader | None:
     header = journal.header()
     if header is None:
         return None
@@ -177,10 +183,12 @@ def _resumed(journal: Journal, task: Task) -> Header | None:
     return header
 
 
-def _ask_for_mounting(journal: Journal, entries: Iterable[Entry], operator: Operator) -> None:
+def _confirm_mounting(
+    journal: RecordingJournal, entries: Iterable[JournalEntry], operator: Operator
+) -> None:
     hours = (time.time() - max(entry.time for entry in entries)) / 3600
     ago = f"{hours:.0f} hours ago" if hours < 48 else f"{hours / 24:.0f} days ago"
-    if hours > MOUNTED and not operator.same_mounting(ago):
+    if hours > REMOUNT_HOURS and not operator.same_mounting(ago):
         raise InputError(
             f"{journal.folder}: the last sweep was taken {ago}; --same-mounting goes on where the "
             "skin was not mounted anew. A new mounting is a session of its own: `rcskin meter "
@@ -188,7 +196,9 @@ def _ask_for_mounting(journal: Journal, entries: Iterable[Entry], operator: Oper
         )
 
 
-def _begun(journal: Journal, task: Task, station: Station) -> Header:
+def _start(
+    journal: RecordingJournal, task: RecordingTask, station: ManagedMeter
+) -> RecordingHeader:
     meter = station.ready()
     check_frequencies(meter, task.header.frequencies)
     apply_settings(meter, task.header.asked)

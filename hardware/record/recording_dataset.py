@@ -12,16 +12,16 @@ import numpy as np
 from ...simulator.sweeps import build
 from ...simulator.sweeps.schema import SESSIONS
 from ..meter.meter_identity import sweep_origin
-from .measured_sweep import Sweep, flagged, trace_times
-from .press_order import UNKNOWN, Step, parse_step
-from .recording_journal import Entry, Header
+from .measured_sweep import MeasuredSweep, flagged_readings, trace_times
+from .press_order import UNKNOWN, PressStep, parse_step
+from .recording_journal import JournalEntry, RecordingHeader
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
 
-def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
+def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) -> xr.Dataset:
     """Sweeps at the scene's frequencies (the meter's own, rounded to five digits, differ by less).
 
     Attributes hold the scene, the meter and its settings; `times`, `interface_times` (of each
@@ -32,9 +32,9 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
     sweeps = [entry.sweep for entry in entries]
-    taken = taken_at(header.interfaces, header.frequencies, header.of_each)
+    taken = measured_mask(header.interfaces, header.frequencies, header.of_each)
     told = {} if header.order else {"answers": json.dumps(answers)}
-    return dataset_of(
+    return sweep_dataset(
         sweeps,
         header.interfaces,
         header.frequencies,
@@ -52,7 +52,7 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
             "interface_times": json.dumps([trace_times(sweep) for sweep in sweeps]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
-            "flagged": json.dumps(_placed(flagged(sweeps), taken)),
+            "flagged": json.dumps(_global_frequency_indices(flagged_readings(sweeps), taken)),
             SESSIONS: json.dumps({0: header.session}),
             **told,
             "accuracy": header.accuracy,
@@ -61,8 +61,8 @@ def gather(header: Header, entries: Sequence[Entry]) -> xr.Dataset:
     )
 
 
-def dataset_of(
-    sweeps: Sequence[Sweep],
+def sweep_dataset(
+    sweeps: Sequence[MeasuredSweep],
     interfaces: Sequence[str],
     frequencies: Sequence[float],
     of_each: Mapping[str, Sequence[float]],
@@ -72,9 +72,9 @@ def dataset_of(
 
     of_each: frequencies of interfaces that have their own, by name. more: as of `build`.
     """
-    taken = taken_at(interfaces, frequencies, of_each)
-    Z = [spread([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
-    Cp = [spread([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
+    taken = measured_mask(interfaces, frequencies, of_each)
+    Z = [scatter_readings([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
+    Cp = [scatter_readings([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
     return build(
         np.stack(Z),
         np.array(frequencies),
@@ -85,7 +85,7 @@ def dataset_of(
     )
 
 
-def taken_at(
+def measured_mask(
     interfaces: Sequence[str],
     frequencies: Sequence[float],
     of_each: Mapping[str, Sequence[float]],
@@ -97,7 +97,7 @@ def taken_at(
     return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
 
 
-def spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
+def scatter_readings(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
     """What was read in its places, NaN elsewhere, shape (interface, frequency)."""
     read = np.concatenate([np.asarray(trace) for trace in traces])
     found = np.full(taken.shape, np.nan, dtype=read.dtype)
@@ -105,7 +105,7 @@ def spread(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
     return found
 
 
-def _placed(
+def _global_frequency_indices(
     flags: Sequence[tuple[int, int, int, int]], taken: NDArray[np.bool_]
 ) -> list[tuple[int, int, int, int]]:
     """Numbers of frequencies among all, in place of those among what an interface is read at."""
@@ -113,7 +113,7 @@ def _placed(
     return [(sweep, at, places[at][index], code) for sweep, at, index, code in flags]
 
 
-def _step(press: str, header: Header) -> Step:
+def _step(press: str, header: RecordingHeader) -> PressStep:
     if press == UNKNOWN:
-        return Step(press, -1, -1)
+        return PressStep(press, -1, -1)
     return parse_step(press, header.rows, header.columns)

@@ -18,19 +18,19 @@ from ...simulator.sweeps import InputError, inputs, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.output_files import locked
-from .measured_sweep import Sweep, Trace
+from .measured_sweep import InterfaceTrace, MeasuredSweep
 
-HEADER, SWEEPS, FOUND = "recording.json", "[0-9]*.json", "meter.json"
+HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
 LOG = logging.getLogger(__name__)
-OWN = "of_each"
+OPTIONAL_FIELD = "of_each"
 """The field of a header that is left out where it is empty."""
-KNOWN_BEFORE = ("scene", "name", "interfaces", "frequencies", OWN, "rows", "columns")
-KNOWN_BEFORE += ("order", "asked")
+REQUESTED_FIELDS = ("scene", "name", "interfaces", "frequencies", OPTIONAL_FIELD, "rows", "columns")
+REQUESTED_FIELDS += ("order", "asked")
 """Fields of a header that are known before a meter is connected."""
 
 
 @dataclass(frozen=True)
-class Header:
+class RecordingHeader:
     """What a recording is of, fixed when it begins; before that its last fields are empty.
 
     scene: TOML text. frequencies: Hz, ascending. order: presses; empty where they come as they
@@ -56,14 +56,14 @@ class Header:
 
 
 @dataclass(frozen=True)
-class Entry:
+class JournalEntry:
     """One finished sweep. begun, ended: ISO 8601. remarks: what was wrong with it.
 
     answer: what a localizer told of it, and how probable that is.
     """
 
     press: str
-    sweep: Sweep
+    sweep: MeasuredSweep
     begun: str
     ended: str
     remarks: tuple[str, ...] = ()
@@ -81,7 +81,7 @@ class Entry:
         return begun.timestamp(), ended.timestamp()
 
 
-def tell_if_set_back(entry: Entry, before: Entry | None) -> None:
+def warn_if_clock_set_back(entry: JournalEntry, before: JournalEntry | None) -> None:
     """Log that the clock was set back in a sweep, or since the end of the one before."""
     begun, ended = entry.ends
     back = max(before.ends[1] - begun if before else 0.0, begun - ended)
@@ -94,13 +94,13 @@ def tell_if_set_back(entry: Entry, before: Entry | None) -> None:
         )
 
 
-class Journal:
+class RecordingJournal:
     """The folder of one recording."""
 
     def __init__(self, output: Path) -> None:
         self.output, self.folder = output, output.with_name(f"{output.name}.sweeps")
 
-    def header(self) -> Header | None:
+    def header(self) -> RecordingHeader | None:
         """What was recorded here so far, None where nothing was. Raises InputError."""
         path = self.folder / HEADER
         if not path.exists():
@@ -108,19 +108,19 @@ class Journal:
         with _parsing(path):
             return _header(_read(path), path)
 
-    def begin(self, header: Header) -> None:
+    def begin(self, header: RecordingHeader) -> None:
         """Put the header on the disk; sweeps of anything before it are gone."""
         self.folder.mkdir(exist_ok=True)
         for path in self.folder.glob(SWEEPS):
             path.unlink()
         told = asdict(header)
-        _write(self.folder / HEADER, told if header.of_each else _without(OWN, told))
+        _write(self.folder / HEADER, told if header.of_each else _without(OPTIONAL_FIELD, told))
 
-    def keep(self, number: int, entry: Entry) -> None:
+    def keep(self, number: int, entry: JournalEntry) -> None:
         """Put a finished sweep on the disk."""
         _write(self._path(number), asdict(entry))
 
-    def entries(self, header: Header) -> dict[int, Entry]:
+    def entries(self, header: RecordingHeader) -> dict[int, JournalEntry]:
         """The finished sweeps by their number, which is their place in the order if there is one.
 
         Raises InputError.
@@ -132,17 +132,17 @@ class Journal:
                 found[number] = _entry(_read(path), path, header.order[number : number + 1])
         return found
 
-    def keep_found(self, meter: str, settings: Mapping[str, Any]) -> None:
+    def save_original_settings(self, meter: str, settings: Mapping[str, Any]) -> None:
         """Put on the disk how a meter was found, which answers so to `*IDN?`."""
         self.folder.mkdir(exist_ok=True)
-        _write(self.folder / FOUND, {"meter": meter, "settings": dict(settings)})
+        _write(self.folder / METER_FILE, {"meter": meter, "settings": dict(settings)})
 
-    def found(self) -> tuple[str, dict[str, Any]] | None:
+    def original_settings(self) -> tuple[str, dict[str, Any]] | None:
         """The meter and the settings that it was found with, where they were not put back.
 
         Raises InputError.
         """
-        path = self.folder / FOUND
+        path = self.folder / METER_FILE
         if not path.exists():
             return None
         match _read(path):
@@ -150,15 +150,15 @@ class Journal:
                 return meter, {name: _tuple(value) for name, value in settings.items()}
         raise InputError(f"{path}: tells not how the meter was found; take it away to go on")
 
-    def drop_found(self) -> None:
+    def drop_original_settings(self) -> None:
         """The meter is as it was found."""
-        (self.folder / FOUND).unlink(missing_ok=True)
+        (self.folder / METER_FILE).unlink(missing_ok=True)
         with suppress(OSError):  # there is a recording in it
             self.folder.rmdir()
 
     def remove(self) -> None:
         """End it, as all of it is in the output; the folder goes when its lock is given back."""
-        self.drop_found()  # what is not put back by now was told
+        self.drop_original_settings()  # what is not put back by now was told
         for path in (self.folder / HEADER, *self.folder.glob(SWEEPS)):
             path.unlink()
 
@@ -174,10 +174,10 @@ class Journal:
         return self.folder / f"{number:06d}.json"
 
 
-def differences(begun: Header, asked: Header) -> list[str]:
+def differences(begun: RecordingHeader, requested: RecordingHeader) -> list[str]:
     """Names of what is asked for and is not what the recording began with."""
-    names = [*KNOWN_BEFORE, *(["session"] if asked.session else [])]
-    return [name for name in names if getattr(begun, name) != getattr(asked, name)]
+    names = [*REQUESTED_FIELDS, *(["session"] if requested.session else [])]
+    return [name for name in names if getattr(begun, name) != getattr(requested, name)]
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:
@@ -189,10 +189,10 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         return unsealed_json(inputs.text(path, inputs.JOURNAL))
     except (OSError, ValueError) as error:
-        raise _no_part(path, error) from error
+        raise _unreadable(path, error) from error
 
 
-def _no_part(path: Path, error: Exception) -> InputError:
+def _unreadable(path: Path, error: Exception) -> InputError:
     told = " ".join(str(error).split())
     return InputError(
         f"{path}: cannot be read as part of a recording: {told}; move it away to record that anew"
@@ -206,37 +206,39 @@ def _parsing(path: Path) -> Iterator[None]:
     except InputError:
         raise
     except (TypeError, ValueError, LookupError, AttributeError) as error:
-        raise _no_part(path, error) from error
+        raise _unreadable(path, error) from error
 
 
-def _header(content: dict[str, Any], path: Path) -> Header:
-    content = {OWN: {}, **content}
-    _check_keys(content, Header, path)
+def _header(content: dict[str, Any], path: Path) -> RecordingHeader:
+    content = {OPTIONAL_FIELD: {}, **content}
+    _check_keys(content, RecordingHeader, path)
     lists = {name: tuple(content[name]) for name in ("interfaces", "frequencies", "order")}
-    own = {name: tuple(each) for name, each in content[OWN].items()}
-    return Header(**{**content, **lists, OWN: own})
+    own = {name: tuple(each) for name, each in content[OPTIONAL_FIELD].items()}
+    return RecordingHeader(**{**content, **lists, OPTIONAL_FIELD: own})
 
 
 def _without(name: str, content: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in content.items() if key != name}
 
 
-def _entry(content: dict[str, Any], path: Path, asked: tuple[str, ...]) -> Entry:
-    _check_keys(content, Entry, path)
-    _check_keys(content["sweep"], Sweep, path)
+def _entry(content: dict[str, Any], path: Path, expected: tuple[str, ...]) -> JournalEntry:
+    _check_keys(content, JournalEntry, path)
+    _check_keys(content["sweep"], MeasuredSweep, path)
     for trace in content["sweep"]["traces"]:
-        _check_keys(trace, Trace, path)
-    if asked and content["press"] != asked[0]:
-        raise InputError(f"{path}: holds press {content['press']}, the order has {asked[0]} here")
-    sweep = Sweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
+        _check_keys(trace, InterfaceTrace, path)
+    if expected and content["press"] != expected[0]:
+        raise InputError(
+            f"{path}: holds press {content['press']}, the order has {expected[0]} here"
+        )
+    sweep = MeasuredSweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
     answer = content["answer"] and tuple(content["answer"])
     listed = {"sweep": sweep, "remarks": tuple(content["remarks"]), "answer": answer}
-    return Entry(**{**content, **listed})
+    return JournalEntry(**{**content, **listed})
 
 
-def _trace(content: dict[str, Any]) -> Trace:
+def _trace(content: dict[str, Any]) -> InterfaceTrace:
     lists = {name: tuple(value) for name, value in content.items() if isinstance(value, list)}
-    return Trace(**{**content, **lists})
+    return InterfaceTrace(**{**content, **lists})
 
 
 def _tuple(value: Any) -> Any:

@@ -16,19 +16,21 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from .recording_journal import Entry, Header, Journal
+    from .recording_journal import JournalEntry, RecordingHeader, RecordingJournal
 
 LOG = logging.getLogger(__name__)
 
 
-def finish(journal: Journal, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+def finish(
+    journal: RecordingJournal, header: RecordingHeader, entries: Mapping[int, JournalEntry]
+) -> xr.Dataset:
     """Write the output whole, then take the journal away; the sweeps that were written."""
     sweeps = write_all(journal.output, header, entries)
     journal.remove()
     return sweeps
 
 
-def gather_command(
+def gather(
     recording: Annotated[Path, typer.Argument(help="The output that the recording was to have.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
@@ -39,9 +41,9 @@ def gather_command(
     A recording can go on afterwards, towards another mounting's or its own end.
     """
     from ...simulator.sweeps import InputError, checked_output, sizes_text
-    from .recording_journal import Journal
+    from .recording_journal import RecordingJournal
 
-    journal = Journal(recording)
+    journal = RecordingJournal(recording)
     header = journal.header()
     entries = journal.entries(header) if header else {}
     if header is None or not entries:
@@ -50,16 +52,16 @@ def gather_command(
     sweeps = write_all(path, header, entries)
     whole = f" of {len(header.order)}" if header.order else ""
     say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
-    _tell_if_changed(journal)
+    _warn_if_meter_changed(journal)
 
 
-def _tell_if_changed(journal: Journal) -> None:
+def _warn_if_meter_changed(journal: RecordingJournal) -> None:
     """Log how a meter should be that a command which was killed left changed."""
     from ...simulator.sweeps import InputError
     from ..meter.original_settings import settings_text
 
     with suppress(InputError), journal.lock():  # else it is under way
-        if found := journal.found():
+        if found := journal.original_settings():
             LOG.warning(
                 "%s: a command that was cut off left the meter changed; the same command puts it "
                 "back to what it was at first: %s",
@@ -68,18 +70,20 @@ def _tell_if_changed(journal: Journal) -> None:
             )
 
 
-def write_all(output: Path, header: Header, entries: Mapping[int, Entry]) -> xr.Dataset:
+def write_all(
+    output: Path, header: RecordingHeader, entries: Mapping[int, JournalEntry]
+) -> xr.Dataset:
     """Write sweeps of a journal, whole or not at all; what was written."""
     from ...simulator.sweeps import write
-    from .recording_dataset import gather
+    from .recording_dataset import recording_dataset
 
-    sweeps = gather(header, [entries[number] for number in sorted(entries)])
+    sweeps = recording_dataset(header, [entries[number] for number in sorted(entries)])
     write(sweeps, output)
     return sweeps
 
 
 @contextmanager
-def going_on_later(journal: Journal) -> Iterator[None]:
+def explain_resuming(journal: RecordingJournal) -> Iterator[None]:
     """Where the block ends early, tell what is kept and how to go on with it."""
     from ..meter.errors import MeterError
 
@@ -96,10 +100,10 @@ def going_on_later(journal: Journal) -> Iterator[None]:
         raise
 
 
-def remarkable(entries: Sequence[Entry]) -> list[str]:
+def summary_remarks(entries: Sequence[JournalEntry]) -> list[str]:
     """How many sweeps have remarks, and what the meter flagged."""
-    from .measured_sweep import flags
+    from .measured_sweep import flag_remarks
 
     unsound = sum(bool(entry.remarks) for entry in entries)
-    flagged = flags([entry.sweep for entry in entries])
+    flagged = flag_remarks([entry.sweep for entry in entries])
     return [f"{unsound} with remarks", *(f"flagged by the meter: {each}" for each in flagged)]

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading, ReadingStatus
-from .measured_sweep import Sweep, Trace
-from .operators import Display, StepStatus
-from .press_detection import percent_of_rest
-from .press_order import Step
+from .measured_sweep import InterfaceTrace, MeasuredSweep
+from .operators import RecordingDisplay, StepStatus
+from .press_detection import percent_change
+from .press_order import PressStep
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from rich.live import Live
     from rich.table import Table
 
-SHOWN_READINGS = 20
+MAX_ROWS = 20
 LEVELS = "▁▂▃▄▅▆▇█"
 
 
-class Screen:
+class RecordingScreen:
     """Live table of Rs and Cp on a terminal while the block runs, and a line for each sweep.
 
     In a pipe only what is wrong with a sweep, unless `plain` asks for a line for each.
@@ -38,8 +38,8 @@ class Screen:
         self._several = several
         self._live: Live | None = None
         self._title = self._press = ""
-        self._all_rest: Sweep | None = None
-        self._rest: Trace | None = None
+        self._all_rest: MeasuredSweep | None = None
+        self._rest: InterfaceTrace | None = None
         self._readings: list[tuple[float, MeterReading]] = []
 
     def __enter__(self) -> Self:
@@ -53,7 +53,7 @@ class Screen:
     ) -> None:
         self._stop()
 
-    def begin(self, title: str, rest: Sweep | None) -> None:
+    def begin(self, title: str, rest: MeasuredSweep | None) -> None:
         """A sweep begins. rest: the skin at rest, which it is shown beside."""
         self._title = self._press = title
         self._all_rest, self._rest, self._readings = rest, None, []
@@ -103,8 +103,8 @@ class Screen:
             return {}
         Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
         return {
-            "Rs": percent_of_rest(Rs, self._rest.Rs),
-            "Cp": percent_of_rest(Cp, self._rest.Cp),
+            "Rs": percent_change(Rs, self._rest.Rs),
+            "Cp": percent_change(Cp, self._rest.Cp),
         }
 
     def _curves(self) -> str:
@@ -125,7 +125,7 @@ class Screen:
         names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% of rest)" for name in changes)]
         right = [Column(name, justify="right") for name in names]
         table = Table(*right, "", title=self._title, box=None)
-        for place, (frequency, reading) in list(enumerate(self._readings))[-SHOWN_READINGS:]:
+        for place, (frequency, reading) in list(enumerate(self._readings))[-MAX_ROWS:]:
             table.add_row(
                 f"{frequency / 1e3:.5g}",
                 f"{reading.Rs / 1e3:.6g}",
@@ -145,26 +145,26 @@ def sparkline(values: NDArray[np.float64]) -> str:
 
 
 @dataclass(frozen=True)
-class Person:
+class PersonOperator:
     """Someone at the keyboard who presses the skin and decides what is repeated."""
 
     console: Console
-    show: Display
+    show: RecordingDisplay
 
     def same_mounting(self, ago: str) -> bool:
         """What the person says."""
         question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
-        while not (answer := self._choice(question, "yn")):
+        while not (answer := self._ask_choice(question, "yn")):
             pass
         return answer == "n"
 
-    def press(self, step: Step, progress: StepStatus) -> bool:
+    def press(self, step: PressStep, progress: StepStatus) -> bool:
         """Tell what to press, and wait for Enter; False where the step before is to come again."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
         what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"
         again = "r: the one before again, " if progress.number else ""
         question = f"{progress.words}  {what}, then Enter ({again}q: quit) "
-        if self._choice(question, "r" if progress.number else "") == "r":
+        if self._ask_choice(question, "r" if progress.number else "") == "r":
             return False
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
@@ -175,7 +175,9 @@ class Person:
 
     def connect(self, interface: str) -> None:
         """Have the person connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
-        self._choice(f"Keep the press, connect interface {interface}, then Enter (q: quit) ", "")
+        self._ask_choice(
+            f"Keep the press, connect interface {interface}, then Enter (q: quit) ", ""
+        )
 
     def watch(self, frequency: float, reading: MeterReading) -> None:
         """Show the reading."""
@@ -185,24 +187,24 @@ class Person:
         """Whether the person keeps a sweep in spite of remarks."""
         self.show.end(remarks)
         question = "Enter: redo, a: accept anyway, q: quit "
-        return not remarks or self._choice(question, "ra") == "a"
+        return not remarks or self._ask_choice(question, "ra") == "a"
 
     def again(self, failure: MeterError) -> bool:
         """Whether the person wants to try again."""
         self.show.end([str(failure)])
-        return self._choice("Enter: try again, n: give up, q: quit ", "n") != "n"
+        return self._ask_choice("Enter: try again, n: give up, q: quit ", "n") != "n"
 
-    def _choice(self, question: str, letters: str) -> str:
+    def _ask_choice(self, prompt: str, letters: str) -> str:
         """One of the letters, or nothing for Enter; asked until it is. Raises KeyboardInterrupt."""
         while True:
-            answer = self._ask(question).lower()
+            answer = self._ask(prompt).lower()
             if answer == "q":
                 raise KeyboardInterrupt
             if answer in ("", *letters):
                 return answer
 
-    def _ask(self, question: str) -> str:
+    def _ask(self, prompt: str) -> str:
         try:
-            return self.console.input(question, markup=False).strip()
+            return self.console.input(prompt, markup=False).strip()
         except EOFError:
             raise KeyboardInterrupt from None

@@ -11,16 +11,16 @@ import numpy as np
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
 from ..meter.accuracy_table import AccuracyTable, GeneratorLevel, ReadingConditions, full_scale
-from .measured_sweep import Sweep, Trace
+from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-CALCULATED = 1e-3
+CP_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Limits:
+class SweepLimits:
     """How far a sweep may depart. errors: the slack of the laws, in bounds of the meter's error.
     At 2 noise of the size of the bounds broke a law in 22 of 300 sweeps, at 3 in none.
 
@@ -36,7 +36,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Judge:
+class SweepChecker:
     """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot.
 
     of_each: frequencies of interfaces that have their own, by name.
@@ -45,10 +45,12 @@ class Judge:
     frequency: NDArray[np.float64]
     table: AccuracyTable
     settings: Mapping[str, Any]
-    limits: Limits
+    limits: SweepLimits
     of_each: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
-    def remarks(self, sweep: Sweep, earlier: Sequence[Sweep], at_rest: bool) -> list[str]:
+    def remarks(
+        self, sweep: MeasuredSweep, earlier: Sequence[MeasuredSweep], at_rest: bool
+    ) -> list[str]:
         """What is wrong with a sweep, in words; empty where it is sound.
 
         earlier: sound sweeps of the same press, oldest first.
@@ -59,23 +61,25 @@ class Judge:
             where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
             frequency = np.array(self.of_each.get(trace.interface, self.frequency))
             own = replace(self, frequency=frequency)
-            found += [where + remark for remark in own._of_trace(trace, before, at_rest)]
+            found += [where + remark for remark in own._trace_remarks(trace, before, at_rest)]
         return found
 
-    def _of_trace(self, trace: Trace, earlier: Sequence[Trace], at_rest: bool) -> list[str]:
-        found = [*self._broken_laws(trace), *self._miscalculated(trace)]
+    def _trace_remarks(
+        self, trace: InterfaceTrace, earlier: Sequence[InterfaceTrace], at_rest: bool
+    ) -> list[str]:
+        found = [*self._law_remarks(trace), *self._capacitance_remarks(trace)]
         if earlier and at_rest:
-            found += self._departs(
+            found += self._deviation_remarks(
                 trace, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
             )
         elif earlier:
             mean = np.mean([one.Z for one in earlier], axis=0)
-            found += self._departs(
+            found += self._deviation_remarks(
                 trace, mean, self.limits.repeatability, "differs from earlier repetitions"
             )
         return found
 
-    def bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
+    def error_bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
         """Of the meter's error, at each frequency by its own reading."""
         pairs = [
             self.table.error_bounds(z, self._conditions(f, z))
@@ -95,18 +99,18 @@ class Judge:
             settings["cable"],
         )
 
-    def _broken_laws(self, trace: Trace) -> list[str]:
+    def _law_remarks(self, trace: InterfaceTrace) -> list[str]:
         if not self.limits.two_terminal:
             return []
-        bounds = self.bounds(trace.Z).times(self.limits.errors)
+        bounds = self.error_bounds(trace.Z).times(self.limits.errors)
         broken = broken_laws(trace.Z, self.frequency, bounds)
-        beyond = f"beyond the meter's error{self._guessed(trace.Z)}" if broken else ""
+        beyond = f"beyond the meter's error{self._unknown_error_note(trace.Z)}" if broken else ""
         return [
             f"{law} is broken at {frequencies_text(self.frequency[where])}, {beyond}"
             for law, where in broken.items()
         ]
 
-    def _guessed(self, Z: NDArray[np.complex128]) -> str:
+    def _unknown_error_note(self, Z: NDArray[np.complex128]) -> str:
         """What is said of ranges whose error is not known; nothing where all are."""
         used = {
             self._conditions(float(f), complex(z)).range
@@ -117,15 +121,15 @@ class Judge:
             return ""
         return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
 
-    def _miscalculated(self, trace: Trace) -> list[str]:
+    def _capacitance_remarks(self, trace: InterfaceTrace) -> list[str]:
         from_Z = parallel_capacitance(trace.Z, self.frequency)
-        wrong = np.abs(np.array(trace.Cp) - from_Z) > CALCULATED * np.abs(from_Z)
+        wrong = np.abs(np.array(trace.Cp) - from_Z) > CP_TOLERANCE * np.abs(from_Z)
         if not wrong.any():
             return []
         return [f"Cp does not follow from Rs, X and f at {frequencies_text(self.frequency[wrong])}"]
 
-    def _departs(
-        self, trace: Trace, usual: NDArray[np.complex128], limit: float, what: str
+    def _deviation_remarks(
+        self, trace: InterfaceTrace, usual: NDArray[np.complex128], limit: float, what: str
     ) -> list[str]:
         departure = np.abs(trace.Z / usual - 1)
         worst = int(departure.argmax())

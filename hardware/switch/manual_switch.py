@@ -12,7 +12,7 @@ from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
 
 
 @dataclass(frozen=True)
-class Person:
+class ManualSwitch:
     """Someone who connects what `ask` tells, and returns from it when that is done."""
 
     ask: Callable[[str], object]
@@ -29,7 +29,7 @@ class Person:
 
 
 @dataclass(frozen=True)
-class Command:
+class CommandSwitch:
     """A command that is run, without a shell, with the interface's name filled in.
 
     template: with `{interface}`. timeout: s that it may take.

@@ -24,7 +24,7 @@ NUMERALS = "0123456789ABCDEFGHIJKLMNOPQRSTUV"
 """Numato's names of relays: one character each."""
 LCUS_START = 0xA0
 LCUS_STATE = re.compile(rb"CH\s*(\d+)\s*:\s*(ON|OFF)", re.IGNORECASE)
-LONGEST_ANSWER = 1024
+MAX_ANSWER = 1024
 
 
 class SerialLine:
@@ -68,7 +68,7 @@ class SerialLine:
                     "`kind` and `baud`, and whether it has a read-back at all (`query`)"
                 )
             answer += came
-            if not came or len(answer) > LONGEST_ANSWER:
+            if not came or len(answer) > MAX_ANSWER:
                 raise GarbledSwitchError(
                     f"{self.port}: {answer[:40]!r} is no whole answer of such a board; check "
                     "`kind` and `baud`"
@@ -90,7 +90,7 @@ class SerialLine:
 
 
 @dataclass(frozen=True)
-class Numato:
+class NumatoBoard:
     """A board of Numato Lab's. driven: the relays that belong to the switch, from 0."""
 
     line: SerialLine
@@ -99,20 +99,20 @@ class Numato:
     def put(self, closed: Closed, /) -> None:
         """Switch these on and the others off, before: nothing is joined in passing."""
         for number in sorted(self.driven - closed):
-            self._said(f"relay off {NUMERALS[number]}")
+            self._command(f"relay off {NUMERALS[number]}")
         for number in sorted(closed):
-            self._said(f"relay on {NUMERALS[number]}")
+            self._command(f"relay on {NUMERALS[number]}")
 
     def told(self) -> Closed:
         """Which of the driven relays are on."""
-        state = int(self._said("relay readall", rb"[0-9a-fA-F]+"), 16)
+        state = int(self._command("relay readall", rb"[0-9a-fA-F]+"), 16)
         return frozenset(number for number in self.driven if state >> number & 1)
 
     def close(self) -> None:
         """Let the line go."""
         self.line.close()
 
-    def _said(self, command: str, answer: bytes = b"") -> bytes:
+    def _command(self, command: str, answer: bytes = b"") -> bytes:
         """The answer between the echo of a command and the next prompt."""
         sent = command.encode("ascii")
         whole = re.compile(rb"[\s>]*" + sent + rb"\s*(" + answer + rb")\s*>")
@@ -120,7 +120,7 @@ class Numato:
 
 
 @dataclass(frozen=True)
-class Lcus:
+class LcusBoard:
     """A board of the LCUS kind. driven: the relays that belong to the switch, from 1.
 
     query: the bytes that ask for the state of all; empty where the board has no read-back.

@@ -46,35 +46,35 @@ ROUTINGS = {
 pymeasure's `Keithley2700`). states: of Keysight's 34970A and its kind."""
 
 
-class Scpi:
+class ScpiSwitch:
     """An SCPI switch on an open line. driven: its channels that belong to the switch."""
 
     def __init__(self, line: Connection, driven: Closed, routing: Routing) -> None:
         """Raises SwitchError where it does not answer."""
         self._line, self._driven, self._routing = line, driven, routing
-        self._say("*CLS")
+        self._send("*CLS")
 
     def put(self, closed: Closed, /) -> None:
         """Open the others and close these. Raises RefusedSwitchError where it reports an error."""
         if self._driven - closed:
-            self._say(self._written(self._routing.open, closed))
+            self._send(self._formatted(self._routing.open, closed))
         if closed:
-            self._say(self._written(self._routing.close, closed))
+            self._send(self._formatted(self._routing.close, closed))
 
     def told(self) -> Closed:
         """Which of the driven channels are closed."""
-        question = self._written(self._routing.ask, frozenset())
+        question = self._formatted(self._routing.ask, frozenset())
         return self._ask(question, self._listed if self._routing.listed else self._by_state)
 
     def close(self) -> None:
         """Let the line go."""
         self._line.close()
 
-    def _written(self, message: str, closed: Closed) -> str:
+    def _formatted(self, message: str, closed: Closed) -> str:
         lists = {"these": closed, "others": self._driven - closed, "all": self._driven}
         return message.format(**{name: channel_list(each) for name, each in lists.items()})
 
-    def _say(self, message: str) -> None:
+    def _send(self, message: str) -> None:
         """Send a message without an answer, and look whether it was taken."""
         error = self._ask("SYST:ERR?", str, before=message)
         if not NO_ERROR.fullmatch(error.strip()):
@@ -90,7 +90,7 @@ class Scpi:
             self._line.write(question)
             answer = self._line.read()
         except MeterError as error:
-            raise _of_switch(error, self._line.resource, before or question) from error
+            raise _as_switch_error(error, self._line.resource, before or question) from error
         try:
             return parse(answer)
         except ValueError as error:
@@ -116,7 +116,9 @@ def channel_list(channels: Closed) -> str:
     return f"(@{','.join(map(str, sorted(channels)))})"
 
 
-def open_scpi(resource: str, baud: int, timeout: float, driven: Closed, routing: Routing) -> Scpi:
+def open_scpi(
+    resource: str, baud: int, timeout: float, driven: Closed, routing: Routing
+) -> ScpiSwitch:
     """The switch behind a VISA resource.
 
     timeout: s that an answer may take. Raises InputError where the resource is no name of one,
@@ -125,15 +127,15 @@ def open_scpi(resource: str, baud: int, timeout: float, driven: Closed, routing:
     try:
         line = connect(resource, timeout, baud)
     except MeterError as error:
-        raise _of_switch(error, resource, "the first word") from error
+        raise _as_switch_error(error, resource, "the first word") from error
     try:
-        return Scpi(line, driven, routing)
+        return ScpiSwitch(line, driven, routing)
     except SwitchError:
         line.close()
         raise
 
 
-def _of_switch(error: MeterError, resource: str, message: str) -> SwitchError:
+def _as_switch_error(error: MeterError, resource: str, message: str) -> SwitchError:
     kinds = {
         NoAnswerError: (SilentSwitchError, f"no answer after {message}; check that it is on"),
         GarbledError: (GarbledSwitchError, f"no text came after {message}; check `baud`"),

@@ -12,7 +12,7 @@ from ...simulator.sweeps import InputError
 from .errors import StuckSwitchError, SwitchError
 
 Position = TypeVar("Position")
-POLLED = 0.01
+POLL_INTERVAL = 0.01
 """Seconds between two looks at a switch that is turning."""
 
 
@@ -37,7 +37,7 @@ class Switch(Protocol):
         ...
 
 
-class Device(Protocol[Position]):
+class SwitchDevice(Protocol[Position]):
     """What turns. Everything raises SwitchError where it fails."""
 
     def put(self, position: Position, /) -> None:
@@ -54,19 +54,19 @@ class Device(Protocol[Position]):
 
 
 @dataclass
-class Turning(Generic[Position]):
+class DeviceSwitch(Generic[Position]):
     """A switch made of a device that is opened when it is needed, and anew after a failure.
 
     positions: of the interfaces. settle: s from the moment a turn is done, as far as that is told,
     to the first reading. patience: s in which the read-back must tell the new position.
     """
 
-    open: Callable[[], Device[Position]]
+    open: Callable[[], SwitchDevice[Position]]
     positions: Mapping[str, Position]
     settle: float
     patience: float = 5.0
     selected: str | None = field(default=None, init=False)
-    _device: Device[Position] | None = field(default=None, init=False)
+    _device: SwitchDevice[Position] | None = field(default=None, init=False)
     _found: Position | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
@@ -81,7 +81,7 @@ class Turning(Generic[Position]):
             raise InputError(f"the switch knows the interfaces {known}, got {name!r}")
         before, self.selected = self.selected, None
         try:
-            turned = self._turned(name, before)
+            turned = self._turn_if_needed(name, before)
         except SwitchError:
             self._drop()
             raise
@@ -99,9 +99,9 @@ class Turning(Generic[Position]):
             told = device.told()
             if told is not None and told != self.positions[name]:
                 raise StuckSwitchError(
-                    f"turned to {_words(told)} while interface {name}, position "
-                    f"{_words(self.positions[name])}, was measured; check that nothing else turns "
-                    "it"
+                    f"the switch turned to {_position_text(told)} while interface {name}, position "
+                    f"{_position_text(self.positions[name])}, was measured; check that nothing "
+                    "else turns it"
                 )
         except SwitchError:
             self.selected = None
@@ -116,7 +116,7 @@ class Turning(Generic[Position]):
                 self._device.put(self._found)
         self._drop()
 
-    def _turned(self, name: str, before: str | None) -> bool:
+    def _turn_if_needed(self, name: str, before: str | None) -> bool:
         """Whether it had to turn."""
         if self._device is None:
             self._device = self.open()
@@ -130,16 +130,17 @@ class Turning(Generic[Position]):
             self._confirm(device, name)
         return True
 
-    def _confirm(self, device: Device[Position], name: str) -> None:
+    def _confirm(self, device: SwitchDevice[Position], name: str) -> None:
         end = time.monotonic() + self.patience
         while (told := device.told()) != self.positions[name]:
             if time.monotonic() > end:
                 raise StuckSwitchError(
-                    f"asked for interface {name}, position {_words(self.positions[name])}, the "
-                    f"switch tells {_words(told)} even after {self.patience:g} s; check its power, "
-                    "its wiring, and that nothing else turns it"
+                    f"the switch reports position {_position_text(told)} after {self.patience:g} s "
+                    f"instead of interface {name}, position "
+                    f"{_position_text(self.positions[name])}; check its power, its wiring, and "
+                    "that nothing else turns it"
                 )
-            time.sleep(POLLED)
+            time.sleep(POLL_INTERVAL)
 
     def _drop(self) -> None:
         device, self._device = self._device, None
@@ -147,7 +148,7 @@ class Turning(Generic[Position]):
             device.close()
 
 
-def _words(position: object) -> str:
+def _position_text(position: object) -> str:
     if isinstance(position, frozenset):
         return f"({', '.join(map(str, sorted(position)))})"
     return str(position)

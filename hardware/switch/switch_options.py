@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...simulator.sweeps import InputError
-from .switch import Switch, Turning
+from .switch import DeviceSwitch, Switch
 
 ASK = "ask"
 SETTLE = 0.05
 COMMAND_TIMEOUT = 60.0
 
 
-def asked_switch(
+def switch_from_options(
     name: str | None,
     command: str | None,
     settle: float | None,
@@ -44,16 +44,16 @@ def _made(
     settle: float | None,
     interfaces: Sequence[str],
     ask: Callable[[str], object] | None,
-) -> Turning:
+) -> DeviceSwitch:
     by_name = {each: each for each in interfaces}
     waiting = SETTLE if settle is None else settle
     if command:
         from ..command_template import CommandTemplate
-        from .manual_switch import Command
+        from .manual_switch import CommandSwitch
 
         template = CommandTemplate(command, "switch-with", needed=True, interface="left")
-        device = Command(template, COMMAND_TIMEOUT)
-        return Turning(lambda: device, by_name, waiting)
+        device = CommandSwitch(template, COMMAND_TIMEOUT)
+        return DeviceSwitch(lambda: device, by_name, waiting)
     if name is not None and name != ASK:
         return _by_name(name, settle, waiting, by_name)
     if ask is None:
@@ -61,13 +61,15 @@ def _made(
             f"the interfaces {', '.join(interfaces)} are measured in turn, which takes a switch "
             "that needs nobody: --switch TABLE.toml, --switch HOST:PORT or --switch-with"
         )
-    from .manual_switch import Person
+    from .manual_switch import ManualSwitch
 
-    person = Person(ask)
-    return Turning(lambda: person, by_name, waiting)
+    person = ManualSwitch(ask)
+    return DeviceSwitch(lambda: person, by_name, waiting)
 
 
-def _by_name(name: str, settle: float | None, waiting: float, by_name: dict[str, str]) -> Turning:
+def _by_name(
+    name: str, settle: float | None, waiting: float, by_name: dict[str, str]
+) -> DeviceSwitch:
     if name.endswith(".toml"):
         from .switch_table import read_switch
 
@@ -77,4 +79,4 @@ def _by_name(name: str, settle: float | None, waiting: float, by_name: dict[str,
 
     checked_address(name, "`switch` must be TABLE.toml, HOST:PORT or ask")
     device = VirtualSwitch(name)
-    return Turning(lambda: device, by_name, waiting)
+    return DeviceSwitch(lambda: device, by_name, waiting)

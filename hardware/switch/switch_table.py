@@ -18,16 +18,16 @@ from pydantic import (
 
 from ...simulator.sweeps import InputError, inputs
 from ...simulator.sweeps.reading_time import SETTLE
-from .relays import NUMERALS, Closed, Lcus, Numato, SerialLine
-from .scpi import ROUTINGS, Scpi, open_scpi
-from .switch import Turning
+from .relays import NUMERALS, Closed, LcusBoard, NumatoBoard, SerialLine
+from .scpi import ROUTINGS, ScpiSwitch, open_scpi
+from .switch import DeviceSwitch
 
 Seconds = Annotated[float, Field(ge=0, le=3600)]
 Positive = Annotated[float, Field(gt=0, le=3600)]
 Relays = tuple[int, ...]
 
 
-class _Table(BaseModel):
+class _SwitchTable(BaseModel):
     """What every kind has.
 
     interface: numbers of the relays that are on, all others named here being off. settle: s from
@@ -63,19 +63,19 @@ class _Table(BaseModel):
         return frozenset[int]().union(*self.positions.values())
 
 
-class NumatoTable(_Table):
+class NumatoTable(_SwitchTable):
     """A board of Numato Lab's. port: a serial port, or a pyserial URL."""
 
     numbers: ClassVar = 0, len(NUMERALS) - 1
     kind: Literal["numato"]
     port: str
 
-    def opened(self) -> Numato:
+    def opened(self) -> NumatoBoard:
         """The board, connected."""
-        return Numato(SerialLine(self.port, self.baud, self.timeout), self.driven)
+        return NumatoBoard(SerialLine(self.port, self.baud, self.timeout), self.driven)
 
 
-class LcusTable(_Table):
+class LcusTable(_SwitchTable):
     """A board of the LCUS kind. query: bytes in hex that ask for the state; empty for none."""
 
     numbers: ClassVar = 1, 255
@@ -89,13 +89,13 @@ class LcusTable(_Table):
         bytes.fromhex(value)
         return value
 
-    def opened(self) -> Lcus:
+    def opened(self) -> LcusBoard:
         """The board, connected."""
         line = SerialLine(self.port, self.baud, self.timeout)
-        return Lcus(line, self.driven, bytes.fromhex(self.query))
+        return LcusBoard(line, self.driven, bytes.fromhex(self.query))
 
 
-class ScpiTable(_Table):
+class ScpiTable(_SwitchTable):
     """An SCPI switch at a VISA resource. routing: its words, one of `scpi.ROUTINGS`."""
 
     numbers: ClassVar = 1, 99_999
@@ -103,7 +103,7 @@ class ScpiTable(_Table):
     resource: str
     routing: Literal["single", "multiple", "states"] = "single"
 
-    def opened(self) -> Scpi:
+    def opened(self) -> ScpiSwitch:
         """The switch, connected."""
         routing = ROUTINGS[self.routing]
         return open_scpi(self.resource, self.baud, self.timeout, self.driven, routing)
@@ -115,16 +115,16 @@ class ScpiTable(_Table):
         return self
 
 
-Table = Annotated[NumatoTable | LcusTable | ScpiTable, Field(discriminator="kind")]
+SwitchTable = Annotated[NumatoTable | LcusTable | ScpiTable, Field(discriminator="kind")]
 
 
-def read_switch(path: Path, settle: float | None = None) -> Turning[Closed]:
+def read_switch(path: Path, settle: float | None = None) -> DeviceSwitch[Closed]:
     """The switch in a TOML file. settle: s, in place of the file's.
 
     Raises InputError naming the file, the key and what is wrong.
     """
     try:
-        table = TypeAdapter(Table).validate_python(
+        table = TypeAdapter(SwitchTable).validate_python(
             inputs.tables(inputs.text(path, inputs.SETTINGS))
         )
     except tomllib.TOMLDecodeError as error:
@@ -134,4 +134,4 @@ def read_switch(path: Path, settle: float | None = None) -> Turning[Closed]:
         key = ".".join(map(str, first["loc"][1:] or first["loc"])) or "kind"
         raise InputError(f"{path}: `{key}`: {first['msg']}, got {first['input']}") from error
     waiting = table.settle if settle is None else settle
-    return Turning(table.opened, table.positions, waiting, table.timeout)
+    return DeviceSwitch(table.opened, table.positions, waiting, table.timeout)

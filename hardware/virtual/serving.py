@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.scene.scene import Scene
-    from ..page.page_address import Address
-    from ..page.page_document import Document
+    from ..page.page_address import PageAddress
+    from ..page.page_document import PageDocument
     from .measurement import Skin
 
 
@@ -135,9 +135,9 @@ def routines(
 class Paging:
     """A page on which the skin is pressed. tell: called with where it is."""
 
-    document: Document
+    document: PageDocument
     port: int
-    tell: Callable[[Address], None]
+    tell: Callable[[PageAddress], None]
 
 
 def serve(
@@ -165,21 +165,21 @@ def serve(
 
 
 @asynccontextmanager
-async def paged(control: Control, paging: Paging) -> AsyncIterator[Address]:
+async def paged(control: Control, paging: Paging) -> AsyncIterator[PageAddress]:
     """The skin's page, while the block runs. Raises InputError where the port cannot be had."""
-    from ..page.latest_state import Board
-    from ..page.page_server import Site
-    from ..page.state_watch import posted, watching
+    from ..page.latest_state import LatestState
+    from ..page.page_server import PageServer
+    from ..page.state_watch import keep_updated, post_if_changed
 
-    board = Board()
+    board = LatestState()
 
     async def press(text: str) -> str:
         full = await control.press(text)
-        posted(board, control.shown())
+        post_if_changed(board, control.shown())
         return full
 
-    async with Site(paging.document, board, press).served(paging.port) as address:
-        watch = asyncio.create_task(watching(board, control.shown))
+    async with PageServer(paging.document, board, press).served(paging.port) as address:
+        watch = asyncio.create_task(keep_updated(board, control.shown))
         try:
             yield address
         finally:

@@ -17,7 +17,7 @@ from rcskin.hardware.live.live_localizer import Localizer
 from rcskin.hardware.live.live_meter import Link
 from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.sweep_checks import Limits
+from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import Exhibit, instrument
@@ -107,7 +107,7 @@ class Stage:
                 localizer,
                 lambda: open_meter(ports.resource, 5.0),
                 read_table(),
-                Limits(),
+                SweepLimits(),
                 30.0,
                 switch if len(self.interfaces) > 1 else None,
                 clock=lambda: self.now,

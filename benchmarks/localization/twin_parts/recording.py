@@ -10,11 +10,11 @@ import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.operators import Machine, pressing_virtually
+from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import parse_step
-from rcskin.hardware.record.recorder import Task, record
-from rcskin.hardware.record.recording_dataset import gather
-from rcskin.hardware.record.recording_terminal import Screen
+from rcskin.hardware.record.recorder import RecordingTask, record
+from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.recording_terminal import RecordingScreen
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import Control
 from rcskin.hardware.virtual.meter_server import running
@@ -43,12 +43,14 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     meter = instrument(Exhibit(skins, readout, *scene.pixels.shape, first), pace=0.0)
     steps = [parse_step(press, *scene.pixels.shape) for press in presses]
     with running(meter, Control(meter)) as ports, tempfile.TemporaryDirectory() as folder:
-        hand = pressing_virtually(f"{ports.host}:{ports.control}")
-        task = Task(
+        hand = press_virtual_skin(f"{ports.host}:{ports.control}")
+        task = RecordingTask(
             header_of(scene, [interface], steps),
             Path(folder) / "twin.nc",
             lambda: open_meter(ports.resource, TIMEOUT),
             read_table(DERIVED_TABLE),
         )
-        header, entries = record(task, Machine(hand, Screen(Console(quiet=True)), retries=0))
-    return gather(header, entries)
+        header, entries = record(
+            task, MachineOperator(hand, RecordingScreen(Console(quiet=True)), retries=0)
+        )
+    return recording_dataset(header, entries)

@@ -7,7 +7,7 @@ from typing import Any
 
 from rcskin.hardware.live.live_meter import Link
 from rcskin.hardware.live.live_session import Moment
-from rcskin.hardware.record.measured_sweep import Sweep, Watch
+from rcskin.hardware.record.measured_sweep import MeasuredSweep, Watch
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Told:
 class Replay:
     """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
 
-    def __init__(self, link: Link, sweeps: list[tuple[float, float, Sweep]]) -> None:
+    def __init__(self, link: Link, sweeps: list[tuple[float, float, MeasuredSweep]]) -> None:
         self.judge, self.header, self.now, self.turns = link.judge, link.header, 0.0, None
         self.left = list(reversed(sweeps))
 
@@ -44,7 +44,7 @@ class Replay:
         """When the next sweep begins."""
         self.now = self.left[-1][0]
 
-    def sweep(self, watch: Watch) -> Sweep:
+    def sweep(self, watch: Watch) -> MeasuredSweep:
         """The next."""
         _, self.now, sweep = self.left.pop()
         return sweep

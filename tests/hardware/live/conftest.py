@@ -14,7 +14,7 @@ from rcskin.hardware.live.live_session import Session
 from rcskin.hardware.live.session_log import Log
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.sweep_checks import Limits
+from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from typer.testing import CliRunner
 
@@ -106,7 +106,7 @@ def session(ports):
     ):
         localizer = localizer or _rig["Columns"]()
         connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
-        link = Link(localizer, connect, read_table(), Limits(drift=drift), patience, switch)
+        link = Link(localizer, connect, read_table(), SweepLimits(drift=drift), patience, switch)
         links.append(link)
         kept = Rest(rest if localizer.needs_rest else 0)
         return Session(localizer, link, kept, Witness(then), Log(), **more)

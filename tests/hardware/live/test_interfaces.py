@@ -9,7 +9,7 @@ import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
 from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
-from rcskin.hardware.switch.switch import Turning
+from rcskin.hardware.switch.switch import DeviceSwitch
 from rcskin.hardware.switch.virtual_switch import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read
@@ -34,7 +34,7 @@ def session(session, ports, press):
 
     def switched(then=None, settle=0.0, awaited=2.0, patience=5.0, localizer=None):
         control = f"127.0.0.1:{ports.control}"
-        switch = Turning(lambda: VirtualSwitch(control), NAMES, settle, awaited)
+        switch = DeviceSwitch(lambda: VirtualSwitch(control), NAMES, settle, awaited)
         then = then or {n: press(where) for n, where in enumerate(PRESSES, start=1)}
         localizer = localizer or Pixels()
         return session(then, localizer=localizer, switch=switch, patience=patience)
@@ -151,7 +151,7 @@ def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrum
 @pytest.mark.parametrize("chosen", [False, True])
 def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrument, chosen):
     """Late, after it was given up, say: what is read then is of another interface."""
-    switch = Turning(lambda: VirtualSwitch(f"127.0.0.1:{ports.control}"), NAMES, settle=0.0)
+    switch = DeviceSwitch(lambda: VirtualSwitch(f"127.0.0.1:{ports.control}"), NAMES, settle=0.0)
 
     def turn(frequency, reading):
         if frequency == Pixels.frequencies[1]:

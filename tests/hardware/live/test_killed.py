@@ -4,7 +4,7 @@ import copy
 import json
 
 import pytest
-from rcskin.hardware.record.recording_journal import Journal
+from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.simulator.sweeps import InputError, read
 
 
@@ -37,10 +37,10 @@ def test_no_answered_sweep_is_lost(answered, count, tmp_path, gather):
 def test_what_was_cut_off_is_not_written_over(answered, live, gather, tmp_path):
     log = tmp_path / "run.nc"
     answered(log, 1)
-    kept = len(Journal(log).entries(Journal(log).header()))
+    kept = len(RecordingJournal(log).entries(RecordingJournal(log).header()))
     with pytest.raises(InputError, match="holds a session that was cut off; `rcskin meter gather"):
         raise live("--sweeps", 1, "--log", log).exception
-    assert len(Journal(log).entries(Journal(log).header())) == kept
+    assert len(RecordingJournal(log).entries(RecordingJournal(log).header())) == kept
     assert live("--sweeps", 1, "--rest", 1, "--log", log, "--overwrite-measured").exit_code == 0
     assert read(log).sizes["sweep"] == 2
 

@@ -10,7 +10,7 @@ from rcskin import __main__ as rcskin
 from rcskin.hardware.live.live_session import Moment, Seen
 from rcskin.hardware.live.page_display import Shown
 from rcskin.hardware.live.touch_answer import Answer
-from rcskin.hardware.record.measured_sweep import Sweep, Trace
+from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
@@ -95,9 +95,11 @@ def test_parts_of_two_interfaces_stand_in_their_places():
     localizer = Parts()
     localizer.interfaces = ("left", "bottom")
     shown = Shown(localizer, posted.append)
-    trace = Trace((1e-9,), (2e3,), (-4e3,), (0,), "bottom")
+    trace = InterfaceTrace((1e-9,), (2e3,), (-4e3,), (0,), "bottom")
     shown.answer(
-        Moment(Answer("column 1"), Seen(Sweep((trace,)), ((4e3,),)), "now", 0, 0, None, None, 0)
+        Moment(
+            Answer("column 1"), Seen(MeasuredSweep((trace,)), ((4e3,),)), "now", 0, 0, None, None, 0
+        )
     )
     assert posted[-1]["measured"]["Z"] == [[None] * 3, [None, (2e3, -4e3), None]]
 
@@ -105,8 +107,8 @@ def test_parts_of_two_interfaces_stand_in_their_places():
 def test_what_was_not_read_is_left_empty():
     posted = []
     shown = Shown(Parts(), posted.append)
-    trace = Trace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0), "left")
-    seen = Seen(Sweep((trace,)), ((1e3, 16e3),))
+    trace = InterfaceTrace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0), "left")
+    seen = Seen(MeasuredSweep((trace,)), ((1e3, 16e3),))
     shown.answer(Moment(Answer("column 1", 0.9), seen, "now", 0.1, 0.1, None, None, 0))
     assert posted[-1]["measured"]["Z"] == [[(1e3, -3e3), None, (2e3, -4e3)]]
     assert posted[-1]["measured"]["rest"] is None

@@ -8,7 +8,7 @@ import pytest
 from rcskin.hardware.live.live_baseline import RENEWED_AFTER, Rest
 from rcskin.hardware.live.session_log import rest_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, Answer
-from rcskin.hardware.record.measured_sweep import Sweep, Trace
+from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
 from rcskin.simulator.sweeps import build
 
@@ -20,8 +20,8 @@ AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 
 def sweep(grown):
     Z = AT_REST * (1 + grown)
-    trace = Trace((1e-9,) * 3, tuple(Z.real), tuple(Z.imag), (0,) * 3, "left")
-    return Sweep((trace,))
+    trace = InterfaceTrace((1e-9,) * 3, tuple(Z.real), tuple(Z.imag), (0,) * 3, "left")
+    return MeasuredSweep((trace,))
 
 
 def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_drifts():

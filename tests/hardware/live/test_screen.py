@@ -17,7 +17,7 @@ from rcskin.hardware.live.touch_answer import (
     Answer,
     answer_of_classes,
 )
-from rcskin.hardware.record.measured_sweep import Sweep, Trace
+from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rich.console import Console
 
 Columns = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))["Columns"]
@@ -182,8 +182,8 @@ def moment():
     pixels = np.zeros(SHAPE)
     pixels[:, 1] = 0.97
     answer = Answer("column 2", 0.97, pixels)
-    trace = Trace(*[(1.0, 2.0, 3.0)] * 3, status=(0, 0, 0))
-    seen = Seen(Sweep((trace,)), Columns.frequencies)
+    trace = InterfaceTrace(*[(1.0, 2.0, 3.0)] * 3, status=(0, 0, 0))
+    seen = Seen(MeasuredSweep((trace,)), Columns.frequencies)
     at = "2026-01-01T00:00:00.000+00:00"
     return Moment(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
 

@@ -10,8 +10,8 @@ from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.hioki import IM3523, HiokiMeter, open_meter
 from rcskin.hardware.meter.setting import Setting
-from rcskin.hardware.record.managed_meter import Station
-from rcskin.hardware.record.recording_journal import Journal
+from rcskin.hardware.record.managed_meter import ManagedMeter
+from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.meter_state import Settings
 
@@ -84,41 +84,41 @@ def test_an_acquired_correction_stays_and_the_trigger_goes_back(ports, instrumen
 
 
 def test_a_meter_that_came_back_is_put_back_to_what_it_was_at_first(ports, instrument, as_found):
-    station = Station(lambda: open_meter(ports.resource, 1))
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     station.ready().speed = "SLOW2"
     station.close()
     station.ready().cable = 0
     station.close()
     assert instrument.settings != as_found
-    station.leave()
+    station.release()
     assert instrument.settings == as_found
 
 
 def test_a_meter_that_lost_its_settings_is_put_back_all_the_same(ports, instrument, as_found):
-    station = Station(lambda: open_meter(ports.resource, 1))
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     meter = station.ready()
     for name, value in SET.items():
         setattr(meter, name, value)
     instrument.faults.add(Fault("forget"))
-    station.leave()
+    station.release()
     as_found.parameters = Settings().parameters
     assert instrument.settings == as_found
 
 
 def test_a_connection_lost_at_the_very_end_is_made_again(ports, instrument, as_found):
-    station = Station(lambda: open_meter(ports.resource, 0.3))
+    station = ManagedMeter(lambda: open_meter(ports.resource, 0.3))
     station.ready().speed = "SLOW2"
     instrument.faults.add(Fault("drop", times=2))
-    station.leave()
+    station.release()
     assert instrument.settings == as_found
 
 
 def test_a_meter_that_stays_away_is_told_of(ports, instrument):
     told = []
-    station = Station(lambda: open_meter(ports.resource, 0.2), tell=told.append)
+    station = ManagedMeter(lambda: open_meter(ports.resource, 0.2), tell=told.append)
     station.ready()
     instrument.faults.add(Fault("drop", times=10**6))
-    station.leave()
+    station.release()
     assert told == [
         "the meter is not as it was found; not confirmed is what should be header = True, "
         "mode = CONTINUOUS, trigger = INTERNAL, items = 1 2, valid = 2"
@@ -127,11 +127,11 @@ def test_a_meter_that_stays_away_is_told_of(ports, instrument):
 
 def test_a_slow_line_is_given_time_for_each_answer(ports, instrument, as_found, monkeypatch):
     monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.3)
-    station = Station(lambda: open_meter(ports.resource, 1))
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     station.ready().speed = "SLOW2"
     instrument.faults.add(Fault("late", times=10**6, seconds=0.06))
     begun = time.monotonic()
-    station.leave()
+    station.release()
     assert time.monotonic() - begun > 3 * 0.3
     assert instrument.settings == as_found
 
@@ -140,10 +140,10 @@ def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
     ports, instrument, as_found, monkeypatch
 ):
     told = []
-    station = Station(lambda: open_meter(ports.resource, 1), tell=told.append)
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1), tell=told.append)
     station.ready().cable = 0
     monkeypatch.setattr(HiokiMeter.cable, "tell", ":CORRection:CABLe 1,")
-    station.leave()
+    station.release()
     assert told == [f"{NOT_AS_FOUND} cable = 1"]
     as_found.cable = 0
     assert instrument.settings == as_found
@@ -152,7 +152,7 @@ def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
 def test_a_meter_switched_on_anew_in_the_midst_is_put_back_from_the_beginning(
     ports, instrument, as_found, monkeypatch
 ):
-    station = Station(lambda: open_meter(ports.resource, 1))
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     meter = station.ready()
     for name, value in SET.items():
         setattr(meter, name, value)
@@ -165,27 +165,27 @@ def test_a_meter_switched_on_anew_in_the_midst_is_put_back_from_the_beginning(
             monkeypatch.undo()
 
     monkeypatch.setattr(Setting, "put_back", put_back)
-    station.leave()
+    station.release()
     as_found.parameters = Settings().parameters
     assert instrument.settings == as_found
 
 
 def test_how_it_was_found_is_on_the_disk_before_anything_is_set(ports, tmp_path, monkeypatch):
-    journal, wrote, seen = Journal(tmp_path / "run.nc"), VisaConnection.write, set()
+    journal, wrote, seen = RecordingJournal(tmp_path / "run.nc"), VisaConnection.write, set()
 
     def write(line, message):
         name = SETTERS.get(message.split(" ")[0])
         if name:
-            assert name in journal.found()[1]
+            assert name in journal.original_settings()[1]
             seen.add(name)
         wrote(line, message)
 
     monkeypatch.setattr(VisaConnection, "write", write)
-    station = Station(lambda: open_meter(ports.resource, 1), journal=journal)
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1), journal=journal)
     station.ready().speed = "SLOW2"
     station.meter.range = 5
     assert {"header", "trigger", "items", "speed", "range"} <= seen
-    station.leave()
+    station.release()
     assert not journal.folder.exists()
 
 

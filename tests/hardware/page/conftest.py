@@ -6,20 +6,20 @@ from contextlib import asynccontextmanager
 
 import pytest
 from rcskin.benchmarks.live.page_parts import hostile
-from rcskin.hardware.page.latest_state import Board, written
-from rcskin.hardware.page.page_document import Document
-from rcskin.hardware.page.page_server import Site
+from rcskin.hardware.page.latest_state import LatestState, state_json
+from rcskin.hardware.page.page_document import PageDocument
+from rcskin.hardware.page.page_server import PageServer
 from rcskin.simulator.sweeps import InputError
 from websockets.asyncio.client import connect
 
-DOCUMENT = Document('<title>skin</title><script nonce="STAND-IN">1;</script>', "STAND-IN")
+DOCUMENT = PageDocument('<title>skin</title><script nonce="STAND-IN">1;</script>', "STAND-IN")
 
 
 class Served:
     """A page, a board to post on, and what was pressed."""
 
     def __init__(self):
-        self.board, self.pressed, self.address = Board(), [], None
+        self.board, self.pressed, self.address = LatestState(), [], None
 
     async def press(self, text):
         """1,1 alone is on the skin."""
@@ -29,7 +29,7 @@ class Served:
         return "1,1:2.0"
 
     def post(self, **state):
-        self.board.post(written(state))
+        self.board.post(state_json(state))
 
     @property
     def target(self):
@@ -47,7 +47,7 @@ def served():
     @asynccontextmanager
     async def serving(pressable):
         page = Served()
-        site = Site(DOCUMENT, page.board, page.press if pressable else None)
+        site = PageServer(DOCUMENT, page.board, page.press if pressable else None)
         async with site.served() as page.address:
             yield page
 

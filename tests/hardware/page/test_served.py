@@ -7,10 +7,10 @@ import socket
 from http import HTTPStatus
 
 import pytest
-from rcskin.hardware.page.latest_state import Board, written
-from rcskin.hardware.page.page_address import Address
-from rcskin.hardware.page.page_connection import MOST_VIEWERS
-from rcskin.hardware.page.page_server import Site
+from rcskin.hardware.page.latest_state import LatestState, state_json
+from rcskin.hardware.page.page_address import PageAddress
+from rcskin.hardware.page.page_connection import MAX_VIEWERS
+from rcskin.hardware.page.page_server import PageServer
 from rcskin.simulator.sweeps import InputError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -67,7 +67,7 @@ async def got(page, target=None, **headers):
     ],
 )
 def test_who_is_refused(target, changed, status):
-    assert Address(8000, "T").refusal(target, **{**OWN, **changed}) == status
+    assert PageAddress(8000, "T").refusal_status(target, **{**OWN, **changed}) == status
 
 
 @pytest.mark.parametrize(
@@ -133,9 +133,9 @@ def test_a_head_that_comes_slowly_is_not_waited_for(served, monkeypatch):
 
 
 def test_every_run_has_a_token_that_is_not_guessed():
-    tokens = {Address(1).token for _ in range(100)}
+    tokens = {PageAddress(1).token for _ in range(100)}
     assert len(tokens) == 100 and min(map(len, tokens)) >= 32
-    assert all(token not in repr(Address(1, token)) for token in tokens)
+    assert all(token not in repr(PageAddress(1, token)) for token in tokens)
 
 
 def test_the_document_is_sent_under_a_policy_of_its_own(served):
@@ -248,7 +248,7 @@ def test_a_page_that_only_shows_takes_no_press(served):
 
 def test_no_more_viewers_than_there_is_room_for(served, frame):
     async def act(page):
-        viewers = [await page.viewer() for _ in range(MOST_VIEWERS)]
+        viewers = [await page.viewer() for _ in range(MAX_VIEWERS)]
         with pytest.raises(InvalidStatus, match="503"):
             await page.viewer()
         await viewers.pop().close()
@@ -264,7 +264,7 @@ def test_no_more_viewers_than_there_is_room_for(served, frame):
 
 def test_a_port_in_use_is_told(served):
     async def act(page):
-        async with Site(None, Board()).served(page.address.port):
+        async with PageServer(None, LatestState()).served(page.address.port):
             raise AssertionError("the port was had twice")
 
     with pytest.raises(InputError, match=r"port \d+ of 127\.0\.0\.1 cannot be had"):
@@ -273,7 +273,7 @@ def test_a_port_in_use_is_told(served):
 
 def test_a_state_without_a_number_is_never_sent():
     with pytest.raises(ValueError, match="JSON"):
-        written({"Z": float("nan")})
+        state_json({"Z": float("nan")})
 
 
 def test_it_ends_though_clients_hang_on(served):

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.accuracy_table import read_table
-from rcskin.hardware.record.measured_sweep import Sweep, Trace
-from rcskin.hardware.record.sweep_checks import Judge, Limits
+from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
+from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -24,13 +24,13 @@ SETTINGS = {
     "averaging": 1,
     "cable": 0,
 }
-JUDGE = Judge(FREQUENCY, read_table(), SETTINGS, Limits())
+JUDGE = SweepChecker(FREQUENCY, read_table(), SETTINGS, SweepLimits())
 LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e4))
 
 
 def sweep_of(Z):
     Cp = parallel_capacitance(Z, FREQUENCY)
-    return Sweep((Trace(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z)),))
+    return MeasuredSweep((InterfaceTrace(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z)),))
 
 
 def test_a_line_breaks_no_law():
@@ -67,7 +67,7 @@ def test_a_range_whose_error_is_not_known_is_told():
 
 def test_a_frequency_that_is_another_shows_in_Cp():
     Cp = tuple(parallel_capacitance(LINE, FREQUENCY / 2))
-    wrong = Sweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
+    wrong = MeasuredSweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
     (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
     assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
 
@@ -76,7 +76,9 @@ def test_each_interface_is_judged_by_its_own_and_named():
     def at_both(left, bottom):
         traces = [sweep_of(Z).traces[0] for Z in (left, bottom)]
         names = zip(traces, ("left", "bottom"), strict=True)
-        return Sweep(tuple(dataclasses.replace(each, interface=name) for each, name in names))
+        return MeasuredSweep(
+            tuple(dataclasses.replace(each, interface=name) for each, name in names)
+        )
 
     sound, moved = at_both(LINE, 3 * LINE), at_both(LINE, 3.3 * LINE)
     assert JUDGE.remarks(sound, [sound], at_rest=False) == []
@@ -106,9 +108,9 @@ def test_drift_is_counted_from_the_first_sweep_at_rest():
 def test_speed_and_fixed_range_enter_the_tolerance():
     fast = dataclasses.replace(JUDGE, settings={**SETTINGS, "speed": "FAST"})
     far = dataclasses.replace(JUDGE, settings={**SETTINGS, "auto_range": False, "range": 5})
-    usual = JUDGE.bounds(LINE)
-    assert fast.bounds(LINE).size == pytest.approx(2.5 * usual.size)
-    assert (far.bounds(LINE).size > usual.size).all()
+    usual = JUDGE.error_bounds(LINE)
+    assert fast.error_bounds(LINE).size == pytest.approx(2.5 * usual.size)
+    assert (far.error_bounds(LINE).size > usual.size).all()
 
 
 @pytest.mark.parametrize("zero", [0, 4, 8])

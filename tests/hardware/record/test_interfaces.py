@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.record.operators import Machine
-from rcskin.hardware.record.recording_journal import Header, Journal
+from rcskin.hardware.record.operators import MachineOperator
+from rcskin.hardware.record.recording_journal import RecordingHeader, RecordingJournal
 from rcskin.hardware.switch.errors import StuckSwitchError
-from rcskin.hardware.switch.switch import Turning
+from rcskin.hardware.switch.switch import DeviceSwitch
 from rcskin.hardware.tokens import read_token
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.localization.inputs.features import features
@@ -87,12 +87,12 @@ def test_each_interface_is_read_at_its_own_frequencies(recorded, control, switch
 
 
 def test_a_journal_keeps_own_frequencies_and_no_word_without(tmp_path):
-    header = Header(
+    header = RecordingHeader(
         scene="", name="", interfaces=("left",), frequencies=(1e3,), rows=1, columns=1, order=(),
         asked={}, meter="", settings={}, begun="", session="", accuracy="",
         of_each={"left": (1e3,)},
     )  # fmt: skip
-    journal = Journal(tmp_path / "b.nc")
+    journal = RecordingJournal(tmp_path / "b.nc")
     journal.begin(header)
     assert journal.header() == header
     journal.begin(replace(header, of_each={}))
@@ -132,7 +132,9 @@ def test_a_late_switch_costs_time_and_nothing_else(
 def test_a_fault_at_one_interface_repeats_the_press_at_both(
     recorded, control, switch, instrument, rig_skins, fault, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.hardware.record.operators.Machine", partial(Machine, pause=0))
+    monkeypatch.setattr(
+        "rcskin.hardware.record.operators.MachineOperator", partial(MachineOperator, pause=0)
+    )
     connect, pressed = instrument.connect, []
 
     def connected(name):
@@ -157,8 +159,8 @@ def test_a_stuck_switch_ends_it_with_what_is_done_on_disk(recorded, control, swi
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch):
     """A switch that has less time than a user's."""
-    short = partial(Turning, patience=0.3)
-    monkeypatch.setattr("rcskin.hardware.switch.switch_options.Turning", short)
+    short = partial(DeviceSwitch, patience=0.3)
+    monkeypatch.setattr("rcskin.hardware.switch.switch_options.DeviceSwitch", short)
 
 
 def test_a_command_is_a_switch(recorded, control, ports, rig_skins):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.hardware.record.press_order import standard_order
-from rcskin.hardware.record.recording_journal import Journal
+from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations
 
@@ -27,7 +27,7 @@ def finished(folder):
 
 def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, tmp_path):
     output = tmp_path / "run.nc"
-    folder = Journal(output).folder
+    folder = RecordingJournal(output).folder
     arguments = ["record", "pillow", "--resource", ports.resource, "-o", output]
     arguments += ["--control", f"127.0.0.1:{ports.control}", "--repetitions", REPETITIONS]
     kept = {}
@@ -115,7 +115,7 @@ def test_ctrl_c_ends_a_recording_that_awaits_the_meter_and_says_how_to_go_on(
         order.write_text("none\n" * 500)
         where = ["--resource", ports.resource, "--order", order, "-o", output, "--unattended"]
         process = start_rig("record", "pillow", *where, "--timeout", 60)
-        folder = Journal(output).folder
+        folder = RecordingJournal(output).folder
         while len(finished(folder)) < 1:
             time.sleep(0.002)
         meter.faults.add(Fault("silent", times=10**6))

@@ -8,7 +8,7 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.recording_journal import FOUND, Journal
+from rcskin.hardware.record.recording_journal import METER_FILE, RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 
 NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
@@ -43,13 +43,13 @@ def test_a_good_recording_that_leaves_it_changed_says_so_in_its_code(
     command, recording, instrument, tmp_path, monkeypatch
 ):
     monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.2)
-    keep = Journal.keep
+    keep = RecordingJournal.keep
 
     def last(journal, number, entry):
         keep(journal, number, entry)
         instrument.faults.add(Fault("drop", times=10**6))
 
-    monkeypatch.setattr(Journal, "keep", last)
+    monkeypatch.setattr(RecordingJournal, "keep", last)
     done = command(*recording(1))
     assert done.exit_code == 3
     assert f"rcskin: {NOT_AS_FOUND} header = True, " in done.stderr
@@ -105,7 +105,7 @@ def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
     process.kill()
     process.communicate()
     assert instrument.settings.trigger == "EXTERNAL" and instrument.settings != as_found
-    found = tmp_path / "run.nc.sweeps" / FOUND
+    found = tmp_path / "run.nc.sweeps" / METER_FILE
     kept = found.read_text()
     found.write_text("{}")
     assert command(*recording(6)).exception.args[0].startswith(f"{found}: tells not how")
@@ -124,7 +124,7 @@ def test_signals_at_any_moment_end_it_and_it_goes_on(
     command, recording, instrument, as_found, tmp_path
 ):
     """Also between the opening of a file and the block that closes it: Python then warns of it."""
-    folder = Journal(tmp_path / "run.nc").folder
+    folder = RecordingJournal(tmp_path / "run.nc").folder
 
     def send(kept, number, seconds):
         while sum(1 for _ in folder.glob("0*.json")) <= kept:

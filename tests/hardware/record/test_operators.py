@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
-from rcskin.hardware.record.measured_sweep import Sweep, Trace
-from rcskin.hardware.record.operators import pressing_by_command
-from rcskin.hardware.record.press_order import Step
-from rcskin.hardware.record.recording_terminal import Screen, sparkline
+from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
+from rcskin.hardware.record.operators import press_by_command
+from rcskin.hardware.record.press_order import PressStep
+from rcskin.hardware.record.recording_terminal import RecordingScreen, sparkline
 from rcskin.simulator.sweeps import InputError
 from rich.console import Console
 
@@ -21,7 +21,7 @@ def shown():
     def shown(terminal, remarks, plain=False, rest=None):
         file = io.StringIO()
         console = Console(file=file, force_terminal=terminal, width=110)
-        with Screen(console, plain) as screen:
+        with RecordingScreen(console, plain) as screen:
             screen.begin("1/9  press 2,1", rest)
             screen.turn("left")
             screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
@@ -46,7 +46,9 @@ def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
     assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
 
 
-REST = Sweep((Trace((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0), "left"),))
+REST = MeasuredSweep(
+    (InterfaceTrace((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0), "left"),)
+)
 
 
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
@@ -66,7 +68,7 @@ def test_a_sweep_that_ends_early_gives_the_cursor_back():
     file = io.StringIO()
     with (
         pytest.raises(KeyboardInterrupt),
-        Screen(Console(file=file, force_terminal=True, width=100)) as screen,
+        RecordingScreen(Console(file=file, force_terminal=True, width=100)) as screen,
     ):
         screen.begin("1/9  press 2,1", None)
         screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
@@ -81,13 +83,13 @@ def test_a_sparkline_has_a_character_for_each_value():
 
 def test_a_pressing_command_gets_the_press(tmp_path):
     path = tmp_path / "pressed"
-    pressing_by_command(f"touch {path}-{{row}}-{{column}}")(Step("2,1", 2, 1))
+    press_by_command(f"touch {path}-{{row}}-{{column}}")(PressStep("2,1", 2, 1))
     assert (tmp_path / "pressed-2-1").exists()
 
 
 def test_a_pressing_command_that_fails_is_told():
     with pytest.raises(MeterError, match="press 1,1: .* check the pressing machine"):
-        pressing_by_command("false {press}")(Step("1,1", 1, 1))
+        press_by_command("false {press}")(PressStep("1,1", 1, 1))
 
 
 @pytest.mark.parametrize(
@@ -100,4 +102,4 @@ def test_a_pressing_command_that_fails_is_told():
 )
 def test_a_pressing_command_that_cannot_be_filled_in_is_refused(command):
     with pytest.raises(InputError, match="`press-with` must be a command"):
-        pressing_by_command(command)
+        press_by_command(command)

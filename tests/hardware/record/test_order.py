@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.record.press_order import (
-    FIRST_RESTS,
-    REST,
-    Step,
+    FIRST_BASELINES,
+    UNPRESSED_STEP,
+    PressStep,
     parse_step,
     read_order,
     standard_order,
@@ -19,11 +19,14 @@ counts = st.integers(1, 5)
 @given(counts, counts, counts)
 def test_every_pixel_as_often_and_rest_before_between_and_after(rows, columns, repetitions):
     order = standard_order(rows, columns, repetitions)
-    pixels = [step for step in order if step != REST]
+    pixels = [step for step in order if step != UNPRESSED_STEP]
     assert len(set(pixels)) == rows * columns
     assert all(pixels.count(step) == repetitions for step in pixels)
-    assert order.count(REST) == repetitions + FIRST_RESTS
-    assert order[:FIRST_RESTS] == [REST] * FIRST_RESTS and order[-1] == REST
+    assert order.count(UNPRESSED_STEP) == repetitions + FIRST_BASELINES
+    assert (
+        order[:FIRST_BASELINES] == [UNPRESSED_STEP] * FIRST_BASELINES
+        and order[-1] == UNPRESSED_STEP
+    )
 
 
 def test_a_file_gives_its_own_order(tmp_path):
@@ -38,10 +41,10 @@ def test_a_file_gives_its_own_order(tmp_path):
     ]
     path.write_text("\n".join(lines))
     assert read_order(path, 2, 2) == [
-        REST,
-        Step("2,1", 2, 1),
-        Step("1,1:1.5+2,2", -1, -1),
-        Step("rect(1e-2,0.03,1e-3,0.1):2", -1, -1),
+        UNPRESSED_STEP,
+        PressStep("2,1", 2, 1),
+        PressStep("1,1:1.5+2,2", -1, -1),
+        PressStep("rect(1e-2,0.03,1e-3,0.1):2", -1, -1),
     ]
 
 

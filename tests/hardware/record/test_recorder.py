@@ -14,11 +14,11 @@ from rcskin.hardware.meter.errors import (
     WrongMeterError,
 )
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.record.operators import Machine, pressing_virtually
-from rcskin.hardware.record.press_order import REST, Step, parse_step, standard_order
-from rcskin.hardware.record.recorder import Task, record
-from rcskin.hardware.record.recording_dataset import gather
-from rcskin.hardware.record.recording_journal import HEADER, Journal
+from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
+from rcskin.hardware.record.press_order import UNPRESSED_STEP, PressStep, parse_step, standard_order
+from rcskin.hardware.record.recorder import RecordingTask, record
+from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.recording_journal import HEADER, RecordingJournal
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance, read, write
@@ -44,12 +44,14 @@ def show():
 
 @pytest.fixture
 def operator(ports, show):
-    return Machine(pressing_virtually(f"127.0.0.1:{ports.control}"), show, retries=3, pause=0)
+    return MachineOperator(
+        press_virtual_skin(f"127.0.0.1:{ports.control}"), show, retries=3, pause=0
+    )
 
 
 @pytest.fixture
 def task(ports, scene, tmp_path):
-    return Task(
+    return RecordingTask(
         header_of(scene, ["left"], standard_order(2, 2, 2)),
         tmp_path / "run.nc",
         lambda: open_meter(ports.resource, 0.5),
@@ -65,7 +67,7 @@ def asking(task, **other):
 
 
 def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
-    sweeps = gather(*record(task, operator))
+    sweeps = recording_dataset(*record(task, operator))
     assert list(sweeps["press"].values) == [step.press for step in task.order]
     assert list(sweeps["frequency"].values) == list(task.header.frequencies)
     exact = [
@@ -76,7 +78,7 @@ def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
 
 def test_its_file_tells_scene_meter_settings_and_times(task, operator):
     task = asking(task, asked={"speed": "SLOW", "range": 8, "auto_range": False})
-    write(gather(*record(task, operator)), task.output)
+    write(recording_dataset(*record(task, operator)), task.output)
     told = read(task.output).attrs
     assert told["scene"] == task.header.scene
     assert "IM3523" in told["meter"]
@@ -90,13 +92,13 @@ def test_its_file_tells_scene_meter_settings_and_times(task, operator):
 
 
 def test_readings_that_are_not_normal_are_flagged(task, operator):
-    order, asked = [REST, Step("1,1", 1, 1)], {"range": 10, "auto_range": False}
+    order, asked = [UNPRESSED_STEP, PressStep("1,1", 1, 1)], {"range": 10, "auto_range": False}
     task = asking(task, order=order, asked=asked)
-    flagged = json.loads(gather(*record(task, operator)).attrs["flagged"])
+    flagged = json.loads(recording_dataset(*record(task, operator)).attrs["flagged"])
     assert flagged == [[sweep, 0, index, 2] for sweep in (0, 1) for index in (0, 1, 2)]
 
 
-class Interrupts(Machine):
+class Interrupts(MachineOperator):
     """Stops the recording before its third press."""
 
     def press(self, step, progress):
@@ -108,7 +110,7 @@ class Interrupts(Machine):
 def test_an_interrupted_recording_goes_on_where_it_was(task, operator, show):
     with pytest.raises(KeyboardInterrupt):
         record(task, Interrupts(operator.by, show))
-    folder = Journal(task.output).folder
+    folder = RecordingJournal(task.output).folder
     finished = {path.name: path.read_bytes() for path in folder.glob("0*.json")}
     assert len(finished) == 2
     pressed = []
@@ -171,8 +173,8 @@ def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, oper
     operator.by = press
     with pytest.raises(MeterError, match="status 7"):
         record(task, operator)
-    header = Journal(task.output).header()
-    assert sorted(Journal(task.output).entries(header)) == [0, 1, 2, 3]
+    header = RecordingJournal(task.output).header()
+    assert sorted(RecordingJournal(task.output).entries(header)) == [0, 1, 2, 3]
 
 
 def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
@@ -216,12 +218,14 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
     instrument.bench = dataclasses.replace(instrument.bench, skin=Jumping())
     operator.retries, pressed, by = 2, [], operator.by
     operator.by = lambda step: (pressed.append(step.press), by(step))
-    task = asking(task, order=[REST, parse_step("2,2", 2, 2)])
+    task = asking(task, order=[UNPRESSED_STEP, parse_step("2,2", 2, 2)])
     header, entries = record(task, operator)
     assert pressed == ["none", "2,2", "2,2", "2,2"]
     assert entries[0].remarks == ()
     assert any("broken" in remark for remark in entries[1].remarks)
-    assert json.loads(gather(header, entries).attrs["remarks"])[1] == list(entries[1].remarks)
+    assert json.loads(recording_dataset(header, entries).attrs["remarks"])[1] == list(
+        entries[1].remarks
+    )
 
 
 @pytest.mark.parametrize(
@@ -240,7 +244,7 @@ def test_a_folder_of_another_recording_is_not_mixed_with_this(task, operator, ch
 @pytest.mark.parametrize("content", ["{}", "[]", "{", '{"press": "none"}'])
 def test_a_spoilt_file_of_a_recording_is_named(task, operator, content):
     record(task, operator)
-    folder = Journal(task.output).folder
+    folder = RecordingJournal(task.output).folder
     for name in ("000002.json", HEADER):
         (folder / name).write_text(content)
         with pytest.raises(InputError, match=name):
@@ -249,7 +253,7 @@ def test_a_spoilt_file_of_a_recording_is_named(task, operator, content):
 
 def test_a_file_in_the_wrong_place_is_named(task, operator):
     record(task, operator)
-    folder = Journal(task.output).folder
+    folder = RecordingJournal(task.output).folder
     (folder / "000003.json").replace(folder / "000004.json")
     with pytest.raises(InputError, match="000004.json: holds press 1,1, the order has 1,2 here"):
         record(task, operator)
@@ -258,10 +262,10 @@ def test_a_file_in_the_wrong_place_is_named(task, operator):
 def test_scenes_beyond_the_meter_are_refused_before_anything_is_written(task, operator):
     with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz"):
         record(asking(task, frequencies=(1.0, 1e3)), operator)
-    assert not Journal(task.output).folder.exists()
+    assert not RecordingJournal(task.output).folder.exists()
 
 
-class Repents(Machine):
+class Repents(MachineOperator):
     """Wants the step before once more when it comes to the fourth."""
 
     def press(self, step, progress):
@@ -273,7 +277,7 @@ class Repents(Machine):
 
 def test_a_step_is_done_again_when_it_is_asked_for(task, operator, show):
     again, pressed, by = Repents(operator.by, show), [], operator.by
-    again.seen, again.by = [], lambda step: (pressed.append(step.press), by(step))
+    again.seen, again.press_skin = [], lambda step: (pressed.append(step.press), by(step))
     _, entries = record(task, again)
     order = [step.press for step in task.order]
     assert [entry.press for entry in entries] == order
@@ -295,7 +299,7 @@ def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operat
 @pytest.mark.parametrize(("by_hand", "left"), [(True, 3), (False, 0)])
 def test_a_machine_that_does_not_press_is_asked_again_and_ends(task, operator, show, by_hand, left):
     """Not even a machine that never presses can hold it up: after its retries all is kept."""
-    operator.retries, by, order = 3, operator.by, [REST, parse_step("2,2", 2, 2)]
+    operator.retries, by, order = 3, operator.by, [UNPRESSED_STEP, parse_step("2,2", 2, 2)]
     operator.by = lambda step: None if by_hand else by(step)
     _, entries = record(asking(task, order=order), operator)
     seen = [remark for remark in show.remarks if "no press is seen" in remark]

@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.recording_journal import Journal
+from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.simulator.sweeps import InputError, read
 from rcskin.simulator.sweeps.clock import backward_times
 
@@ -75,7 +75,7 @@ def test_overwriting_has_to_be_asked_for(record, tmp_path):
 
 
 def test_two_recorders_do_not_share_an_output(record, tmp_path):
-    with Journal(tmp_path / "a.nc").lock():
+    with RecordingJournal(tmp_path / "a.nc").lock():
         with pytest.raises(InputError, match="another recorder is at work on it"):
             raise record().exception
     assert record().exit_code == 0
@@ -87,7 +87,7 @@ def unfinished(record, tmp_path, monkeypatch):
     """A function that leaves a recording behind after two of three sweeps, so many hours ago."""
 
     def unfinished(hours, *more):
-        keep = Journal.keep
+        keep = RecordingJournal.keep
 
         def until_two(journal, number, entry):
             if number == 2:
@@ -96,7 +96,7 @@ def unfinished(record, tmp_path, monkeypatch):
             keep(journal, number, dataclasses.replace(entry, begun=then, ended=then))
 
         with monkeypatch.context() as patch:
-            patch.setattr(Journal, "keep", until_two)
+            patch.setattr(RecordingJournal, "keep", until_two)
             assert record(*more).exit_code != 0
 
     return unfinished

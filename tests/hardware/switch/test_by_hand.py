@@ -10,7 +10,7 @@ from rcskin.hardware.switch.errors import (
     SilentSwitchError,
     StuckSwitchError,
 )
-from rcskin.hardware.switch.switch_options import asked_switch
+from rcskin.hardware.switch.switch_options import switch_from_options
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
 
@@ -23,13 +23,13 @@ def instrument(make_instrument, rig_skins):
 
 
 def commanded(command):
-    return asked_switch(None, command, 0, BOTH)
+    return switch_from_options(None, command, 0, BOTH)
 
 
 def test_a_command_gets_the_name_as_one_word_without_a_shell(tmp_path):
     path = tmp_path / "told"
     code = f"import sys; open({str(path)!r}, 'a').write(repr(sys.argv[1:]))"
-    switch = asked_switch(
+    switch = switch_from_options(
         None, f"{sys.executable} -c {shlex.quote(code)} {{interface}} '$HOME;ls'", 0, ["a b; c"]
     )
     switch.select("a b; c")
@@ -89,7 +89,7 @@ def test_a_command_that_never_ends_is_ended(monkeypatch):
 
 def test_a_person_is_asked_only_to_change():
     asked = []
-    switch = asked_switch("ask", None, 0, BOTH, asked.append)
+    switch = switch_from_options("ask", None, 0, BOTH, asked.append)
     for name in ("left", "left", "bottom", "left"):
         switch.select(name)
     assert asked == ["left", "bottom", "left"]
@@ -99,14 +99,14 @@ def test_a_person_who_ends_it_has_connected_nothing():
     def ask(name):
         raise KeyboardInterrupt
 
-    switch = asked_switch("ask", None, 0, BOTH, ask)
+    switch = switch_from_options("ask", None, 0, BOTH, ask)
     with pytest.raises(KeyboardInterrupt):
         switch.select("left")
     assert switch.selected is None
 
 
 def test_the_virtual_meter_is_switched_and_left_as_found(ports, instrument):
-    switch = asked_switch(f"127.0.0.1:{ports.control}", None, 0, BOTH)
+    switch = switch_from_options(f"127.0.0.1:{ports.control}", None, 0, BOTH)
     switch.select("bottom")
     assert instrument.interface == "bottom"
     switch.close()
@@ -114,14 +114,14 @@ def test_the_virtual_meter_is_switched_and_left_as_found(ports, instrument):
 
 
 def test_a_late_virtual_switch_is_awaited(ports, instrument):
-    switch = asked_switch(f"127.0.0.1:{ports.control}", None, 0, BOTH)
+    switch = switch_from_options(f"127.0.0.1:{ports.control}", None, 0, BOTH)
     instrument.faults.add(Fault("slow", seconds=0.2))
     switch.select("bottom")
     assert instrument.interface == "bottom"
 
 
 def test_a_stuck_virtual_switch_is_told(ports, instrument):
-    switch = asked_switch(f"127.0.0.1:{ports.control}", None, 0, BOTH)
+    switch = switch_from_options(f"127.0.0.1:{ports.control}", None, 0, BOTH)
     switch.patience = 0.05
     instrument.faults.add(Fault("stuck"))
     with pytest.raises(StuckSwitchError, match="asked for interface bottom.* tells left even aft"):
@@ -132,11 +132,11 @@ def test_a_stuck_virtual_switch_is_told(ports, instrument):
 
 def test_an_absent_virtual_meter_is_told():
     with pytest.raises(NoSwitchError, match="no virtual meter answers at 127.0.0.1:1"):
-        asked_switch("127.0.0.1:1", None, 0, BOTH).select("left")
+        switch_from_options("127.0.0.1:1", None, 0, BOTH).select("left")
 
 
 def test_an_interface_that_the_virtual_skin_lacks_is_bad_input(ports):
-    switch = asked_switch(f"127.0.0.1:{ports.control}", None, 0, ["top"])
+    switch = switch_from_options(f"127.0.0.1:{ports.control}", None, 0, ["top"])
     with pytest.raises(InputError, match="the skin has the interfaces left, bottom, got 'top'"):
         switch.select("top")
 
@@ -149,13 +149,13 @@ def table(tmp_path):
 
 
 def test_one_interface_needs_no_switch():
-    assert asked_switch(None, None, None, ["left"]) is None
+    assert switch_from_options(None, None, None, ["left"]) is None
 
 
 def test_the_settle_time_is_the_tables_unless_asked_for(table):
-    assert asked_switch(table, None, None, ["left"]).settle == 0.02
-    assert asked_switch(table, None, 0.5, ["left"]).settle == 0.5
-    assert asked_switch("127.0.0.1:1", None, None, ["left"]).settle == 0.05
+    assert switch_from_options(table, None, None, ["left"]).settle == 0.02
+    assert switch_from_options(table, None, 0.5, ["left"]).settle == 0.5
+    assert switch_from_options("127.0.0.1:1", None, None, ["left"]).settle == 0.05
 
 
 @pytest.mark.parametrize(
@@ -173,9 +173,9 @@ def test_the_settle_time_is_the_tables_unless_asked_for(table):
 )
 def test_what_cannot_be_is_bad_input(name, command, settle, told):
     with pytest.raises(InputError, match=told):
-        asked_switch(name, command, settle, BOTH)
+        switch_from_options(name, command, settle, BOTH)
 
 
 def test_a_table_without_an_interface_of_the_scene_is_bad_input(table):
     with pytest.raises(InputError, match="has no interface bottom, only left, top"):
-        asked_switch(table, None, None, BOTH)
+        switch_from_options(table, None, None, BOTH)
