@@ -177,7 +177,7 @@ def sweep(
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
     from .measure.in_time import in_words
     from .measure.simulate import answered, check_fits, gather
-    from .models.mechanics.in_depths import depths_in_words
+    from .models.mechanics.force_depths import depths_in_words
     from .models.solver import Solver, checked_model
     from .press.press import every_press, press_on
     from .progress import on_terminal, tracked

@@ -16,11 +16,11 @@ from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.cosine_modes.amplitudes import FittedModes
+from rcskin.simulator.models.cosine_modes.sheet_modes import with_sheet_modes
 from rcskin.simulator.models.network.terminals import reduced_for
-from rcskin.simulator.models.parameters import SHEET_WAVES
+from rcskin.simulator.models.parameters import SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow.sheets import with_sheet_waves
-from rcskin.simulator.models.slow.waves import Uneven
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene import Scene
@@ -32,8 +32,8 @@ NOISE = 1e-3
 RTOL = 2e-4
 SIZES, FARTHEST = (0.08, 0.06, 0.04), 2.5
 FITTED = ("sheet_resistance", "sheet_mismatch", "capacitance")
-SHEETS = Uneven(sheets=True)
-KINDS = {"both sheets": SHEETS, "nothing": Uneven()}
+SHEETS = FittedModes(sheets=True)
+KINDS = {"both sheets": SHEETS, "nothing": FittedModes()}
 AGREES = 4.0
 """Standard errors within which all intervals together hold 95 % of truths: those of one twin hang
 together, so that each twin counts as one."""
@@ -74,9 +74,9 @@ def crossed() -> Scene:
     return scene.with_(noise | exact | skin | sweep | ways)
 
 
-def drawn(uneven: Uneven, random: np.random.Generator) -> dict[str, float]:
+def drawn(uneven: FittedModes, random: np.random.Generator) -> dict[str, float]:
     """Amplitudes of the waves of what is uneven; 0 of all others."""
-    sizes = dict(zip(SHEET_WAVES, 2 * SIZES, strict=True))
+    sizes = dict(zip(SHEET_MODES, 2 * SIZES, strict=True))
     turns = np.clip(random.standard_normal(len(sizes)), -FARTHEST, FARTHEST)
     return {
         name: float(turn * size) if name in uneven.names else 0.0
@@ -90,7 +90,7 @@ def _row(scene: Scene, model: Forward, kind: str, twins: int) -> dict[str, str]:
         random = np.random.default_rng([list(KINDS).index(kind), number])
         truth = drawn(KINDS[kind], random)
         found = calibrated(scene, model, truth, random)
-        for name in SHEET_WAVES:
+        for name in SHEET_MODES:
             low, high = found.intervals[name]
             held.append(low <= truth[name] <= high)
             widths.append((high - low) / 2)
@@ -109,9 +109,9 @@ def calibrated(
     scene: Scene, model: Forward, truth: dict[str, float], random: np.random.Generator
 ) -> Calibration:
     """Of a twin with such waves, read at rest and in a press of each pixel."""
-    made = with_sheet_waves(scene, truth)
+    made = with_sheet_modes(scene, truth)
     twin = simulate(Solver(made, RTOL), every_press(scene)).assign_attrs(scene=scene_text(scene))
-    names = (*FITTED, *SHEET_WAVES)
+    names = (*FITTED, *SHEET_MODES)
     asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)
 

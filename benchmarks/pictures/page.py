@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.simulator.models.plain import folded
+from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import packed, reduced_for_page
 from rcskin.simulator.scene.scene import Scene

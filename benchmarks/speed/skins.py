@@ -19,10 +19,10 @@ from rcskin.benchmarks.bench import Run, best_time, launch, publish, timed
 from rcskin.benchmarks.speed.skins_scenes import Case, answered, cases
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of, indented
+from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of, deformed
 from rcskin.simulator.models.heterogeneous.square_meshes import Squares
-from rcskin.simulator.models.plain import electrical_press
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import equivalent_press
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -68,12 +68,12 @@ def plain_path() -> pd.DataFrame:
     alone = best_time(lambda: solver.solve(press), 200)
 
     def found_plain() -> None:
-        sharp, _ = indented(scene, press, rtol)
-        electrical_press(scene, sharp)
+        sharp, _ = deformed(scene, press, rtol)
+        equivalent_press(scene, sharp)
 
     def varied() -> None:
         mesh = Squares(scene, circuit_of(scene), press, rtol)
-        assert mesh.finer(scene.frequencies).rung(scene.frequencies, rtol).error.max() <= rtol
+        assert mesh.finer(scene.frequencies).result(scene.frequencies, rtol).error.max() <= rtol
 
     times = {
         "a further press of sheet-5x5, 1e-4": alone,

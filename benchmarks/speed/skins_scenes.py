@@ -84,7 +84,7 @@ def _closely(scene: Scene, press: Press, rtol: float) -> Callable[[], Impedance]
     def truth() -> Impedance:
         finer = Triangles(scene, circuit_of(scene), press, rtol)
         while True:
-            rung = finer.finer(FREQUENCY).rung(FREQUENCY, rtol)
+            rung = finer.finer(FREQUENCY).result(FREQUENCY, rtol)
             if rung.error.max() <= rtol:
                 return rung.Z[0]
 

@@ -94,7 +94,7 @@ def dataset(
     """
     from ...simulator.dataset.dataset_plan import Plan
     from ...simulator.dataset.memory_dataset import in_memory
-    from ...simulator.models.mechanics.in_depths import foldable
+    from ...simulator.models.mechanics.force_depths import foldable
 
     return in_memory(Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol))
 

@@ -42,7 +42,7 @@ def limits(
     """
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
-    from ...simulator.models.mechanics.in_depths import foldable
+    from ...simulator.models.mechanics.force_depths import foldable
 
     known = foldable(scene_of(scene), "a limit")
     factors = _factors(known, presses)
@@ -127,7 +127,7 @@ def calibrate(
     from ...simulator.calibration.fit_options import Options
     from ...simulator.calibration.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
-    from ...simulator.models.mechanics.in_depths import foldable
+    from ...simulator.models.mechanics.force_depths import foldable
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps.same_skin import check_same_skin
 

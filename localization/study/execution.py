@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ...simulator.fem.factors import one_blas_thread
-from ...simulator.models.mechanics.in_depths import foldable
+from ...simulator.models.mechanics.force_depths import foldable
 from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback, tracked

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from ..measure.readout import errors_of, observed
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
-from ..models.plain import evenly_pressed
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indented.draws import felt_beside
 from ..models.reduced.model import Reduced
+from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
@@ -251,7 +251,7 @@ class Readings:
     @cached_property
     def _divided(self) -> Scene:
         """The scene with cells for pixels, which rise evenly."""
-        return evenly_pressed(self.scene.divided(CELLS), "a limit")
+        return uniformly_pressed(self.scene.divided(CELLS), "a limit")
 
     @cached_property
     def _touches(self) -> AboutPixels:

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.cosine_modes.amplitudes import NO_MODES, FittedModes
 from ..models.effects import EFFECTS
 from ..models.heterogeneous.mesh_choice import single_field
 from ..models.line_slopes import LineModel
@@ -16,7 +17,6 @@ from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, own_values, scene_with
 from ..models.reduced.forward import REACH, Forward
 from ..models.response import Response
-from ..models.slow.waves import EVEN, Uneven
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -33,14 +33,14 @@ Model = Forward | LineModel
 
 
 def model_of(
-    scene: Scene, rtol: float, progress: ProgressCallback = silent, uneven: Uneven = EVEN
+    scene: Scene, rtol: float, progress: ProgressCallback = silent, uneven: FittedModes = NO_MODES
 ) -> Model:
     """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
 
     uneven: what slow waves are to be among its parameters. Those of sheets take two fields.
     """
     try:
-        if scene.press.by_factor and uneven == EVEN:
+        if scene.press.by_factor and uneven == NO_MODES:
             return LineModel(scene)
     except InputError:
         pass
@@ -50,7 +50,9 @@ def model_of(
 class Around:
     """A scene's model, trained about values of its parameters that may be far from the scene's."""
 
-    def __init__(self, model: Model, about: Mapping[str, float], uneven: Uneven = EVEN) -> None:
+    def __init__(
+        self, model: Model, about: Mapping[str, float], uneven: FittedModes = NO_MODES
+    ) -> None:
         """model: of the scene with its factors at `about`, which are logarithms, and with slow
         waves where it is `uneven`."""
         self.model, self.uneven = model, uneven
@@ -111,7 +113,7 @@ def around(
     values: Mapping[str, float],
     rtol: float,
     progress: ProgressCallback = silent,
-    uneven: Uneven = EVEN,
+    uneven: FittedModes = NO_MODES,
 ) -> Around:
     """The scene's model about values of its parameters. uneven: as of `model_of`."""
     about = {name: values.get(name, 0.0) for name in movable(scene)}
@@ -125,7 +127,7 @@ def movable(scene: Scene) -> list[str]:
     return [name for name in factors if not (single and name == "sheet_mismatch")]
 
 
-def checked_model(model: Model, scene: Scene, uneven: Uneven = EVEN) -> Model:
+def checked_model(model: Model, scene: Scene, uneven: FittedModes = NO_MODES) -> Model:
     """The same model, if it is of the pixels, interfaces, frequencies and surroundings of a scene,
     and has slow waves where they are asked for.
 
@@ -136,7 +138,7 @@ def checked_model(model: Model, scene: Scene, uneven: Uneven = EVEN) -> Model:
             raise InputError(f"the model has other {name} than were measured")
     if isinstance(model, Forward) and model.cells_per_pixel != 1:
         raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")
-    if isinstance(model, LineModel) and uneven != EVEN:
+    if isinstance(model, LineModel) and uneven != NO_MODES:
         raise InputError("the model must be a `Forward` for slow waves, got the exact line")
     if isinstance(model, Forward) and model.modes < uneven.modes:
         raise InputError(

@@ -91,7 +91,7 @@ def calibrate(
     """
 
     from ..chart_style import checked_ending
-    from ..models.mechanics.in_depths import foldable
+    from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene, warn_of_earth
     from ..scene.frequency import parse_band

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.parameters import FACTORS, SLOW_WAVES, VALUES, own_values
+from ..models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
 from ..scene.scene import Scene
 from .derived_quantities import products
 from .fit import Fit
@@ -31,7 +31,7 @@ from .sheet_intervals import (
 )
 
 UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
-UNITS |= dict.fromkeys(SLOW_WAVES, "")
+UNITS |= dict.fromkeys(COSINE_MODES, "")
 HEADER = ("quantity", "unit", "scene", "fitted", "from", "to", "told by")
 """Of `Quantity.cells`."""
 
@@ -126,7 +126,7 @@ def quantities(
     fit, information, laws: as of `intervals`. fitted: names of parameters.
     """
     own = intervals(scene, fit, information, freedom, laws)
-    start = own_values(scene) | dict.fromkeys(SLOW_WAVES, 0.0)
+    start = own_values(scene) | dict.fromkeys(COSINE_MODES, 0.0)
     told = information.told
     hanging = hang_on_ratio(scene, information)
     width = quantile(freedom)

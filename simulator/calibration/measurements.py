@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import observed
-from ..models.mechanics.in_depths import settled
+from ..models.mechanics.force_depths import press_by_depths
 from ..press.press import (
     Press,
     check_press,
@@ -190,7 +190,7 @@ def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
 
 
 def _whole_pixels(scene: Scene, press: Press) -> Press:
-    press = settled(scene, press)
+    press = press_by_depths(scene, press)
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         raise InputError(f"press {press}: only whole pixels can be fitted")
     if bool(press.touches) and bool(press.indented) == scene.press.by_factor:

@@ -9,16 +9,16 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from ..models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedModes
 from ..models.parameters import (
+    COSINE_MODES,
     FACTORS,
-    FOAM_WAVES,
-    SHEET_WAVES,
-    SLOW_WAVES,
-    Spread,
+    FOAM_MODES,
+    SHEET_MODES,
+    SessionSpread,
     own_values,
     session_spreads,
 )
-from ..models.slow.waves import EVEN, LARGEST_WAVE, Uneven
 from ..scene.meter import Readout
 from ..scene.ranges import MAX_INDUCTANCE
 from ..scene.scene import Scene
@@ -57,14 +57,14 @@ def checked_kind(name: str) -> Kind:
 
 
 def priors(
-    measured: Measurements, kind: Kind, uneven: Uneven = EVEN, effects: Sequence[str] = ()
+    measured: Measurements, kind: Kind, uneven: FittedModes = NO_MODES, effects: Sequence[str] = ()
 ) -> dict[str, Prior]:
     """Of every parameter that is not known. uneven: what slow waves are among them. effects: those
     of EFFECTS that are, though nothing draws them."""
-    own = own_values(measured.scene) | dict.fromkeys(SLOW_WAVES, 0.0)
+    own = own_values(measured.scene) | dict.fromkeys(COSINE_MODES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
     waves = of_waves(measured.scene, kind)
-    spreads = spreads | {name: Spread(0.0, waves[name]) for name in uneven.names}
+    spreads = spreads | {name: SessionSpread(0.0, waves[name]) for name in uneven.names}
     found = {
         name: Prior(own[name] + shift, deviation, *limits(name))
         for name, (shift, deviation) in spreads.items()
@@ -92,7 +92,7 @@ def of_waves(scene: Scene, kind: Kind) -> dict[str, float]:
     if kind == "session":
         foam = drawn.foam_spread if drawn_uneven(scene) else UNEVEN
         sheets = drawn.unevenness or UNEVEN
-    return dict.fromkeys(FOAM_WAVES, foam) | dict.fromkeys(SHEET_WAVES, sheets)
+    return dict.fromkeys(FOAM_MODES, foam) | dict.fromkeys(SHEET_MODES, sheets)
 
 
 def drawn_uneven(scene: Scene) -> bool:
@@ -105,13 +105,13 @@ def limits(name: str) -> tuple[float, float]:
     """Values that make sense at all, and that a scene may have."""
     if name in FACTORS:
         return -math.inf, math.inf
-    if name in SLOW_WAVES:
-        return -LARGEST_WAVE, LARGEST_WAVE
+    if name in COSINE_MODES:
+        return -MAX_AMPLITUDE, MAX_AMPLITUDE
     most = {"phase_exponent": 1.0, "lead_inductance": MAX_INDUCTANCE}
     return LEAST_EXPONENT if name == "phase_exponent" else 0.0, most.get(name, math.inf)
 
 
-def wide(measured: Measurements) -> dict[str, Spread]:
+def wide(measured: Measurements) -> dict[str, SessionSpread]:
     """Far more than sessions differ."""
     omega = 2 * np.pi * measured.scene.frequencies
     size = np.abs([reading.Z for reading in measured.sweeps])
@@ -128,7 +128,7 @@ def wide(measured: Measurements) -> dict[str, Spread]:
         "lead_inductance": float((least / omega).min()),
         "stray_capacitance": float((1 / most / omega).min()),
     }
-    return {name: Spread(0.0, deviation) for name, deviation in deviations.items()}
+    return {name: SessionSpread(0.0, deviation) for name, deviation in deviations.items()}
 
 
 LEAST_FREEDOM = 10

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.cosine_modes.amplitudes import FittedModes
+from ..models.cosine_modes.foam_modes import check_uniform_foam, with_foam_modes
+from ..models.cosine_modes.sheet_modes import check_uniform_sheets, with_sheet_modes
 from ..models.effects import effects_of
 from ..models.line_slopes import LineModel
-from ..models.mechanics.in_depths import in_depths
+from ..models.mechanics.force_depths import forces_as_depths
 from ..models.parameters import own_values, scene_with
-from ..models.plain import folded
-from ..models.slow.foam import check_even_foam, with_foam_waves
-from ..models.slow.sheets import check_even_sheets, with_sheet_waves
-from ..models.slow.waves import Uneven
+from ..models.uniform import folded
 from ..progress import ProgressCallback, silent
 from ..safe_text import Tabular
 from ..scene.scene import Scene
@@ -102,7 +102,7 @@ def calibrate(
     training is the slow part. progress: as of `ProgressCallback`.
     Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
     """
-    scene = in_depths(scene)
+    scene = forces_as_depths(scene)
     unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
     scene = surrounded(scene, options.also)
     folded(scene, "a calibration")
@@ -144,7 +144,7 @@ def _laws(
 
 def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
     """The scene with its parameters, and with the slow waves as maps."""
-    return with_sheet_waves(with_foam_waves(scene_with(scene, values), values), values)
+    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
 
 
 class _Job:
@@ -219,14 +219,14 @@ class _Job:
             self.remarks.append(work)
 
 
-def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Uneven:
+def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> FittedModes:
     """What slow waves are fitted; raises InputError where the scene has such maps already."""
     drawn = options.prior == "session" and drawn_uneven(scene) and model is None
-    found = Uneven(options.uneven or drawn, options.uneven_sheets)
+    found = FittedModes(options.uneven or drawn, options.uneven_sheets)
     if found.foam:
-        check_even_foam(scene)
+        check_uniform_foam(scene)
     if found.sheets:
-        check_even_sheets(scene)
+        check_uniform_sheets(scene)
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.heterogeneous.mesh_choice import single_field
-from ..models.parameters import BOTTOM_WAVES, TOP_WAVES
+from ..models.parameters import BOTTOM_MODES, TOP_MODES
 from ..scene.scene import Scene
 from .fit import Fit
 from .identifiability import Information
@@ -80,7 +80,7 @@ def in_series(scene: Scene, values: Mapping[str, float], names: Sequence[str]) -
         yield Pair(COMMON, MISMATCH)
     of = {each.name: each.value for each in sheets(scene, values)}
     shares = of[TOP] / of[SUM], of[BOTTOM] / of[SUM]
-    for first, second in zip(TOP_WAVES, BOTTOM_WAVES, strict=True):
+    for first, second in zip(TOP_MODES, BOTTOM_MODES, strict=True):
         if {first, second} <= set(names):
             yield Pair(first, second, f"both sheets, {first.removeprefix('top_')}", shares)
 

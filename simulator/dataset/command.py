@@ -39,7 +39,7 @@ def dataset(
     same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
     the version only, and sweep k on neither SWEEPS nor who computes it.
     """
-    from ..models.mechanics.in_depths import foldable
+    from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.console import report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene

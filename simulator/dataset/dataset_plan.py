@@ -12,7 +12,7 @@ from importlib.metadata import version
 import numpy as np
 
 from ..mesh.held import held
-from ..models.mechanics.pressed import check_plane
+from ..models.mechanics.deformation import check_plane
 from ..models.reduced.indented.applicators import deepest
 from ..models.reduced.indented.draws import spreading
 from ..scene.scene import Scene

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ..measure.in_time import OF_NODES, interpolation
 from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
-from ..models.parameters import WAVES, Variation, nominal
-from ..models.plain import evenly_pressed
+from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
 from ..models.reduced.file import load, save
 from ..models.reduced.model import Reduced
+from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.randomisation import Session
 from ..scene.scene import Scene
@@ -92,7 +92,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
     """
     divided = _divided(scene)
     grid = divided.pixels.rows, divided.pixels.columns
-    modes = 1 if scene.dataset.session.unevenness == 0 else len(WAVES)
+    modes = 1 if scene.dataset.session.unevenness == 0 else len(HALF_WAVES)
 
     def draw(random: np.random.Generator) -> Case:
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
@@ -127,7 +127,7 @@ def _divided(scene: Scene) -> Scene:
         return scene
     divided = scene.on_grid(cells * pixels.rows, cells * pixels.columns)
     return (
-        evenly_pressed(divided, "a data set", creeps=True)
+        uniformly_pressed(divided, "a data set", creeps=True)
         if scene.dataset.press.rasterized
         else divided
     )

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from ..measure.symmetry import repeated_told
 from ..models.line import cut_off_frequency
-from ..models.plain import electrical
+from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
 from ..scene.contacts import Contact, Interface
 from ..scene.extent import surface
@@ -185,7 +185,7 @@ def _press(scene: Scene) -> str:
 
 
 def _depths(scene: Scene) -> str:
-    from ..models.mechanics.in_depths import depths_of_pixels
+    from ..models.mechanics.force_depths import depths_of_pixels
 
     try:
         return depths_of_pixels(scene)
@@ -213,7 +213,7 @@ def _cut_off(scene: Scene, interface: Interface) -> str:
         seen = "no frequency lies above it: all see the whole skin"
     elif above == len(f):
         seen = "all frequencies lie above it: none sees the whole skin"
-    far = 1e3 * electrical(scene).reach(interface)
+    far = 1e3 * equivalent_scene(scene).reach(interface)
     named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
     told = f"Eq. 6, {far:.3g} mm from the foils"
     return f"{named}{prefixed(cut_off, 'Hz')} ({told}): {seen}"

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..measure.in_time import reading_moments
-from ..models.plain import electrical
 from ..models.stray import (
     FINGER,
     NEARBY,
@@ -22,6 +21,7 @@ from ..models.stray import (
     straight_share,
     wall_share,
 )
+from ..models.uniform import equivalent_scene
 from ..models.validity import thickness_told
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
@@ -41,7 +41,7 @@ def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
 
     Sizes are those of `models.stray`.
     """
-    even, around = electrical(scene), scene.surroundings
+    even, around = equivalent_scene(scene), scene.surroundings
     yield "earth", _earth(even, around)
     for body in around.body if around else ():
         yield "body", _body(even, body)
@@ -127,10 +127,10 @@ def _finger(scene: Scene, around: Surroundings | None) -> str:
         return "none can touch: " + around.no_finger_reason
     how = scene.press.finger
     if around is None or (how is None and around.finger_per_area is None):
-        size = _percent(finger_share(electrical(scene)))
+        size = _percent(finger_share(equivalent_scene(scene)))
         return f"one of {prefixed(FINGER, 'F')} raises Rs by up to {size}; {LEFT_OUT}"
     own = finger_capacitance(scene, Touch(1, 1, 1.0), "earthed" if how is None else how)
-    share = _percent(finger_share(electrical(scene), own))
+    share = _percent(finger_share(equivalent_scene(scene), own))
     presses = "presses are by it" if how else "presses are by a rod unless they say `:finger`"
     return f"one on a pixel has {prefixed(own, 'F')} and raises Rs by up to {share}; {presses}"
 

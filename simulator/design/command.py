@@ -89,7 +89,7 @@ def design(
     A search that was killed goes on with the same command.
     """
     from ..bounds.sets import own_band
-    from ..models.plain import folded
+    from ..models.uniform import folded
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..scene.frequency import parse_band

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..measure.readout import observed
 from ..measure.skins import DrawnSkin
-from ..models.network.skin import NetworkSkin
+from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.model import Reduced
 from ..models.reduced.skin import ReducedSkin
 from ..press.batch import PressBatch

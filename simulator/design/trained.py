@@ -11,7 +11,7 @@ import numpy as np
 
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.terminals import read, require_no_spread, trained
-from ..models.parameters import WAVES, nominal
+from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.model import Reduced
 from ..progress import ProgressCallback, silent
@@ -51,7 +51,7 @@ class Trained:
         self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
         self._progress, self._touches = progress, touches
         self._divided = scene if touches is None else touches.divided
-        self.modes = len(WAVES) if scene.dataset.session.unevenness else 1
+        self.modes = len(HALF_WAVES) if scene.dataset.session.unevenness else 1
 
     def cast(self, number: int) -> DrawnSkin:
         """One of the skins as [dataset.session] spreads them, as factors on the scene's."""

@@ -16,7 +16,7 @@ from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadP
 
 from ..mesh.rings import Cells
 from .dropped import DROPPED
-from .lazy_kernel import Warming
+from .lazy_kernel import LazyKernel
 from .quadrature import (
     Rule,
     edge_rule,
@@ -42,7 +42,7 @@ def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: 
     np.add.at(values, slots[kept], totals[kept])
 
 
-fill = Warming(
+fill = LazyKernel(
     lambda kernels: kernels.fill, fill_readable, lambda values, slots, *_: 4e-8 * slots.size
 )
 

@@ -26,7 +26,7 @@ Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
-class Driven:
+class ExcitedTerminals:
     """What drives and what floats, in the unknowns of a space: inner ones, then terminals.
 
     conductance: between high and low at zero frequency, S. potential: g in V, shape (unknown,), the
@@ -41,12 +41,12 @@ class Driven:
     common: NDArray[np.bool_]
 
 
-def driven_by(
+def excited_terminals(
     excitation: Excitation,
     terminal_field: NDArray[np.int64],
     conductance: NDArray[np.float64],
     lift: NDArray[np.float64],
-) -> Driven:
+) -> ExcitedTerminals:
     """Potentials and floating terminals of one excitation.
 
     conductance: between terminals, S. lift: shape (unknown, terminal).
@@ -60,7 +60,7 @@ def driven_by(
     if tied.size:
         follow = -np.linalg.solve(S[np.ix_(tied, tied)], S[tied, 0])
         driven, through = driven + modes[:, tied] @ follow, through + S[0, tied] @ follow
-    return Driven(
+    return ExcitedTerminals(
         conductance=float(through),
         potential=lift @ driven,
         floating=lift @ modes[:, 1:],
@@ -76,7 +76,7 @@ class Unshifted:
     K^-1 is that of the inner block, `completed` by what floats.
     """
 
-    driven: Driven
+    driven: ExcitedTerminals
     mass: Mass
 
     @cached_property
@@ -129,7 +129,7 @@ class Unshifted:
         return sheets, charge, sheets.T @ charge
 
 
-def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
+def unshifted_pencils(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
     """Pencils of one K for several excitations and M. solve: of the block of `inner` unknowns."""
 
     def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -147,7 +147,7 @@ def unshifted_together(each: Sequence[Unshifted], solve: Solve, inner: int) -> P
 
 
 def shifted(
-    driven: Driven,
+    driven: ExcitedTerminals,
     mass: Mass,
     A: SuperLU | Bordered,
     shift: float,
@@ -165,7 +165,7 @@ def shifted(
     return Pencil(start, mass.dot, inverse, admittance, capacitance, shift)
 
 
-def potentials(driven: Driven, mass: Mass, A: SuperLU | Bordered, s: complex) -> NDArray:
+def potentials(driven: ExcitedTerminals, mass: Mass, A: SuperLU | Bordered, s: complex) -> NDArray:
     """V of all unknowns for 1 V between high and low, shape (unknown,).
 
     A: factors of the inner block of K + s M. s: rad/s, real or complex. mass: M in F.
@@ -175,7 +175,7 @@ def potentials(driven: Driven, mass: Mass, A: SuperLU | Bordered, s: complex) ->
 
 
 def _inverse(
-    driven: Driven, mass: Mass, A: SuperLU | Bordered, s: complex
+    driven: ExcitedTerminals, mass: Mass, A: SuperLU | Bordered, s: complex
 ) -> Callable[[NDArray], NDArray]:
     """y to (K + s M)^-1 y, the floating terminals among the unknowns, the driven ones at 0 V."""
     inner, floating = A.shape[0], driven.floating

@@ -23,10 +23,17 @@ from .circuit import Circuit
 from .combined_lanczos import respond_together
 from .error_estimate import Swept
 from .excitation import Combination, Excitation, combination
-from .excited_terminals import Driven, Unshifted, driven_by, potentials, shifted, unshifted_together
+from .excited_terminals import (
+    ExcitedTerminals,
+    Unshifted,
+    excited_terminals,
+    potentials,
+    shifted,
+    unshifted_pencils,
+)
 from .factors import Factors, factorised, without_zeros
-from .lanczos import MOST_STEPS, KeptSteps, Pencil, Pencils, Steps, respond
-from .low_rank import Bordered, Charged, Mass
+from .lanczos import MOST_STEPS, CachedSteps, Pencil, Pencils, Steps, respond
+from .low_rank import Bordered, LowRankMass, Mass
 from .system import Films, System
 from .terminal_network import Network
 
@@ -55,7 +62,7 @@ class Galerkin:
         self._block, self._block_entries = self._whole.within(np.arange(self.inner))
         self.K = self._inner(self.restricted(system.stiffness))
         self.lift, self.conductance = self._terminal_lift()
-        self._driven: dict[Excitation, Driven] = {}
+        self._driven: dict[Excitation, ExcitedTerminals] = {}
 
     @overload
     def restricted(self, matrix: csc_matrix) -> csc_matrix: ...
@@ -65,8 +72,8 @@ class Galerkin:
 
     def restricted(self, matrix: Mass) -> Mass:
         """A matrix in the system's pattern, for the unknowns of this space and the terminals."""
-        if isinstance(matrix, Charged):
-            return Charged(self.restricted(matrix.near), self.own(matrix.far))
+        if isinstance(matrix, LowRankMass):
+            return LowRankMass(self.restricted(matrix.near), self.own(matrix.far))
         return self.matrix(matrix.data[self.entries])
 
     def own(self, values: NDArray) -> NDArray:
@@ -131,7 +138,7 @@ class Galerkin:
             for mass in masses
             for excitation in excitations
         ]
-        return unshifted_together(each, self.solve, self.inner)
+        return unshifted_pencils(each, self.solve, self.inner)
 
     def potentials(self, mass: Mass, excitation: Excitation, s: complex) -> NDArray:
         """V of 1 V between high and low at s in rad/s, real or complex.
@@ -183,17 +190,17 @@ class Galerkin:
         in_films = self.film_energy(W, system.films)
         return (self.sheet_energy(W, system.sheets) + in_films).item()
 
-    def driven(self, excitation: Excitation) -> Driven:
+    def driven(self, excitation: Excitation) -> ExcitedTerminals:
         """Driven potentials and floating terminals of one excitation."""
         if excitation not in self._driven:
-            self._driven[excitation] = driven_by(
+            self._driven[excitation] = excited_terminals(
                 excitation, self.terminal_field, self.conductance, self.lift
             )
         return self._driven[excitation]
 
     def _shifted(self, s: complex, mass: Mass) -> SuperLU | Bordered:
         """Factors of the inner block of K + s M. mass: of this space."""
-        if isinstance(mass, Charged):
+        if isinstance(mass, LowRankMass):
             return Bordered(self._sparse_shifted(s, mass.near), mass.far[: self.inner], s)
         return self._sparse_shifted(s, mass)
 
@@ -202,7 +209,7 @@ class Galerkin:
 
     @cached_property
     def _factor(self) -> SuperLU:
-        return factorised(without_zeros(self.K) if self._system.fields_apart else self.K)
+        return factorised(without_zeros(self.K) if self._system.fields_decoupled else self.K)
 
     @cached_property
     def _factors(self) -> Factors:
@@ -254,7 +261,7 @@ def swept(
     excitations: Sequence[Excitation],
     s: NDArray[np.complex128],
     rtol: float,
-    kept: KeptSteps | None = None,
+    kept: CachedSteps | None = None,
 ) -> Swept:
     """Forms of excitations at each s in rad/s, and relative errors of the interfaces that they
     combine to, see `excitation.combination`. mass: M in F."""
@@ -275,7 +282,7 @@ def _interface(
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
     rtol: float,
-    kept: KeptSteps | None,
+    kept: CachedSteps | None,
 ) -> Swept:
     """Forms of one interface and its relative error: real solves about zero, then about shifts for
     what those leave."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .error_estimate import LOST_SUSCEPTANCE, lost_digits
 from .excitation import Excitation
-from .lazy_kernel import Warming
+from .lazy_kernel import LazyKernel
 
 MOST_STEPS = 60
 FEWEST_STEPS = 3
@@ -53,7 +53,7 @@ def last_change_readable(
     return Y, change
 
 
-last_change = Warming(
+last_change = LazyKernel(
     lambda kernels: kernels.last_change,
     last_change_readable,
     lambda s, *others: 6e-7 * len(s) * (4 + others[-1]),
@@ -211,7 +211,7 @@ class Steps:
         return np.ascontiguousarray((-shifts[:, None] * solved).T)
 
 
-class KeptSteps:
+class CachedSteps:
     """The steps about zero of a sweep's excitations, and up to which |s| in rad/s they are
     close."""
 

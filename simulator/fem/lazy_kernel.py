@@ -16,7 +16,7 @@ WORTH = 0.3
 """s of a kernel's readable twin, altogether, that loading numba is worth."""
 
 
-class Warming:
+class LazyKernel:
     """A kernel and its readable twin.
 
     kernel: gives it, of the module `fem.kernels`, which is imported at need. cost: s that the twin
@@ -37,8 +37,8 @@ class Warming:
         """What the kernel returns."""
         if "numba" in sys.modules:
             return self._kernel(_kernels())(*map(_in_c_order, arguments))
-        Warming.spent += self._cost(*arguments)
-        if Warming.spent > WORTH:
+        LazyKernel.spent += self._cost(*arguments)
+        if LazyKernel.spent > WORTH:
             _kernels()
         return self._twin(*arguments)
 

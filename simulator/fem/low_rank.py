@@ -11,7 +11,7 @@ from scipy.sparse.linalg import SuperLU
 
 
 @dataclass(frozen=True)
-class Charged:
+class LowRankMass:
     """M = near + F F', in F.
 
     near: sparse, shape (unknown, unknown). far: F, shape (unknown, rank).
@@ -27,7 +27,7 @@ class Charged:
     __matmul__ = dot
 
 
-Mass = csc_matrix | Charged
+Mass = csc_matrix | LowRankMass
 
 
 class Bordered:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from .dropped import DROPPED
-from .lazy_kernel import Warming
+from .lazy_kernel import LazyKernel
 
 TABLE = 32
 """Times the keys: how many may be in a table, which then takes less time than to sort the keys."""
@@ -101,9 +101,9 @@ def block_readable(
     return number[indices[entries]], indptr.astype(np.int32), entries
 
 
-compressed = Warming(
+compressed = LazyKernel(
     lambda kernels: kernels.compressed, compressed_readable, lambda rows, *_: 2e-7 * rows.size
 )
-block = Warming(
+block = LazyKernel(
     lambda kernels: kernels.block, block_readable, lambda indices, *_: 1e-8 * indices.size
 )

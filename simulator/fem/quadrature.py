@@ -64,7 +64,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Surface:
+class CellGeometry:
     """Where the points of a rule lie in each cell, and how x runs with a and b there.
 
     x: m. along: dx/da in m. across: dx/db in m. All of shape (2, cell, point). On a surface in
@@ -81,9 +81,9 @@ class Surface:
         along, across = self.along, self.across
         return np.abs(along[0] * across[1] - along[1] * across[0])
 
-    def some(self, cells: NDArray[np.int64] | slice) -> Surface:
+    def some(self, cells: NDArray[np.int64] | slice) -> CellGeometry:
         """Of some of the cells."""
-        return Surface(self.x[:, cells], self.along[:, cells], self.across[:, cells])
+        return CellGeometry(self.x[:, cells], self.along[:, cells], self.across[:, cells])
 
 
 def gauss_rule(element: Element, degree: int) -> Rule:
@@ -133,18 +133,21 @@ def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
     return MeshTri(np.eye(3)[1:], np.arange(3)[:, None])
 
 
-def surface(cells: Cells, rule: Rule) -> Surface:
+def surface(cells: Cells, rule: Rule) -> CellGeometry:
     """Of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
     a, b = rule.points
     vectors = (cells.p[:, cells.t[0]], cells.along, cells.across, cells.twist)
     origin, along, across, twist = (each[:, :, None] for each in vectors)
-    return Surface(
+    return CellGeometry(
         origin + a * along + b * across + a * b * twist, along + b * twist, across + a * twist
     )
 
 
 def mass_terms(
-    rule: Rule, surface: Surface, c: NDArray[np.float64], fields: NDArray[np.float64] = ONE_FIELD
+    rule: Rule,
+    surface: CellGeometry,
+    c: NDArray[np.float64],
+    fields: NDArray[np.float64] = ONE_FIELD,
 ) -> Iterator[Terms]:
     """Of the form c u v. c: F/m², shape (cell, point). fields: how it enters between fields.
 
@@ -162,7 +165,7 @@ def mass_terms(
 
 def stiffness_terms(
     rule: Rule,
-    surface: Surface,
+    surface: CellGeometry,
     conductance: NDArray[np.float64],
     fields: NDArray[np.float64] = ONE_FIELD,
 ) -> Iterator[Terms]:
@@ -183,7 +186,7 @@ def stiffness_terms(
         yield np.hstack([*weights[..., some]]), _between_fields(fields, matrices)
 
 
-def _pulled_back(surface: Surface, conductance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _pulled_back(surface: CellGeometry, conductance: NDArray[np.float64]) -> NDArray[np.float64]:
     """|J| J^-1 S J^-T by its components along a a, b b and a b, shape (3, cell, point)."""
     along, across = surface.along, surface.across
     if conductance.ndim == along.ndim - 1:
@@ -203,7 +206,7 @@ def _even(density: NDArray[np.float64]) -> bool:
     return bool((density == density[..., :1]).all())
 
 
-def interpolated(rule: Rule, surface: Surface, u: NDArray) -> tuple[NDArray, NDArray]:
+def interpolated(rule: Rule, surface: CellGeometry, u: NDArray) -> tuple[NDArray, NDArray]:
     """A function and its gradient, per m, from its coefficients u, shape (function, cell).
 
     Of shapes (cell, point) and (2, cell, point).

@@ -19,7 +19,7 @@ from ..sweeps.free_space import check_memory
 from .assembly import Group, add_terms, edge_masses, fill, groups
 from .circuit import Circuit, Terminal
 from .pattern import Pattern
-from .unknowns import Unknowns, numbered, quadrilateral_trial
+from .unknowns import Unknowns, number_unknowns, quadrilateral_trial
 
 BYTES_FOR_UNKNOWN = 5e3
 """Of factors and all else: 100 x 100 and 200 x 200 pixels took 5.7 and 5.0 kB for each."""
@@ -52,10 +52,10 @@ class System:
     """(K + B + s M) u = b, with each terminal's potential as one unknown.
 
     sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
-    fields_apart: whether K is factorised without the zeros between fields that its pattern has.
+    fields_decoupled: whether K is factorised without the zeros between fields that its pattern has.
     """
 
-    fields_apart: ClassVar[bool] = False
+    fields_decoupled: ClassVar[bool] = False
     unknowns: Unknowns
     sheets: csc_matrix
     films: Films
@@ -124,7 +124,7 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Pixe
     check_grid_fits(scene, circuit, resolution.cells * resolution.order)
     pixels = pixel_mesh(scene, circuit.contacts, resolution)
     trial = quadrilateral_trial(pixels.mesh, resolution.order)
-    unknowns = numbered(circuit, trial, pixels.facets)
+    unknowns = number_unknowns(circuit, trial, pixels.facets)
     cells = groups(pixels.cells, resolution.order)
     return PixelSystem(
         unknowns=unknowns,

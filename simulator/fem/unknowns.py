@@ -24,7 +24,7 @@ TRIANGLES = (ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)
 
 
 @dataclass(frozen=True)
-class Trial:
+class TrialSpace:
     """The trial functions of one field.
 
     one: coefficients of the function 1, shape (coefficient,). degree: the order from which on
@@ -70,25 +70,25 @@ class Unknowns:
     facing: tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
-def quadrilateral_trial(mesh: MeshQuad, order: int) -> Trial:
+def quadrilateral_trial(mesh: MeshQuad, order: int) -> TrialSpace:
     """Nodal up to order 2, hierarchical from order 3: those bases are nested."""
     dofs = Dofs(mesh, quadrilateral(order))
     one = np.ones(dofs.N)
     if order > 2:
         one = np.zeros(dofs.N)
         one[np.asarray(dofs.nodal_dofs).ravel()] = 1.0
-    return Trial(dofs, one, _degree(dofs))
+    return TrialSpace(dofs, one, _degree(dofs))
 
 
-def triangle_trial(mesh: MeshTri, order: int) -> Trial:
+def triangle_trial(mesh: MeshTri, order: int) -> TrialSpace:
     """Nodal, of orders 1 to 4."""
     dofs = Dofs(mesh, TRIANGLES[order - 1]())
-    return Trial(dofs, np.ones(dofs.N), np.ones(dofs.N, dtype=np.int64))
+    return TrialSpace(dofs, np.ones(dofs.N), np.ones(dofs.N, dtype=np.int64))
 
 
-def numbered(
+def number_unknowns(
     circuit: Circuit,
-    trial: Trial,
+    trial: TrialSpace,
     facets: Callable[[Contact], NDArray[np.int64]],
     inside: Callable[[Contact], NDArray[np.int64]] | None = None,
 ) -> Unknowns:
@@ -128,7 +128,7 @@ def numbered(
     )
 
 
-def on_cells(unknowns: Unknowns, trial: Trial, u: NDArray) -> NDArray:
+def on_cells(unknowns: Unknowns, trial: TrialSpace, u: NDArray) -> NDArray:
     """Coefficients of each field in each cell, shape (field, function, cell).
 
     u: of the unknowns, shape (inner + terminals,).
@@ -148,7 +148,7 @@ def _degree(dofs: Dofs) -> NDArray[np.int64]:
 
 
 def _numbers(
-    circuit: Circuit, trial: Trial, under_all: Callable[[Sequence[Contact]], NDArray[np.int64]]
+    circuit: Circuit, trial: TrialSpace, under_all: Callable[[Sequence[Contact]], NDArray[np.int64]]
 ) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
     """The unknown of each field's coefficients; how many are inner, and the degree of those."""
     free = DROPPED - 1
@@ -168,7 +168,7 @@ def _numbers(
 
 
 def _facing(
-    circuit: Circuit, trial: Trial, number: NDArray[np.int64], inner: int
+    circuit: Circuit, trial: TrialSpace, number: NDArray[np.int64], inner: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Rows and columns in which conductors meet the fields that they face, then themselves."""
     rows, columns = [], []
@@ -184,7 +184,7 @@ def _facing(
 
 def _held(
     terminal: Terminal,
-    trial: Trial,
+    trial: TrialSpace,
     under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],
 ) -> NDArray[np.int64]:
     if not terminal.contacts:
@@ -204,7 +204,7 @@ def _on_fields(
 
 def _under_terminals(
     circuit: Circuit,
-    trial: Trial,
+    trial: TrialSpace,
     number: NDArray[np.int64],
     size: int,
     under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],

@@ -17,8 +17,8 @@ from ..measure.experiment import own_presses
 from ..measure.readout import errors_of
 from ..mesh.held import held
 from ..models.network.terminals import reduced_for
-from ..models.plain import require_static
 from ..models.reduced.forward import Forward
+from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of
 from ..scene.scene import Scene

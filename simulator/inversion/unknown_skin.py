@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import errors_of, observed, observed_slope
-from ..models.parameters import VALUES, WAVES, mode_values, own_values, session_spreads
+from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values, session_spreads
 from ..models.reduced.families.resolving import family_on
 from ..models.reduced.forward import Forward
 from ..press.batch import NOTHING
@@ -179,8 +179,8 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    waves = mode_values(scene, cell_centres(scene, cells.shape), len(WAVES))[1:]
-    return (session.foam_spread * waves.reshape(len(WAVES) - 1, -1)).astype(np.float64)
+    waves = mode_values(scene, cell_centres(scene, cells.shape), len(HALF_WAVES))[1:]
+    return (session.foam_spread * waves.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
 def _wave_terms(forward: Forward) -> NDArray[np.float64]:
@@ -189,18 +189,18 @@ def _wave_terms(forward: Forward) -> NDArray[np.float64]:
     One field stands for both sheets: to first order, waves of each add by its share of resistance.
     """
     scene, reduced = forward.scene, forward.reduced
-    family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(WAVES))
+    family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(HALF_WAVES))
     R = np.array(scene.skin.sheet_resistances)
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness
     W = reduced.coordinates
     terms = family.sheet_terms
-    parts = len(terms) // (reduced.circuit.fields * len(WAVES))
+    parts = len(terms) // (reduced.circuit.fields * len(HALF_WAVES))
     waves = [
         unevenness
         * share
         * np.sum([family.space.sheet_energy(W, term) for term in terms[k : k + parts]], axis=0)
         for k in range(0, len(terms), parts)
-        if k // parts % len(WAVES) and unevenness > 0
+        if k // parts % len(HALF_WAVES) and unevenness > 0
     ]
     return np.reshape(waves, (-1, W.shape[1], W.shape[1]))

@@ -78,7 +78,7 @@ def limits(
     """
     from ..bounds.position import chosen_touch
     from ..chart_style import checked_ending
-    from ..models.mechanics.in_depths import foldable
+    from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..sweeps import checked_folder, made_folder

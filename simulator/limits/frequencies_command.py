@@ -62,7 +62,7 @@ def frequencies(
 
     from ..bounds.position import chosen_touch
     from ..bounds.sets import chosen_band, frequencies_among
-    from ..models.mechanics.in_depths import foldable
+    from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from .criteria import checked_criterion

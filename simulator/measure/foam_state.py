@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..models.mechanics.in_depths import settled
+from ..models.mechanics.force_depths import press_by_depths
 from ..press.memory import Array, Creep, let_off
 from ..press.press import Press, order
 from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
@@ -77,7 +77,7 @@ class FoamState:
             self._pressed(as_given, touch, before.get(touch.where))
             for as_given, touch in zip(
                 (*press.sharp.touches, *press.indented),
-                settled(self.scene, press).touches,
+                press_by_depths(self.scene, press).touches,
                 strict=True,
             )
         ]

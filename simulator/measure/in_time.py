@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chebyshev import Array, barycentric, extrema
-from ..models.answer import Answer
+from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.memory import Creep
 from ..press.press import Press, check_press
@@ -118,7 +118,7 @@ def interpolation(scene: Scene) -> Interpolation:
     return Interpolation(np.exp(-moments / time.reshape(-1, 1, 1)), (FIRST,) * len(time))
 
 
-def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Answer]]:
+def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
     """Each press with what is read of it, in a session of the scene's experiment.
 
     The foam is at rest at first. Raises as `FoamState.then` and `Solver.solve`.
@@ -139,20 +139,20 @@ def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple
 class _Once:
     """Solves each press once, and forgets all but the skin at rest with the next sweep."""
 
-    def __init__(self, solve: Callable[[Press], Answer]) -> None:
-        self._solve, self._known = solve, dict[Press, Answer]()
+    def __init__(self, solve: Callable[[Press], Solution]) -> None:
+        self._solve, self._known = solve, dict[Press, Solution]()
 
     def next(self) -> None:
         """Forget."""
         self._known = {press: self._known[press] for press in self._known if not press.touches}
 
-    def __call__(self, press: Press) -> Answer:
+    def __call__(self, press: Press) -> Solution:
         if press not in self._known:
             self._known[press] = self._solve(press)
         return self._known[press]
 
 
-def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float) -> Answer:
+def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float) -> Solution:
     """What is read of a foam, by an interpolation or finer ones."""
     solve.next()
     while True:
@@ -174,7 +174,7 @@ def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float)
         between = finer
 
 
-def _interpolated(answers: list[Answer], between: Interpolation) -> tuple[Answer, list[float]]:
+def _interpolated(answers: list[Solution], between: Interpolation) -> tuple[Solution, list[float]]:
     """At the moments of readings, and how much each solid's coarser nodes change, relatively."""
     first, weights = answers[0], between.weights()
     states = np.stack([answer.Z for answer in answers])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.answer import Answer
+from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
 from ..scene.changed_readings import with_frequencies
@@ -49,7 +49,7 @@ def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
     return gather(solver, answered(solver, presses)).dataset()
 
 
-def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Answer]]:
+def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
     """Each press with its answer; one that comes again is not solved again.
 
     Of foam that creeps they are those of a session, see `answered_in_time`. Raises InputError where
@@ -58,14 +58,14 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
     if solver.scene.skin.foam.in_time:
         yield from answered_in_time(solver, presses)
         return
-    known: dict[Press, Answer] = {}
+    known: dict[Press, Solution] = {}
     for press in presses:
         if press not in known:
             known[press] = solver.solve(check_press(press, solver.scene))
         yield press, known[press]
 
 
-def gather(solver: Solver, pairs: Iterable[tuple[Press, Answer]]) -> SweepTable:
+def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTable:
     """Sweeps from presses that were answered already. Raises InputError where there is none."""
     found = list(pairs)
     if not found:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.parameters import WAVES, Variation, mode_values
+from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
 from ..scene.foam_in_time import AMBIENT, ambient_factors
 from ..scene.frequency import Loss
@@ -36,7 +36,7 @@ def drawn_skin(
     drawn, random = scene.dataset.session, stream(seed, session, SKIN)
     foam = scene.skin.foam
     common, top, bottom, c, loss, stray, lead = random.random(7)
-    waves = random.random((2, len(WAVES) - 1))
+    waves = random.random((2, len(HALF_WAVES) - 1))
     contacts = random.random(len(scene.contacts))
     own_foam = _foam(scene, random, grid)
     of_foam, of_sheets = _ambient(scene, random)
@@ -92,8 +92,8 @@ def _foam(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> N
     drawn, (rows, columns) = scene.dataset.session, grid
     pixels = scene.pixels.rows, scene.pixels.columns
     if drawn.foam_pattern == "smooth":
-        slow = drawn.foam_spread * truncated_normal(random.random(len(WAVES) - 1), CUT)
-        waves = mode_values(scene, cell_centres(scene, grid), len(WAVES))[1:]
+        slow = drawn.foam_spread * truncated_normal(random.random(len(HALF_WAVES) - 1), CUT)
+        waves = mode_values(scene, cell_centres(scene, grid), len(HALF_WAVES))[1:]
         return 1 + np.einsum("k,kij", slow, waves)
     spread = drawn.foam_spread * truncated_normal(random.random(pixels), CUT)
     return np.kron(1 + spread, np.ones((rows // pixels[0], columns // pixels[1])))

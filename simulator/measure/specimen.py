@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..method_cache import cached_method
-from ..models.mechanics.in_depths import depths_in_words
+from ..models.mechanics.force_depths import depths_in_words
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, label_of, press_on

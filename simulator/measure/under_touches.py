@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..models.mechanics.indentation import pressed
+from ..models.mechanics.indentation import deformation
 from ..press.press import parse_press, press_on, strength_of
 from ..scene.scene import Scene
 from ..sweeps.press_text import JOINT
@@ -21,6 +21,6 @@ def factors_under(scene: Scene, press: str) -> list[float]:
     whole, default = press_on(scene, press), strength_of(scene.press)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}
     if whole.indented:
-        under = scene.pressed_factors(np.array(pressed(scene, whole, FACTOR_RTOL).depth))
+        under = scene.pressed_factors(np.array(deformation(scene, whole, FACTOR_RTOL).depth))
         known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
     return [known[str(parse_press(part, default, scene))] for part in JOINT.split(press)]

@@ -18,7 +18,7 @@ from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .plain import electrical, require_plain
+from .uniform import equivalent_scene, require_plain
 
 LEVELS_OF_FRACTION = 12
 
@@ -133,7 +133,7 @@ def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
     that these interfaces drive, all of the scene's where none is given. Above it less of the skin
     is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
     """
-    even = electrical(scene)
+    even = equivalent_scene(scene)
     c = even.skin.foam.unpressed_capacitance_per_area
     return float(interrogation_frequency(even.reach(*interfaces), even.skin.both_sheets, c))
 

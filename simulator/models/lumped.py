@@ -18,7 +18,7 @@ from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError, parallel_capacitance
-from .sheet import Sheet
+from .sheet_model import SheetModel
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Series:
 class Lumped:
     """A scene as one R and one C at each interface, with a bound of what that leaves out."""
 
-    def __init__(self, sheet: Sheet, space: Galerkin | None = None) -> None:
+    def __init__(self, sheet: SheetModel, space: Galerkin | None = None) -> None:
         """space: that of the sheet which gives R and C, its finest one by default.
 
         `series` raises InputError where an interface is no capacitor at zero frequency.

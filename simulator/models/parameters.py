@@ -20,7 +20,7 @@ from ..scene.skin import VACUUM_PERMITTIVITY, Foam
 from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects
 
-WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
+HALF_WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Half waves along x and along y of the modes of a sheet's conductance; the first is its mean."""
 
 
@@ -85,10 +85,10 @@ def mode_values(scene: Scene, x: NDArray[np.float64], modes: int) -> NDArray[np.
 
     x: positions in m, shape (2, ...). Raises InputError for more modes than there are.
     """
-    if not 1 <= modes <= len(WAVES):
-        raise InputError(f"`modes` must be between 1 and {len(WAVES)}, got {modes}")
+    if not 1 <= modes <= len(HALF_WAVES):
+        raise InputError(f"`modes` must be between 1 and {len(HALF_WAVES)}, got {modes}")
     along, across = np.pi * x[0] / scene.skin.length, np.pi * x[1] / scene.skin.width
-    return np.stack([np.cos(i * along) * np.cos(j * across) for i, j in WAVES[:modes]])
+    return np.stack([np.cos(i * along) * np.cos(j * across) for i, j in HALF_WAVES[:modes]])
 
 
 FACTORS = {
@@ -115,16 +115,16 @@ PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
 """Parameters of every scene."""
 
 
-FOAM_WAVES = ("foam_x", "foam_y", "foam_xy")
+FOAM_MODES = ("foam_x", "foam_y", "foam_xy")
 """Amplitudes of slow waves of the foam's capacitance over its mean, of WAVES but the first: 0 in
 every scene, and parameters only where they are asked for."""
 
-TOP_WAVES, BOTTOM_WAVES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
+TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
 """The same of each sheet's conductance."""
 
-SHEET_WAVES = (*TOP_WAVES, *BOTTOM_WAVES)
-SLOW_WAVES = (*FOAM_WAVES, *SHEET_WAVES)
-KNOWN = (*PARAMETERS, *EFFECTS, *SLOW_WAVES)
+SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
+COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
+KNOWN = (*PARAMETERS, *EFFECTS, *COSINE_MODES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:
@@ -248,7 +248,7 @@ def by_sheets(
     return {"sheet_resistance": -np.sum(energy, axis=0), "sheet_mismatch": mismatch}
 
 
-class Spread(NamedTuple):
+class SessionSpread(NamedTuple):
     """By how much sessions differ from a scene in a parameter: mean, and standard deviation."""
 
     shift: float
@@ -258,7 +258,7 @@ class Spread(NamedTuple):
 QUANTILES = (np.arange(4001) + 0.5) / 4001
 
 
-def session_spreads(scene: Scene) -> dict[str, Spread]:
+def session_spreads(scene: Scene) -> dict[str, SessionSpread]:
     """Of every parameter of a scene between sessions of [dataset.session]; 0 of those not drawn.
 
     Temperature and humidity count among both sheets' resistance and the foam's capacitance, each on
@@ -276,13 +276,13 @@ def session_spreads(scene: Scene) -> dict[str, Spread]:
         for name, factor in (("body", drawn.body), ("rim", drawn.rim))
         if factor is not None
     }
-    return dict.fromkeys(own_values(scene), Spread(0.0, 0.0)) | {
-        "sheet_resistance": Spread(
+    return dict.fromkeys(own_values(scene), SessionSpread(0.0, 0.0)) | {
+        "sheet_resistance": SessionSpread(
             both.shift + own.shift, math.hypot(both.deviation, own.deviation / math.sqrt(2))
         ),
-        "sheet_mismatch": Spread(0.0, math.sqrt(2) * own.deviation),
+        "sheet_mismatch": SessionSpread(0.0, math.sqrt(2) * own.deviation),
         "capacitance": _with(_of_logarithm(drawn.capacitance), weather["capacitance"]),
-        "contact_resistance": Spread(film.shift, film.deviation / math.sqrt(max(films, 1))),
+        "contact_resistance": SessionSpread(film.shift, film.deviation / math.sqrt(max(films, 1))),
         "loss_tangent": _of_value(drawn.loss_tangent),
         "lead_resistance": _of_value(drawn.lead_resistance),
         "stray_capacitance": _of_value(drawn.stray_capacitance),
@@ -290,7 +290,7 @@ def session_spreads(scene: Scene) -> dict[str, Spread]:
     }
 
 
-def _of_ambient(scene: Scene) -> dict[str, list[Spread]]:
+def _of_ambient(scene: Scene) -> dict[str, list[SessionSpread]]:
     """By the temperature and the humidity that are drawn, of capacitance and sheet resistance."""
     drawn, foam = scene.dataset.session, scene.skin.foam
     states = [(getattr(foam, name), getattr(drawn, name)) for name in AMBIENT]
@@ -304,20 +304,22 @@ def _of_ambient(scene: Scene) -> dict[str, list[Spread]]:
     }
 
 
-def _with(one: Spread, others: list[Spread]) -> Spread:
+def _with(one: SessionSpread, others: list[SessionSpread]) -> SessionSpread:
     """Of a sum of what is drawn apart."""
     every = [one, *others]
-    return Spread(sum(each.shift for each in every), math.hypot(*(e.deviation for e in every)))
+    return SessionSpread(
+        sum(each.shift for each in every), math.hypot(*(e.deviation for e in every))
+    )
 
 
-def _of_value(drawn: AnyDistribution) -> Spread:
+def _of_value(drawn: AnyDistribution) -> SessionSpread:
     return _spread(drawn.at(QUANTILES))
 
 
-def _of_logarithm(drawn: AnyDistribution) -> Spread:
+def _of_logarithm(drawn: AnyDistribution) -> SessionSpread:
     return _spread(np.log(drawn.at(QUANTILES)))
 
 
-def _spread(values: NDArray[np.float64]) -> Spread:
+def _spread(values: NDArray[np.float64]) -> SessionSpread:
     """Exactly none of values that are all the same."""
-    return Spread(float(values.mean()), float(values.std()) if np.ptp(values) else 0.0)
+    return SessionSpread(float(values.mean()), float(values.std()) if np.ptp(values) else 0.0)

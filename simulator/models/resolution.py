@@ -28,7 +28,7 @@ LAYER_TAKES, GAINED = 2.6, 90.0
 """Of Rs and Cp, over `GAINED`^order: what cells as wide as a layer is deep take at that order."""
 
 
-class Ladder:
+class ResolutionHierarchy:
     """The levels of one scene: elements of growing order, then smaller cells.
 
     The rings at ends of foils shrink as fast as the order gains: they add 0.2^rings to the error,
@@ -112,7 +112,7 @@ class Ladder:
             tuple(
                 touch
                 for touch in press.touches
-                if touch.factor > 1 and felt(touch, self.scene, depth)
+                if touch.factor > 1 and reached_by_field(touch, self.scene, depth)
             )
         )
 
@@ -129,7 +129,7 @@ def depth_of(scene: Scene, frequency: float) -> float:
     return skin.depth(frequency, 1 + charged / (skin.both_sheets * c))
 
 
-def felt(touch: AnyTouch, scene: Scene, depth: float) -> bool:
+def reached_by_field(touch: AnyTouch, scene: Scene, depth: float) -> bool:
     """Whether a touch is near enough to a foil for a field of that depth in m to come back."""
     return math.exp(-2 * _distance(touch, scene) / depth) > FAINTEST
 

@@ -26,17 +26,17 @@ from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
-from .answer import Answer, Progress, Rung
-from .heterogeneous.press_cache import Place, Places
+from .heterogeneous.press_cache import PressCache, PressPlace
 from .line import Line
 from .lumped import Lumped, least_left_out
-from .outlook import Outlook
-from .plain import electrical, electrical_press, require_plain
-from .resolution import Ladder
-from .sheet import Sheet
+from .resolution import ResolutionHierarchy
+from .sheet_model import SheetModel
+from .solution import ModelResult, Solution, SolutionProgress
+from .time_estimate import TimeEstimate
+from .uniform import equivalent_press, equivalent_scene, require_plain
 
 if TYPE_CHECKING:
-    from .mechanics.pressed import Pressed
+    from .mechanics.deformation import Deformation
     from .reduced.indented.applied import Applied
     from .reduced.rung import OfPixels
 
@@ -77,10 +77,10 @@ class Solver:
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol = scene, rtol
         self.frequency = scene.frequencies if frequency is None else checked_frequencies(frequency)
-        self._even, self._outlook = electrical(scene), Outlook(rtol)
+        self._even, self._outlook = equivalent_scene(scene), TimeEstimate(rtol)
         self.model: ModelName = model
-        self._sheets: dict[Resolution, Sheet] = {}
-        self._places = Places()
+        self._sheets: dict[Resolution, SheetModel] = {}
+        self._places = PressCache()
 
     @cached_property
     def _without_earth(self) -> Solver | None:
@@ -95,7 +95,7 @@ class Solver:
     def _first_level(self) -> int:
         return self._ladder.first(self.rtol)
 
-    def solve(self, press: Press, frequency: ArrayLike | None = None) -> Answer:
+    def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
         """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
 
         frequency: Hz, ascending; the solver's own without. Behind leads the skin is
@@ -124,31 +124,31 @@ class Solver:
     def _closer(self) -> Solver:
         return Solver(self.scene, CLOSER * self.rtol, self.model, self.frequency)
 
-    def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Answer:
+    def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Solution:
         """The answer at the skin's own contacts."""
         check_fingers(press, self.scene)
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._outlook.of(str(press))
-        progress = Progress(len(self.scene.interfaces), frequency, self.rtol, on_error)
+        progress = SolutionProgress(len(self.scene.interfaces), frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)
             if progress.done:
                 return progress.answer()
         sharp, pressed, place = press, None, None
         if press.indented:
-            from .heterogeneous.mesh_choice import indented
+            from .heterogeneous.mesh_choice import deformed
 
             place = self._places.of(press)
-            sharp, pressed = indented(self.scene, press, self.rtol, place=place)
-        even = None if pressed else electrical_press(self.scene, sharp, self._even)
+            sharp, pressed = deformed(self.scene, press, self.rtol, place=place)
+        even = None if pressed else equivalent_press(self.scene, sharp, self._even)
         if even is None:
             self._varied(sharp, pressed, progress, place)
         else:
             self._plain(even, progress)
         return progress.answer()
 
-    def _plain(self, press: Press, progress: Progress) -> None:
+    def _plain(self, press: Press, progress: SolutionProgress) -> None:
         rungs = {
             "line": self._line,
             "lumped": self._lumped,
@@ -168,7 +168,11 @@ class Solver:
         raise ToleranceError(progress.rejected[-1])
 
     def _varied(
-        self, press: Press, pressed: Pressed | None, progress: Progress, place: Place | None
+        self,
+        press: Press,
+        pressed: Deformation | None,
+        progress: SolutionProgress,
+        place: PressPlace | None,
     ) -> None:
         """Elements for what is not plain; a reduced model leaves touches of other shapes to them.
 
@@ -188,9 +192,11 @@ class Solver:
             except ToleranceError as end:
                 told = ": ".join([str(end), *progress.rejected[-1:]])
                 raise ToleranceError(told, end.times) from end
-            progress.offer(discretised.rung(progress.frequency, self.rtol))
+            progress.offer(discretised.result(progress.frequency, self.rtol))
 
-    def _reduced_first(self, press: Press, pressed: Pressed | None, progress: Progress) -> None:
+    def _reduced_first(
+        self, press: Press, pressed: Deformation | None, progress: SolutionProgress
+    ) -> None:
         """What a reduced model answers of what is not plain."""
         if pressed:
             return None
@@ -208,7 +214,7 @@ class Solver:
 
         return spreads(self.scene)
 
-    def _under_applicators(self, press: Press, progress: Progress) -> None:
+    def _under_applicators(self, press: Press, progress: SolutionProgress) -> None:
         """What a reduced model answers of pixels pressed by depth and force."""
         try:
             return self._within_sweep(self._applied, press, progress)
@@ -221,16 +227,16 @@ class Solver:
 
         return Applied(self.scene, self.rtol, self.frequency)
 
-    def explain(self, press: Press, answer: Answer) -> str:
+    def explain(self, press: Press, answer: Solution) -> str:
         """What answered a press at each frequency, its own estimated error, and what did not."""
-        lines = [f"press {press}, asked {self.rtol:g}", *answer.told()]
+        lines = [f"press {press}, asked {self.rtol:g}", *answer.lines()]
         return "\n  ".join(lines)
 
-    def _line(self, press: Press, progress: Progress) -> None:
+    def _line(self, press: Press, progress: SolutionProgress) -> None:
         if isinstance(self._exact_line, str):
             raise InputError(self._exact_line)
         Z = self._exact_line.impedance(press, progress.frequency)
-        progress.offer(Rung("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
+        progress.offer(ModelResult("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
 
     @cached_property
     def _exact_line(self) -> Line | str:
@@ -240,7 +246,7 @@ class Solver:
         except InputError as no_line:
             return str(no_line)
 
-    def _lumped(self, press: Press, progress: Progress) -> None:
+    def _lumped(self, press: Press, progress: SolutionProgress) -> None:
         frequency = progress.frequency
         at_rest = self._left_out_at_rest(tuple(frequency)) if self.model == "auto" else 0.0
         if at_rest > self.rtol:
@@ -252,7 +258,7 @@ class Solver:
         Z = lumped.impedance(press, frequency)
         resolved = UNIFORM * relative_difference(Z, finer.impedance(press, frequency))
         error = resolved + lumped.left_out(press, frequency) + ROUNDING
-        return progress.offer(Rung(LUMPED, sheet.nested.inner, Z, error))
+        return progress.offer(ModelResult(LUMPED, sheet.nested.inner, Z, error))
 
     @cached_method(GRIDS_KEPT)
     def _left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
@@ -267,7 +273,7 @@ class Solver:
         left_out = Lumped(sheet, sheet.nested).left_out(Press(), np.array(frequency))
         return float(left_out.max())
 
-    def _elements(self, press: Press, progress: Progress) -> None:
+    def _elements(self, press: Press, progress: SolutionProgress) -> None:
         level = self._first_level
         while not progress.done and level < len(self._ladder.levels):
             rung = self._element_rung(level, press, progress.frequency)
@@ -280,7 +286,9 @@ class Solver:
             return 1
         return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
 
-    def _element_rung(self, level: int, press: Press, frequency: NDArray[np.float64]) -> Rung:
+    def _element_rung(
+        self, level: int, press: Press, frequency: NDArray[np.float64]
+    ) -> ModelResult:
         sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
         Z, error = impedance_with_error(
             lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),
@@ -290,12 +298,14 @@ class Solver:
         )
         answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
         told = f"2-D elements, {self._circuit.description}, {answered}"
-        return Rung(told, sheet.nested.inner, Z, error)
+        return ModelResult(told, sheet.nested.inner, Z, error)
 
-    def _reduced(self, press: Press, progress: Progress) -> None:
+    def _reduced(self, press: Press, progress: SolutionProgress) -> None:
         self._within_sweep(self._of_pixels, press, progress)
 
-    def _within_sweep(self, model: OfPixels | Applied, press: Press, progress: Progress) -> None:
+    def _within_sweep(
+        self, model: OfPixels | Applied, press: Press, progress: SolutionProgress
+    ) -> None:
         """A reduced model at all frequencies that it is certified for: between the solver's own.
 
         Raises InputError naming those that are left.
@@ -317,12 +327,12 @@ class Solver:
 
         return OfPixels(self._even, self.rtol, self.frequency)
 
-    def _sheet(self, resolution: Resolution) -> Sheet:
+    def _sheet(self, resolution: Resolution) -> SheetModel:
         """Discretised at a resolution; the oldest are forgotten, for they are large."""
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = Sheet(self._even, self._circuit, resolution)
+            self._sheets[resolution] = SheetModel(self._even, self._circuit, resolution)
         return self._sheets[resolution]
 
     @cached_property
@@ -330,8 +340,8 @@ class Solver:
         return one_field(self._even) or two_fields(self._even)
 
     @cached_property
-    def _ladder(self) -> Ladder:
-        return Ladder(self._even, self._circuit)
+    def _ladder(self) -> ResolutionHierarchy:
+        return ResolutionHierarchy(self._even, self._circuit)
 
 
 def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:

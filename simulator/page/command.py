@@ -28,8 +28,8 @@ def page(
     believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
     is for looking at one press in space instead.
     """
-    from ..models.plain import evenly_pressed
     from ..models.reduced.indented.draws import felt_beside
+    from ..models.uniform import uniformly_pressed
     from ..progress import on_terminal
     from ..requests.console import note, report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
@@ -39,7 +39,7 @@ def page(
 
     checked_output(output, (".html",))
     asked = requested_scene(scene)
-    skin = evenly_pressed(asked, "a page")
+    skin = uniformly_pressed(asked, "a page")
     note_if_noise_free(scene, skin)
     if felt_beside(asked):
         factor = f"{skin.press.capacitance_factor:.4g} x C"

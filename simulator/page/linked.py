@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..models.plain import evenly_pressed
+from ..models.uniform import uniformly_pressed
 from ..progress import on_terminal
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -19,7 +19,7 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
     """
     if scene.reading.own:
         raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")
-    asked = evenly_pressed(scene, "a page")
+    asked = uniformly_pressed(scene, "a page")
     with on_terminal() as progress:
         reduced = reduced_for_page(asked, RTOL, CELLS, progress)
     return document(packed(asked, reduced), Link(kind, nonce))

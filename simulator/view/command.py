@@ -127,7 +127,7 @@ def _stage(
     every: bool,
     progress: ProgressCallback,
 ) -> Stage:
-    from ..models.fields import fields
+    from ..models.solution_fields import fields
     from ..press.press import press_on
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene

@@ -14,7 +14,7 @@ from ..sweeps import whole_file
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
-    from ..models.fields import Fields
+    from ..models.solution_fields import SolutionFields
     from .surface import Surface
 
 Array = NDArray[np.float64]
@@ -22,7 +22,7 @@ SHEETS = ("top", "bottom")
 CELLS = {3: "triangle", 4: "quad"}
 
 
-def write_dataset(path: Path, fields: Fields, skin: Surface, about: dict[str, str]) -> None:
+def write_dataset(path: Path, fields: SolutionFields, skin: Surface, about: dict[str, str]) -> None:
     """Write .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
     with whole_file(path) as unfinished:
         if path.suffix == ".vtu":
@@ -31,7 +31,7 @@ def write_dataset(path: Path, fields: Fields, skin: Surface, about: dict[str, st
             _write_xdmf(unfinished, fields, skin)
 
 
-def everywhere(fields: Fields) -> Iterator[tuple[str, Array]]:
+def everywhere(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
     """What is the same at all frequencies: name with unit, values by point."""
     yield "capacitance_F_per_m2", fields.capacitance
     yield "capacitance_factor", fields.factor
@@ -39,7 +39,7 @@ def everywhere(fields: Fields) -> Iterator[tuple[str, Array]]:
     yield "flat_position_m", _in_space(fields.x)
 
 
-def at_frequency(fields: Fields, at: int) -> Iterator[tuple[str, Array]]:
+def at_frequency(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
     """What is there at a frequency by number: name with unit, values by point."""
     for number, sheet in enumerate(SHEETS):
         V, J = fields.potential[number, at], fields.current[number, at]
@@ -59,7 +59,7 @@ def _in_space(vectors: Array) -> Array:
     return np.vstack([vectors, np.zeros_like(vectors[:1])]).T
 
 
-def _write_vtu(path: Path, fields: Fields, skin: Surface, about: dict[str, str]) -> None:
+def _write_vtu(path: Path, fields: SolutionFields, skin: Surface, about: dict[str, str]) -> None:
     grid = skin.mesh.cast_to_unstructured_grid()
     for name, values in everywhere(fields):
         grid.point_data[name] = values
@@ -87,7 +87,7 @@ def _xml(grid: UnstructuredGrid) -> str:
     return writer.GetOutputString()
 
 
-def _write_xdmf(path: Path, fields: Fields, skin: Surface) -> None:
+def _write_xdmf(path: Path, fields: SolutionFields, skin: Surface) -> None:
     from meshio.xdmf import TimeSeriesWriter
 
     with TimeSeriesWriter(path, data_format="XML") as writer:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..sweeps import InputError
 
 if TYPE_CHECKING:
-    from ..models.fields import Fields
+    from ..models.solution_fields import SolutionFields
 
 Real = NDArray[np.float64]
 Scale = Literal["magnitude", "signed", "cyclic"]
@@ -46,7 +46,7 @@ class Quantity:
     title: str
     unit: str
     scale: Scale
-    values: Callable[[Fields, int], Real]
+    values: Callable[[SolutionFields, int], Real]
     sheet: int | None = None
     everywhere: bool = False
     prefixed: bool = False
@@ -75,18 +75,18 @@ def prefix(highest: float, unit: str) -> tuple[float, str]:
     return 1e3**-power, f"{PREFIXES[power + 5]}{unit}"
 
 
-def difference(fields: Fields, at: int) -> NDArray[np.complex128]:
+def difference(fields: SolutionFields, at: int) -> NDArray[np.complex128]:
     """V_t - V_b at a frequency by number, V, (point,)."""
     return fields.potential[0, at] - fields.potential[1, at]
 
 
-def current_size(fields: Fields, at: int, sheet: int) -> Real:
+def current_size(fields: SolutionFields, at: int, sheet: int) -> Real:
     """Amplitude of a sheet's current density, A/m, (point,)."""
     return np.sqrt((np.abs(fields.current[sheet, at]) ** 2).sum(axis=0))
 
 
 def _current(sheet: int, title: str) -> Quantity:
-    def values(fields: Fields, at: int) -> Real:
+    def values(fields: SolutionFields, at: int) -> Real:
         return current_size(fields, at, sheet)
 
     return Quantity("current", title, "A/m", "magnitude", values, sheet, prefixed=True)
@@ -158,12 +158,12 @@ NAMES = (
 )
 
 
-def deformed(fields: Fields) -> bool:
+def deformed(fields: SolutionFields) -> bool:
     """Whether the press is known to deflect the skin."""
     return bool(np.max(np.abs(fields.deflection), initial=0.0) > NO_DEFLECTION)
 
 
-def chosen(name: str, fields: Fields) -> list[Quantity]:
+def chosen(name: str, fields: SolutionFields) -> list[Quantity]:
     """The quantities of that name: two where the sheets' currents differ; `all` is what there is.
 
     Raises InputError for deformation where nothing is deformed.
@@ -182,7 +182,7 @@ def chosen(name: str, fields: Fields) -> list[Quantity]:
     return [quantity for quantity in single if quantity.name == name]
 
 
-def _sheets_agree(fields: Fields) -> bool:
+def _sheets_agree(fields: SolutionFields) -> bool:
     weight = point_areas(fields)
     return all(
         weight @ np.abs(top - bottom) <= SAME_SHEETS * (weight @ top)
@@ -191,7 +191,7 @@ def _sheets_agree(fields: Fields) -> bool:
     )
 
 
-def point_areas(fields: Fields) -> Real:
+def point_areas(fields: SolutionFields) -> Real:
     """The flat area that each point stands for, m², (point,)."""
     x, y = fields.x[:, fields.cells]
     area = np.abs((x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)) / 2

@@ -18,7 +18,7 @@ from .surface import Surface, curved, polygons, readable_exaggeration, surface
 if TYPE_CHECKING:
     import pyvista as pv
 
-    from ..models.fields import Fields
+    from ..models.solution_fields import SolutionFields
     from ..press.press import Press
     from ..scene.contacts import Interface
     from ..scene.scene import Scene
@@ -50,7 +50,7 @@ class Stage:
     scene: Scene
     press: Press
     interface: Interface
-    fields: Fields
+    fields: SolutionFields
     wrapped: bool | None = None
     exaggeration: float | None = None
 

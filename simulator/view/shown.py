@@ -13,7 +13,7 @@ from .marks import Arrows, arrows
 from .quantities import COLOUR_MAPS, Quantity, difference, point_areas, prefix, scales, span_text
 
 if TYPE_CHECKING:
-    from ..models.fields import Fields
+    from ..models.solution_fields import SolutionFields
     from .surface import Surface
 
 Real = NDArray[np.float64]
@@ -54,7 +54,11 @@ class Shown:
 
 
 def at_frequencies(
-    quantity: Quantity, fields: Fields, skin: Surface, numbers: Sequence[int], own: bool = False
+    quantity: Quantity,
+    fields: SolutionFields,
+    skin: Surface,
+    numbers: Sequence[int],
+    own: bool = False,
 ) -> list[Shown]:
     """The quantity at frequencies by number; `own` as for `scales`."""
     values = [quantity.values(fields, at) for at in numbers]
@@ -76,7 +80,7 @@ def _and_scale(shown: Shown) -> str:
 
 def _shown(
     quantity: Quantity,
-    fields: Fields,
+    fields: SolutionFields,
     skin: Surface,
     at: int,
     values: Real,
@@ -108,7 +112,7 @@ def _shown(
 
 
 def over_the_phase(
-    quantity: Quantity, fields: Fields, skin: Surface, at: int, count: int
+    quantity: Quantity, fields: SolutionFields, skin: Surface, at: int, count: int
 ) -> list[Shown]:
     """Potential or current at `count` moments of one period."""
     complex_values = difference(fields, at)
@@ -135,7 +139,7 @@ def over_the_phase(
     ]
 
 
-def heading(fields: Fields, at: int) -> str:
+def heading(fields: SolutionFields, at: int) -> str:
     """The frequency and Z there."""
     return f"{frequency_text(fields.frequency[at])}, Z = {impedance_text(fields.Z[at])}"
 

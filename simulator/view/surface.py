@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pyvista as pv
     from scipy.spatial import KDTree
 
-    from ..models.fields import Fields
+    from ..models.solution_fields import SolutionFields
 
 Real = NDArray[np.float64]
 SAME_PLACE = 1.234e-7
@@ -141,7 +141,7 @@ def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.hstack([cells[[0, k, k + 1]] for k in range(1, len(cells) - 1)])
 
 
-def surface(fields: Fields, wrapped: bool = False, exaggeration: float = 0.0) -> Surface:
+def surface(fields: SolutionFields, wrapped: bool = False, exaggeration: float = 0.0) -> Surface:
     """The skin flat or where it is in space, deflected against its normals."""
     base = fields.position if wrapped else np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     cells = _counter_clockwise(fields)
@@ -160,13 +160,13 @@ def _first_at_place(places: Real) -> NDArray[np.int64]:
     return first[back.ravel()]
 
 
-def curved(fields: Fields) -> bool:
+def curved(fields: SolutionFields) -> bool:
     """Whether the skin lies anywhere but in the plane of its flat places."""
     flat = np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     return not np.allclose(fields.position, flat, atol=1e-9 * np.ptp(fields.x), rtol=0.0)
 
 
-def readable_exaggeration(fields: Fields) -> float:
+def readable_exaggeration(fields: SolutionFields) -> float:
     """1, 2 or 5 times a power of ten that shows the deepest place, at least 1."""
     size = np.hypot(*np.ptp(fields.x, axis=1))
     deepest = np.max(np.abs(fields.deflection), initial=0.0)
@@ -175,7 +175,7 @@ def readable_exaggeration(fields: Fields) -> float:
     return max(1.0, max(step * power for step in (1, 2, 5) if step * power <= wanted))
 
 
-def _counter_clockwise(fields: Fields) -> NDArray[np.int64]:
+def _counter_clockwise(fields: SolutionFields) -> NDArray[np.int64]:
     """The cells, those that go clockwise on the flat skin turned over."""
     x, y = fields.x[:, fields.cells]
     area = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)

@@ -1,7 +1,7 @@
 """How far work has come, and how long the rest will take, is told while it lasts."""
 
 import pytest
-from rcskin.simulator.models.fields import fields
+from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.progress import on_terminal, time_left, tracked
 from rcskin.simulator.scene.scene_files import load_scene

@@ -15,12 +15,12 @@ from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.parameters import Variation
-from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import every_press, parse_press, press_on
 from rcskin.simulator.press.touch import Depth
@@ -136,13 +136,13 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
 
 def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduced):
     """c at the mesh's points between Chebyshev's depths, against mechanics far more closely."""
-    from rcskin.simulator.models.mechanics.indentation import pressed
+    from rcskin.simulator.models.mechanics.indentation import deformation
 
     family = reduced.family
     for depth in (0.21e-3, 1.13e-3, 2.3e-3):
         rise = float(scene.pressed_factors(np.array(depth))) - 1
         (told,) = family.press(np.array([1]), np.array([rise]))
-        truth = pressed(scene, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
+        truth = deformation(scene, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
         x = family.elements.surface.x[:, told.cells]
         off, weights = np.abs(truth.factor(x) - 1 - told.rise), family.elements.rule.weights
         area = family.elements.surface.some(told.cells).area * weights

@@ -12,8 +12,8 @@ from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.under_touches import factors_under
-from rcskin.simulator.models.mechanics.in_depths import depths_in_words, in_depths
-from rcskin.simulator.models.mechanics.indentation import pressed
+from rcskin.simulator.models.mechanics.force_depths import depths_in_words, forces_as_depths
+from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
@@ -99,10 +99,10 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     strain = foam.strain_at(np.array(factor))
     assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
     with caplog.at_level(logging.INFO):
-        depth = in_depths(scene).press.depth
+        depth = forces_as_depths(scene).press.depth
     assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
     assert "4 N take pixels" in caplog.text
-    assert in_depths(strip(tension=20.0, force=4.0)).press.depth < depth
+    assert forces_as_depths(strip(tension=20.0, force=4.0)).press.depth < depth
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
 
 def test_a_force_that_closes_the_cells_is_refused_in_a_line():
     with pytest.raises(InputError, match="force must leave the depth"):
-        in_depths(strip(force=1e4))
+        forces_as_depths(strip(force=1e4))
 
 
 @pytest.mark.parametrize(("tension", "force"), [(0.0, 4.0), (20.0, 4.0), (20.0, 1.5)])
@@ -131,7 +131,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     path.write_text(scene_text(scene), encoding="utf-8")
     done = run("sweep", path, "--press", "1,2", "--press", "none", "-o", tmp_path / "a.nc")
     (depth,) = re.findall(rf"note: press 1,2:{force}N: ([\d.]+) mm deep", done.stderr)
-    back = pressed(scene, press_on(scene, f"1,2:{depth}mm"), 1e-2).force
+    back = deformation(scene, press_on(scene, f"1,2:{depth}mm"), 1e-2).force
     assert back == pytest.approx([force], rel=0.02)
     assert len(re.findall(r" mm deep", done.stderr)) == 1
     low, high = re.search(

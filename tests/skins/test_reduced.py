@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.parameters import WAVES, Variation
+from rcskin.simulator.models.parameters import HALF_WAVES, Variation
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -112,7 +112,7 @@ def test_slow_waves_of_the_sheets_are_maps_of_the_sheets(kinds):
             np.zeros(0),
         )
 
-    reduced = reduce(plain, RTOL, one, modes=len(WAVES), alike=False)
+    reduced = reduce(plain, RTOL, one, modes=len(HALF_WAVES), alike=False)
     wave = 0.15
     nodes = np.linspace(0, 1, 41)
     factors = 1 / (1 + wave * np.cos(np.pi * nodes))

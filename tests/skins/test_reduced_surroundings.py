@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.network.skin import NetworkSkin
+from rcskin.simulator.models.cosine_modes.foam_modes import check_uniform_foam
+from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with
 from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.slopes import sensitivity
-from rcskin.simulator.models.slow.foam import check_even_foam
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
@@ -160,4 +160,4 @@ def test_what_does_not_reduce_is_refused_by_its_key(scenes, deep):
     with pytest.raises(InputError, match=r"`surroundings\.thickness` does not reduce where"):
         reduce(deep.with_({"surroundings.thickness": True}), RTOL)
     with pytest.raises(InputError, match=r"fitted without `surroundings\.thickness`"):
-        check_even_foam(scenes["virtual earth"])
+        check_uniform_foam(scenes["virtual earth"])

@@ -12,7 +12,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.kinds import KINDS
 from rcskin.benchmarks.accuracy.campaign_parts.problem import Case, Truth
 from rcskin.benchmarks.accuracy.campaign_parts.verdict import Values, Verdict
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.answer import Answer
+from rcskin.simulator.models.solution import Solution
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.sweeps import InputError, ToleranceError
 
@@ -59,7 +59,7 @@ def _compared(kind: str, seed: int, case: Case) -> Verdict:
 
 
 def _held(
-    kind: str, seed: int, rtol: float, answer: Answer, truth: Truth, seconds: tuple[float, float]
+    kind: str, seed: int, rtol: float, answer: Solution, truth: Truth, seconds: tuple[float, float]
 ) -> Verdict:
     true = relative_difference(answer.Z, truth.Z)
     told = np.stack(answer.relative_errors)

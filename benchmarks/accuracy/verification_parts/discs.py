@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from rcskin.simulator.fem.assembly import element_pairs, fill, quadrilateral
 from rcskin.simulator.fem.pattern import pattern_of_pairs
 from rcskin.simulator.fem.quadrature import (
+    CellGeometry,
     Rule,
-    Surface,
     gauss_rule,
     mass_terms,
     stiffness_terms,
@@ -45,7 +45,7 @@ class Curved:
 
     mesh: MeshQuad
     rule: Rule
-    surface: Surface
+    surface: CellGeometry
     c: NDArray[np.float64]
     radius: NDArray[np.float64]
 
@@ -87,11 +87,11 @@ def annulus(n: int, order: int, r1: float, r2: float) -> Curved:
     """n cells from rim to rim, SECTORS n around."""
     rule = gauss_rule(quadrilateral(order), 2 * order + SMOOTHER)
 
-    def block(r: NDArray, t: NDArray) -> Surface:
+    def block(r: NDArray, t: NDArray) -> CellGeometry:
         angle = 2 * np.pi * t
         radius, out = r1 + (r2 - r1) * r, np.stack([np.cos(angle), np.sin(angle)])
         around = 2 * np.pi * radius * np.stack([-out[1], out[0]])
-        return Surface(radius * out, (r2 - r1) * out, around)
+        return CellGeometry(radius * out, (r2 - r1) * out, around)
 
     corners = _cells(block, n, CORNERS, SECTORS * n)
     return _curved(corners.x, rule, _cells(block, n, rule.points, SECTORS * n))
@@ -123,16 +123,16 @@ def annulus_formula(s: NDArray, r1: float, r2: float) -> NDArray:
     return inner / outer / (2 * np.pi * k * r1)
 
 
-def _core(a: NDArray, b: NDArray) -> Surface:
+def _core(a: NDArray, b: NDArray) -> CellGeometry:
     zero, side = np.zeros_like(a), np.full_like(a, 2 * CORE)
     x = CORE * np.stack([2 * a - 1, 2 * b - 1])
-    return Surface(x, np.stack([side, zero]), np.stack([zero, side]))
+    return CellGeometry(x, np.stack([side, zero]), np.stack([zero, side]))
 
 
 def _beside(turn: int, mirror: int):
     """A block between the square and the rim; its sideways edges run as those of the square do."""
 
-    def block(a: NDArray, b: NDArray) -> Surface:
+    def block(a: NDArray, b: NDArray) -> CellGeometry:
         angle = (2 * b - 1) * np.pi / 4
         side = CORE * np.stack([np.ones_like(b), 2 * b - 1])
         rim = np.stack([np.cos(angle), np.sin(angle)])
@@ -140,25 +140,25 @@ def _beside(turn: int, mirror: int):
         along_rim = np.pi / 2 * np.stack([-np.sin(angle), np.cos(angle)])
         vectors = (1 - a) * side + a * rim, rim - side, (1 - a) * along_side + a * along_rim
         turned = [each * np.array([mirror, 1]).reshape(2, *[1] * a.ndim) for each in vectors]
-        return Surface(*(each[::-1] if turn else each for each in turned))
+        return CellGeometry(*(each[::-1] if turn else each for each in turned))
 
     return block
 
 
-def _cells(block, n: int, points: NDArray, m: int | None = None) -> Surface:
+def _cells(block, n: int, points: NDArray, m: int | None = None) -> CellGeometry:
     """A block cut into n x m cells, at points of the unit square in each."""
     m = m or n
     i, j = (each.ravel()[:, None] for each in np.meshgrid(np.arange(n), np.arange(m)))
     at = block((i + points[0]) / n, (j + points[1]) / m)
-    return Surface(at.x, at.along / n, at.across / m)
+    return CellGeometry(at.x, at.along / n, at.across / m)
 
 
-def _joined(blocks: list[Surface]) -> Surface:
+def _joined(blocks: list[CellGeometry]) -> CellGeometry:
     parts = ([at.x for at in blocks], [at.along for at in blocks], [at.across for at in blocks])
-    return Surface(*(np.concatenate(part, axis=1) for part in parts))
+    return CellGeometry(*(np.concatenate(part, axis=1) for part in parts))
 
 
-def _curved(corners: NDArray, rule: Rule, at: Surface) -> Curved:
+def _curved(corners: NDArray, rule: Rule, at: CellGeometry) -> Curved:
     p = np.round(corners.reshape(2, -1), SAME_POINT) + 0.0
     distinct, number = np.unique(p, axis=1, return_inverse=True)
     mesh = MeshQuad(distinct, np.ascontiguousarray(number.reshape(-1, 4).T))

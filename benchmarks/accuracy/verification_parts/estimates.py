@@ -20,8 +20,8 @@ from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh
-from rcskin.simulator.models.resolution import Ladder
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.resolution import ResolutionHierarchy
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
@@ -131,7 +131,7 @@ def light_cases() -> Iterator[tuple[int, Scene, Press, float]]:
         scene = random_scene(rng, U_RANGE)
         press, rtol = random_press(rng, scene), float(rng.choice(RTOLS))
         circuit = one_field(scene) or two_fields(scene)
-        ladder = Ladder(scene, circuit)
+        ladder = ResolutionHierarchy(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), press, scene.frequencies[-1])
         foils = [contact for terminal in circuit.terminals for contact in terminal.contacts]
         elements = pixel_mesh(scene, foils, resolution).mesh.nelements
@@ -163,7 +163,7 @@ def reference(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """True errors of Z and what they are known to, shape (2, interface, frequency)."""
     circuit = one_field(scene) or two_fields(scene)
-    ladder = Ladder(scene, circuit)
+    ladder = ResolutionHierarchy(scene, circuit)
     orders = [order for order, _ in ladder.levels]
     first = min(ladder.first(rtol) + MORE_ORDERS, orders.index(HIGHEST_ORDER))
     for level in range(first, orders.index(HIGHEST_ORDER) + 1):
@@ -174,7 +174,7 @@ def reference(
             edge_cell=usual.edge_cell / 2,
             touch_cell=usual.touch_cell / 2,
         )
-        sheet = Sheet(scene, circuit, finer)
+        sheet = SheetModel(scene, circuit, finer)
         (fine, _), (coarse, _) = sheet.sweep(
             press, scene.frequencies, ROUNDED / 10, sheet.space, sheet.nested
         )

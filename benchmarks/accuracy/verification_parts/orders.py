@@ -22,7 +22,7 @@ from rcskin.benchmarks.bench import Run
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene import Scene
 
@@ -51,7 +51,9 @@ class Case:
     def errors(self, resolution: Resolution) -> tuple[float, float]:
         """Relative errors of Rs and Cp."""
         circuit = one_field(self.scene) or two_fields(self.scene)
-        Z = Sheet(self.scene, circuit, resolution).impedance(self.press, self.scene.frequencies)
+        Z = SheetModel(self.scene, circuit, resolution).impedance(
+            self.press, self.scene.frequencies
+        )
         return worst(Z[0], self.truth)
 
 
@@ -86,7 +88,7 @@ def foil_on_part_of_an_edge(truth: Resolution) -> Case:
     meter = {"name": "meter", "high": ("top",), "low": ("bottom",)}
     scene = varied("sheet-5x5", [10.0], ONE_PIXEL | {"contact": foils, "interface": [meter]})
     circuit = one_field(scene) or two_fields(scene)
-    Z = Sheet(scene, circuit, truth).impedance(Press(), scene.frequencies)[0]
+    Z = SheetModel(scene, circuit, truth).impedance(Press(), scene.frequencies)[0]
     return Case("foil on part of an edge", scene, Press(), Z)
 
 

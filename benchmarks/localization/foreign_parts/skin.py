@@ -22,7 +22,7 @@ from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch
 from rcskin.benchmarks.localization.foreign_parts.effects import BODY, Effect
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
-from rcskin.simulator.models.parameters import WAVES, mode_values
+from rcskin.simulator.models.parameters import HALF_WAVES, mode_values
 from rcskin.simulator.press.pixels import cell_centres
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle
@@ -60,20 +60,20 @@ class Foreign(Twin):
     def drawn(self) -> DrawnSkin:
         """The skin and its leads at the first press."""
         scene = self.scene.on_grid(*GRID)
-        return drawn_skin(scene, self.seed, self.number, GRID, len(WAVES))
+        return drawn_skin(scene, self.seed, self.number, GRID, len(HALF_WAVES))
 
     @cached_property
     def foreign(self) -> ForeignSkin:
         """The skin at the first press."""
         assert self.around is not None
         own = self.drawn.variation
-        centres = mode_values(self.scene, cell_centres(self.scene, GRID), len(WAVES))
+        centres = mode_values(self.scene, cell_centres(self.scene, GRID), len(HALF_WAVES))
         foam, *_ = np.linalg.lstsq(
-            centres.reshape(len(WAVES), -1).T, own.capacitance.ravel(), rcond=None
+            centres.reshape(len(HALF_WAVES), -1).T, own.capacitance.ravel(), rcond=None
         )
 
         def along(waves: NDArray[np.float64], x: NDArray, y: NDArray) -> NDArray[np.float64]:
-            return waves @ mode_values(self.scene, np.stack([x, y]), len(WAVES))
+            return waves @ mode_values(self.scene, np.stack([x, y]), len(HALF_WAVES))
 
         return ForeignSkin(
             self.scene,

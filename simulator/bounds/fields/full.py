@@ -21,7 +21,7 @@ from ...fem.excitation import Combination, Excitation, combination
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
-from ...fem.low_rank import Charged, Mass
+from ...fem.low_rank import LowRankMass, Mass
 from ...models.heterogeneous.materials import gauge_slopes, gauged
 from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets
@@ -181,7 +181,7 @@ class Fields:
         what rounding leaves of all charges.
         """
         driven, space = on.space.driven(excitation), on.space
-        near = on.mass.near if isinstance(on.mass, Charged) else on.mass
+        near = on.mass.near if isinstance(on.mass, LowRankMass) else on.mass
         lost = ROUNDING * np.abs(s) * np.abs(space.restricted(near).data).sum()
         g, sheets = driven.potential, driven.floating[:, driven.common]
         if sheets.size:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.excitation import Combination
-from ...models.network.skin import wiring_of
+from ...models.network.network_skin import wiring_of
 from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
 from ...models.reduced.skin import ReducedSkin
 

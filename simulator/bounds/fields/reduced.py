@@ -14,12 +14,12 @@ from ...fem.circuit import two_fields
 from ...fem.factors import one_blas_thread
 from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
-from ...models.plain import electrical
 from ...models.reduced.cases import Case
 from ...models.reduced.families.resolving import unreduced
 from ...models.reduced.greedy import Basis
 from ...models.reduced.skin import ReducedSkin
 from ...models.response import Response, at_meter
+from ...models.uniform import equivalent_scene
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Leads
@@ -96,7 +96,7 @@ def trained(
     """
     scene.require_sheets_alone("what readings tell")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
-    driven, band = electrical(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
+    driven, band = equivalent_scene(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
     lines = Cells.of(scene.skin.length, scene.skin.width, grid)
 
     def draw(random: np.random.Generator) -> Case:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ...chebyshev import Interpolant, refined
 from ...mesh.fingers import with_fingers_at
 from ...mesh.held import held
-from ...models.mechanics.lattice.presses import Applied, Window, apart, raised
-from ...models.mechanics.lattice.skin import Lattice
+from ...models.mechanics.lattice.relaxed_presses import Applicators, Window, independent, raised
+from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.reduced.indented.draws import felt_beside
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
@@ -29,7 +29,7 @@ COUNTS = (5, 129)
 """Of Chebyshev's depths, at first and at most."""
 RTOL = 1e-4
 """Of the largest rise of a cell: what is left of it between those depths."""
-NO_APPLICATOR = Applied(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+NO_APPLICATOR = Applicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 Index = NDArray[np.int64]
 
 
@@ -127,7 +127,7 @@ class DeepOnes:
         rises = rises.reshape(batch.count, -1)
         for number in np.flatnonzero(np.diff(batch.starts) > 1).tolist():
             applied = self.applied(*batch.one(number))
-            if len(applied.depth) > 1 and not apart(self._deep.lattice, applied):
+            if len(applied.depth) > 1 and not independent(self._deep.lattice, applied):
                 found = raised(self._deep.lattice, applied)
                 rises[number] = 0.0
                 rises[number, found.cells] = found.rises
@@ -138,14 +138,14 @@ class DeepOnes:
         """What they are solved on."""
         return self._deep.lattice
 
-    def applied(self, pixels: Index, rises: Array) -> Applied:
+    def applied(self, pixels: Index, rises: Array) -> Applicators:
         """Touches of pixels as applicators."""
         each = [
             self._deep.applied(self._middles[pixel], rise, beyond=0.0)
             for pixel, rise in zip(pixels.tolist(), rises.tolist(), strict=True)
             if rise > 0
         ]
-        return Applied(*(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True)))
+        return Applicators(*(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True)))
 
     def _of(self, pixel: int) -> _Depths:
         if pixel not in self._known:

@@ -14,16 +14,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...models.mechanics.lattice.presses import (
-    Applied,
+from ...models.mechanics.deformation import check_plane
+from ...models.mechanics.lattice.relaxed_presses import (
+    Applicators,
     Window,
     in_cells,
     rises_at_nodes,
     rises_within,
     window,
 )
-from ...models.mechanics.lattice.skin import Lattice, lattice_of
-from ...models.mechanics.pressed import check_plane
+from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
 from .cells import Array, Cells, Laid, Place, TouchSize
@@ -82,13 +82,15 @@ class Deep:
         )
         return Laid(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
-    def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applied:
+    def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applicators:
         """The applicator, under which c rises by so much. beyond: how much farther it reaches, in
         steps. Raises InputError as `laid`."""
         (x, y), steps = place, np.array(self.lattice.steps)
         wide, high = np.divide(self._sides, 2) + beyond * steps
         box = [[x - wide, x + wide, y - high, y + high]]
-        return Applied(np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)]))
+        return Applicators(
+            np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)])
+        )
 
     def window(self, place: Place, rise: float) -> Window:
         """The cells that a touch is felt in."""
@@ -107,7 +109,7 @@ class Deep:
         return rises_at_nodes(self.lattice, self.applied(place, rise), here, STILL)
 
     def _alike(
-        self, what: str, applied: Applied, here: Window, found: Callable[[], Array]
+        self, what: str, applied: Applicators, here: Window, found: Callable[[], Array]
     ) -> Array:
         """What is found of a touch in a window; on a rectangle it is that of any touch that lies in
         its window as this one does."""

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ...fem.error_estimate import relative_difference
 from ...fem.safety_factors import SAMPLED
-from ...models.mechanics.lattice.presses import Applied
-from ...models.mechanics.lattice.skin import Lattice
-from ...models.mechanics.lattice.triangles import as_press, traced
+from ...models.mechanics.lattice.relaxed_presses import Applicators
+from ...models.mechanics.lattice.skin_lattice import Lattice
+from ...models.mechanics.lattice.traced_deformation import as_press, traced
 from ...models.solver import Solver
 from ...press.batch import PressBatch
 from ...press.press import Press
@@ -54,7 +54,7 @@ class LaidErrors(NamedTuple):
 def laid_errors(
     scene: Scene,
     lattice: Lattice,
-    each: Sequence[Applied],
+    each: Sequence[Applicators],
     own: PressBatch,
     impedances: Impedances,
 ) -> LaidErrors:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.mechanics.lattice.presses import Window, in_cells
-from ...models.mechanics.lattice.skin import Lattice
+from ...models.mechanics.lattice.relaxed_presses import Window, in_cells
+from ...models.mechanics.lattice.skin_lattice import Lattice
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from ...scene.scene import Scene
 from ..strengths import written_strength
 
 if TYPE_CHECKING:
-    from ...models.mechanics.lattice.presses import Applied
-    from ...models.mechanics.lattice.skin import Lattice
+    from ...models.mechanics.lattice.relaxed_presses import Applicators
+    from ...models.mechanics.lattice.skin_lattice import Lattice
 
 
 def cell_presses(
@@ -28,7 +28,7 @@ def cell_presses(
     """As `rasterized`, by the deflection where a tension spreads how a scene is pressed."""
     if not spreading(scene):
         return rasterized(scene, touches, placed, grid)
-    from ...models.mechanics.lattice.presses import raised
+    from ...models.mechanics.lattice.relaxed_presses import raised
 
     lattice = lattice_for(scene, grid)
     each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
@@ -42,7 +42,7 @@ def written_strengths(scene: Scene, placed: Footprints) -> tuple[NDArray[np.floa
 
 def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
     """As fine as the smallest touch of a scene's data set needs."""
-    from ...models.mechanics.lattice.skin import lattice_of
+    from ...models.mechanics.lattice.skin_lattice import lattice_of
 
     drawn, pixels = scene.dataset.press, scene.pixels
     length, width = scene.skin.sides
@@ -56,19 +56,19 @@ def cell_presses_by_triangles(
     scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
-    from ...models.mechanics.lattice.triangles import traced
+    from ...models.mechanics.lattice.traced_deformation import traced
 
     lattice = lattice_for(scene, grid)
     each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
     return PressBatch.of(traced(scene, lattice, own) for own in each)
 
 
-def applicators_of(scene: Scene, placed: Footprints, press: int, touches: int) -> Applied:
+def applicators_of(scene: Scene, placed: Footprints, press: int, touches: int) -> Applicators:
     """The first so many touches of a press as applicators."""
-    from ...models.mechanics.lattice.presses import Applied
+    from ...models.mechanics.lattice.relaxed_presses import Applicators
 
     own = press, slice(touches)
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
     radius = np.where(placed.disc[own], wide, 0.0)
-    return Applied(boxes, radius, written_strength(scene, placed.factor[own])[0])
+    return Applicators(boxes, radius, written_strength(scene, placed.factor[own])[0])

@@ -13,8 +13,8 @@ from ...press.touch import Rectangle, Touch
 from ...scene.planar import NO_LINES, Lines
 from ...scene.scene import Scene
 from ...scene.wiring_checks import strip
-from ..plain import electrical
-from ..resolution import Ladder, all_lines, depth_of, felt, strongest
+from ..resolution import ResolutionHierarchy, all_lines, depth_of, reached_by_field, strongest
+from ..uniform import equivalent_scene
 from .materials import strain_of
 
 
@@ -35,7 +35,9 @@ def jumping(press: Press, scene: Scene) -> Press:
     )
 
 
-def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: float) -> Resolution:
+def layered(
+    ladder: ResolutionHierarchy, resolution: Resolution, press: Press, frequency: float
+) -> Resolution:
     """The same, as narrow at all jumps that the field reaches as layers at a frequency in Hz are.
 
     Foils in pairs, one on each sheet, are reached from as far as the field goes. Any others drive a
@@ -43,12 +45,12 @@ def layered(ladder: Ladder, resolution: Resolution, press: Press, frequency: flo
     each change of what a sheet carries, the foam charges.
     """
     scene, depth = ladder.scene, depth_of(ladder.scene, frequency)
-    in_pairs = one_field(electrical(scene)) is not None
+    in_pairs = one_field(equivalent_scene(scene)) is not None
     jumps = Press(
         tuple(
             touch
             for touch in press.touches
-            if touch.factor != 1 and (not in_pairs or felt(touch, scene, depth))
+            if touch.factor != 1 and (not in_pairs or reached_by_field(touch, scene, depth))
         )
     )
     width = depth / math.sqrt(_thinner(scene, press)) * ladder.followed(resolution.order - 1)

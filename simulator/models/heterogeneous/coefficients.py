@@ -12,7 +12,7 @@ from ...scene.skin import Electrode
 from .materials import Materials, gauged, strain_of
 
 if TYPE_CHECKING:
-    from ..mechanics.pressed import Pressed
+    from ..mechanics.deformation import Deformation
 
 Located = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Places in m and strain there."""
@@ -31,7 +31,7 @@ class PressCoefficients:
 
     materials: Materials
     factors: NDArray[np.float64]
-    pressed: Pressed | None
+    pressed: Deformation | None
     fields: int
     fingers: Fingers = ()
     _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.quadrature import Rule, Surface
+from ...fem.quadrature import CellGeometry, Rule
 from .coefficients import PressCoefficients
 from .elements import Elements
 
 if TYPE_CHECKING:
-    from ..mechanics.pressed import Pressed
+    from ..mechanics.deformation import Deformation
 
 NEGLIGIBLE = 1e-2
 """Of the tolerance: what a coefficient may be off by unasked."""
@@ -32,7 +32,7 @@ class Raised(PressCoefficients):
     share: by which capacitance, and conductance of gauges, are raised besides, shape (cell,).
     """
 
-    least: Pressed | None = None
+    least: Deformation | None = None
     share: NDArray[np.float64] | None = None
 
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -53,7 +53,7 @@ class Raised(PressCoefficients):
         return 1.0 if self.share is None else 1 + self.share[:, None]
 
 
-def of_deflection(known: PressCoefficients) -> Raised | None:
+def raised_by_deflection(known: PressCoefficients) -> Raised | None:
     """By what mechanics leaves of error; None where there is none."""
     pressed = known.pressed
     if pressed is None or pressed.unsure is None:
@@ -68,7 +68,7 @@ def of_deflection(known: PressCoefficients) -> Raised | None:
     )
 
 
-def of_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Raised:
+def raised_by_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Raised:
     """By what a rule misses of each cell, shape (cell,)."""
     return Raised(
         known.materials,
@@ -92,6 +92,6 @@ def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
     return TWICE * np.abs(own / _integrated(*elements.divided, known) - 1)
 
 
-def _integrated(rule: Rule, at: Surface, known: PressCoefficients) -> NDArray[np.float64]:
+def _integrated(rule: Rule, at: CellGeometry, known: PressCoefficients) -> NDArray[np.float64]:
     """Capacitance of each cell in F by a rule, shape (cell,). at: where its points lie."""
     return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -21,39 +21,39 @@ from ...fem.error_estimate import (
 )
 from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin, swept
-from ...fem.lanczos import KeptSteps
+from ...fem.lanczos import CachedSteps
 from ...fem.quadrature import interpolated
 from ...fem.safety_factors import VARIED
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable
-from ..answer import Rung
+from ..solution import ModelResult
 from .coefficients import PressCoefficients
-from .deflection_error import NEGLIGIBLE, Raised, missed, of_rule
+from .deflection_error import NEGLIGIBLE, Raised, missed, raised_by_rule
 from .elements import Elements, raising
-from .error_history import Course, by_orders, evened
-from .low_rank_terms import solved_to
+from .error_history import ErrorHistory, by_orders, smoothed
+from .low_rank_terms import describe_accuracy
 from .pressed_system import PressedSystem, mass_of, pressed_system
 from .surroundings_terms import energy_to_earth
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolvedLevel:
     """Trial functions of one order, and the system that their space is taken from."""
 
     space: Galerkin
     system: PressedSystem
     elements: Elements
-    kept: KeptSteps = dataclasses.field(default_factory=KeptSteps)
+    kept: CachedSteps = dataclasses.field(default_factory=CachedSteps)
 
-    def under(self, circuit: Circuit, coefficients: PressCoefficients) -> Solved:
+    def under(self, circuit: Circuit, coefficients: PressCoefficients) -> SolvedLevel:
         """Of another press on the same mesh: but for gauges only the capacitance is another."""
         if coefficients.gauged:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
             space = Galerkin(system, circuit, self.elements.order)
-            return Solved(space, system, self.elements)
+            return SolvedLevel(space, system, self.elements)
         mass = mass_of(circuit, self.elements, coefficients, self.system.unknowns, self.system.far)
-        return replace(self, system=replace(self.system, mass=mass), kept=KeptSteps())
+        return replace(self, system=replace(self.system, mass=mass), kept=CachedSteps())
 
 
 @dataclass(frozen=True)
@@ -68,15 +68,15 @@ class Discretised:
     circuit: Circuit
     loss: Loss
     coefficients: PressCoefficients
-    coarse: Solved
-    fine: Solved
+    coarse: SolvedLevel
+    fine: SolvedLevel
     told: str
     error: float = 0.0
-    lower: tuple[Solved, ...] = ()
-    course: Course = dataclasses.field(default_factory=Course)
-    felt: NDArray[np.float64] | float = 0.0
+    lower: tuple[SolvedLevel, ...] = ()
+    course: ErrorHistory = dataclasses.field(default_factory=ErrorHistory)
+    deflection_error: NDArray[np.float64] | float = 0.0
 
-    def rung(self, frequency: NDArray[np.float64], rtol: float) -> Rung:
+    def result(self, frequency: NDArray[np.float64], rtol: float) -> ModelResult:
         """The answer at these frequencies in Hz, and its error."""
         around = frequencies_around(frequency)
         (Q, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
@@ -85,17 +85,17 @@ class Discretised:
         if lower:
             each = [Q, *(of_lower for of_lower, _ in lower)]
             steps += [combined.relative_change(low, high) for high, low in pairwise(each)]
-            off = by_orders(self.coarse.space.order, [evened(step) for step in steps])
+            off = by_orders(self.coarse.space.order, [smoothed(step) for step in steps])
         else:
-            off = self.course.effect(frequency, Z, combined.impedance(finer)) * evened(steps[0])
+            off = self.course.effect(frequency, Z, combined.impedance(finer)) * smoothed(steps[0])
         here = np.s_[:, : len(frequency)]
         told = VARIED * both(off) + change[here] + ROUNDING
-        told = told + self.error + self.felt
+        told = told + self.error + self.deflection_error
         if self.missed.max() > NEGLIGIBLE * rtol:
-            told += self.changes(of_rule(self.coefficients, self.missed), frequency, rtol)
-        self.course.tell(frequency, told)
-        return Rung(
-            self.told + solved_to(self.coefficients.materials),
+            told += self.changes(raised_by_rule(self.coefficients, self.missed), frequency, rtol)
+        self.course.record(frequency, told)
+        return ModelResult(
+            self.told + describe_accuracy(self.coefficients.materials),
             self.coarse.space.inner,
             Z[here],
             told,
@@ -128,7 +128,7 @@ class Discretised:
         """Part of each cell's capacitance that the rule is off by, shape (cell,)."""
         return missed(self.coarse.elements, self.coefficients)
 
-    def coefficients_of(self, solved: Solved, excitation: int, s: complex) -> NDArray:
+    def coefficients_of(self, solved: SolvedLevel, excitation: int, s: complex) -> NDArray:
         """Potentials of an excitation at s in rad/s, real or complex, shape (field, function,
         cell)."""
         with one_blas_thread():
@@ -136,7 +136,7 @@ class Discretised:
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
 
     def coefficients_at(
-        self, solved: Solved, excitation: int, s: NDArray[np.float64]
+        self, solved: SolvedLevel, excitation: int, s: NDArray[np.float64]
     ) -> list[NDArray[np.float64]]:
         """The same at real s >= 0 as closely as the sweep was solved, if it was; else exactly."""
         own, mass = self.circuit.excitations[excitation], solved.system.mass

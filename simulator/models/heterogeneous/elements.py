@@ -13,8 +13,8 @@ from skfem.mesh import Mesh2D
 
 from ...fem.assembly import quadrilateral
 from ...fem.quadrature import (
+    CellGeometry,
     Rule,
-    Surface,
     divided,
     edge_rule,
     gauss_rule,
@@ -24,7 +24,7 @@ from ...fem.quadrature import (
 )
 from ...fem.unknowns import (
     TRIANGLES,
-    Trial,
+    TrialSpace,
     quadrilateral_trial,
     triangle_trial,
 )
@@ -52,9 +52,9 @@ class Elements:
 
     element: Element
     order: int
-    trial: Trial
+    trial: TrialSpace
     rule: Rule
-    surface_at: Callable[[Rule, NDArray[np.int64] | slice], Surface]
+    surface_at: Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]
     cells_beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
     inside: Callable[[Contact], NDArray[np.int64]]
@@ -82,12 +82,12 @@ class Elements:
         return facets, of_cell[one[facets]], of_cell[other[facets]]
 
     @cached_property
-    def surface(self) -> Surface:
+    def surface(self) -> CellGeometry:
         """Where the rule's points lie in all cells."""
         return self.surface_at(self.rule, slice(None))
 
     @cached_property
-    def divided(self) -> tuple[Rule, Surface]:
+    def divided(self) -> tuple[Rule, CellGeometry]:
         """The rule on each quarter of every triangle, and where its points lie."""
         rule = divided(self.element, self.rule)
         return rule, self.surface_at(rule, slice(None))
@@ -173,15 +173,15 @@ def raising(order: int) -> NDArray[np.float64]:
     return rule_at(TRIANGLES[order - 1](), finer.doflocs.T, np.zeros(len(finer.doflocs))).values.T
 
 
-def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], Surface]:
+def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]:
     """Where points of a rule lie in some of the triangles."""
     curvature = domain.curvature
 
-    def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> Surface:
+    def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> CellGeometry:
         t = domain.t[:, some]
         if len(domain.p) == 3:
             return flat_triangles(domain.p, t, rule)
-        return Surface(*mapped(domain.p, t, curvature[:, some], rule.points))
+        return CellGeometry(*mapped(domain.p, t, curvature[:, some], rule.points))
 
     return surface_at
 
@@ -191,7 +191,7 @@ def _straight_and_bent(domain: Domain) -> Sequence[NDArray[np.int64] | slice]:
     return (np.flatnonzero(~bent), np.flatnonzero(bent)) if bent.any() else (slice(None),)
 
 
-def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> Surface:
+def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> CellGeometry:
     """Of triangles, x = x0 + a along + b across; in space each has a frame of its own."""
     origin, along, across = _edges(p, t)
     a, b = rule.points
@@ -199,7 +199,7 @@ def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> 
     if len(p) == 3:
         along, across = _in_their_plane(along, across)
     every = np.ones_like(a)
-    return Surface(x, along * every, across * every)
+    return CellGeometry(x, along * every, across * every)
 
 
 def _edges(p: NDArray[np.float64], t: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:

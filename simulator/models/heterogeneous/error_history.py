@@ -27,7 +27,7 @@ from ...fem.safety_factors import (
 Admittances = NDArray[np.complex128]
 
 
-def evened(difference: NDArray[np.float64]) -> NDArray[np.float64]:
+def smoothed(difference: NDArray[np.float64]) -> NDArray[np.float64]:
     """The first third of what is told at `frequencies_around`, never far below its neighbours.
 
     difference: shape (..., 3 f). Returns (..., f). What changes sign vanishes at one of the three
@@ -37,7 +37,7 @@ def evened(difference: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.sqrt(here * np.maximum(here, np.sqrt(below * above)))
 
 
-class Course:
+class ErrorHistory:
     """What one mesh after the other told of one press."""
 
     def __init__(self) -> None:
@@ -69,13 +69,13 @@ class Course:
         before, now = self._errors[-2:]
         return now * min(now / before, 1.0) ** meshes <= rtol
 
-    def again(self) -> Course:
+    def again(self) -> ErrorHistory:
         """Of another depth at the same place, whose k is much the same."""
-        other = Course()
+        other = ErrorHistory()
         other._largest, other._unseen, other._most = self._largest, self._unseen, self._most
         return other
 
-    def tell(self, frequency: NDArray[np.float64], error: NDArray[np.float64]) -> None:
+    def record(self, frequency: NDArray[np.float64], error: NDArray[np.float64]) -> None:
         """The relative error of the latest mesh, shape (..., frequency), at frequencies in Hz."""
         largest = error.reshape(-1, len(frequency)).max(axis=0)
         self._told = dict(zip(frequency.tolist(), largest.tolist(), strict=True))

@@ -18,7 +18,7 @@ from .elements import Elements
 from .materials import Materials
 
 
-def charged(
+def low_rank_charges(
     elements: Elements, materials: Materials, unknowns: Unknowns
 ) -> NDArray[np.float64] | None:
     """F of `Charged`, shape (unknown, rank); None where surroundings are not solved for."""
@@ -40,7 +40,7 @@ def charged(
     return far
 
 
-def solved_to(materials: Materials) -> str:
+def describe_accuracy(materials: Materials) -> str:
     """How closely surroundings were solved for, to be told with an answer."""
     around = materials.scene.surroundings
     if around is None or not around.solved:

@@ -14,17 +14,17 @@ from ...press.press import Press
 from ...progress import ProgressCallback, silent
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from ..plain import electrical
-from .deflection_error import of_deflection
+from ..uniform import equivalent_scene
+from .deflection_error import raised_by_deflection
 from .discretised import Discretised
 from .materials import Materials
-from .press_cache import Place
+from .press_cache import PressPlace
 from .square_meshes import Squares
 from .surroundings_terms import check_surroundings
 from .triangle_meshes import Triangles
 
 if TYPE_CHECKING:
-    from ..mechanics.pressed import Pressed
+    from ..mechanics.deformation import Deformation
 
 MECHANICS_SHARE = 0.3
 """Of the tolerance: what the mechanics of a press may leave of it."""
@@ -34,7 +34,7 @@ FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
 """Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
 
 
-class Meshes(Protocol):
+class MeshSequence(Protocol):
     """Discretisations of one press, each finer than the one before."""
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
@@ -42,11 +42,11 @@ class Meshes(Protocol):
         ...
 
 
-class InTurn:
+class SquaresThenTriangles:
     """Quadrilaterals as long as there are finer ones, then triangles."""
 
     def __init__(self, squares: Squares, triangles: Triangles) -> None:
-        self._kinds: list[Meshes] = [squares, triangles]
+        self._kinds: list[MeshSequence] = [squares, triangles]
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """As of `Meshes`."""
@@ -59,10 +59,12 @@ class InTurn:
             return self.finer(frequency)
 
 
-class Spread:
+class DeflectedTriangles:
     """Triangles of what mechanics spreads, told as closely as Rs and Cp feel it."""
 
-    def __init__(self, place: Place, triangles: Triangles, pressed: Pressed, rtol: float) -> None:
+    def __init__(
+        self, place: PressPlace, triangles: Triangles, pressed: Deformation, rtol: float
+    ) -> None:
         """place: keeps the latest triangles. pressed: what they are of."""
         self._place, self._rtol = place, rtol
         self._pressed, place.triangles = pressed, triangles
@@ -73,7 +75,7 @@ class Spread:
         assert triangles is not None
         while True:
             found = triangles.finer(frequency)
-            raised, closer = of_deflection(found.coefficients), self._pressed.closer
+            raised, closer = raised_by_deflection(found.coefficients), self._pressed.within_error
             if raised is None or closer is None:
                 return found
             error = found.changes(raised, frequency, self._rtol)
@@ -83,13 +85,13 @@ class Spread:
             self._place.triangles = triangles = triangles.again(self._pressed)
 
 
-def indented(
+def deformed(
     scene: Scene,
     press: Press,
     rtol: float,
     progress: ProgressCallback = silent,
-    place: Place | None = None,
-) -> tuple[Press, Pressed | None]:
+    place: PressPlace | None = None,
+) -> tuple[Press, Deformation | None]:
     """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
 
     rtol: the tolerance asked of Rs and Cp. progress: as of `ProgressCallback`. place: where it
@@ -97,17 +99,21 @@ def indented(
     """
     if not press.indented:
         return press, None
-    from ..mechanics.indentation import pressed
+    from ..mechanics.indentation import deformation
 
-    found = pressed(
+    found = deformation(
         scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), progress, place and place.again
     )
     return (press.on_patches, found) if found.sharp is None else (found.sharp, None)
 
 
 def meshes(
-    scene: Scene, press: Press, pressed: Pressed | None, rtol: float, place: Place | None = None
-) -> Meshes:
+    scene: Scene,
+    press: Press,
+    pressed: Deformation | None,
+    rtol: float,
+    place: PressPlace | None = None,
+) -> MeshSequence:
     """Those that a scene and a press need: quadrilaterals first wherever they serve.
 
     press, pressed: as of `indented`. place: where it presses, with the triangles of the press
@@ -115,29 +121,29 @@ def meshes(
     """
     check_surroundings(scene)
     if pressed is not None and place and place.triangles:
-        return Spread(place, place.triangles.again(pressed), pressed, rtol)
+        return DeflectedTriangles(place, place.triangles.again(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
     if pressed is not None:
         first = Triangles(scene, circuit, press, rtol, pressed)
-        return Spread(place or Place(), first, pressed, rtol)
+        return DeflectedTriangles(place or PressPlace(), first, pressed, rtol)
     if rectangular:
         check_grid_fits(scene, circuit)
     triangles = Triangles(scene, circuit, press, rtol)
     if rectangular and press.boxes:
-        return InTurn(Squares(scene, circuit, press, rtol), triangles)
+        return SquaresThenTriangles(Squares(scene, circuit, press, rtol), triangles)
     return triangles
 
 
 def circuit_of(scene: Scene, alike: bool = True) -> Circuit:
     """One field where both sheets and their foils vary alike. alike: whether they do on all skins
     that are meant."""
-    even = electrical(scene)
+    even = equivalent_scene(scene)
     return (_single(scene, even) if alike else None) or two_fields(even)
 
 
 def single_field(scene: Scene) -> Circuit | None:
     """The circuit of the potential difference; None where it would not be exact."""
-    return _single(scene, electrical(scene))
+    return _single(scene, equivalent_scene(scene))
 
 
 def _single(scene: Scene, even: Scene) -> Circuit | None:

@@ -14,7 +14,7 @@ from ...press.touch import Place as Shape
 from ...press.touch import place_of
 
 if TYPE_CHECKING:
-    from ..mechanics.levels import Again
+    from ..mechanics.deflection_cache import DeflectionCache
     from .triangle_meshes import Triangles
 
 MOST_NODES = 100_000
@@ -23,29 +23,29 @@ Key = tuple[Press, tuple[Shape, ...]]
 
 
 @dataclass
-class Place:
+class PressPlace:
     """Where one press or several of other depths press. triangles: the latest."""
 
     triangles: Triangles | None = None
 
     @cached_property
-    def again(self) -> Again:
+    def again(self) -> DeflectionCache:
         """What mechanics keeps."""
-        from ..mechanics.levels import Again
+        from ..mechanics.deflection_cache import DeflectionCache
 
-        return Again()
+        return DeflectionCache()
 
 
-class Places:
+class PressCache:
     """The latest places, as many as MOST_NODES leaves, but one at least."""
 
     def __init__(self) -> None:
-        self._known: dict[Key, Place] = {}
+        self._known: dict[Key, PressPlace] = {}
 
-    def of(self, press: Press) -> Place:
+    def of(self, press: Press) -> PressPlace:
         """Where a press presses."""
         key = press.on_patches, tuple(map(place_of, press.indented))
-        place = self._known.pop(key, None) or Place()
+        place = self._known.pop(key, None) or PressPlace()
         while sum(each.again.nodes for each in self._known.values()) > MOST_NODES:
             del self._known[next(iter(self._known))]
         self._known[key] = place

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ...fem.circuit import Circuit, Terminal
-from ...fem.low_rank import Charged, Mass
+from ...fem.low_rank import LowRankMass, Mass
 from ...fem.system import System, films
-from ...fem.unknowns import Unknowns, numbered
+from ...fem.unknowns import Unknowns, number_unknowns
 from ...scene.contacts import Contact
 from .coefficients import PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_foam, add_sheet
-from .low_rank_terms import charged
+from .low_rank_terms import low_rank_charges
 from .surroundings_terms import add_surroundings
 
 
@@ -30,7 +30,7 @@ class PressedSystem(System):
     far: as of `charged`, whatever the press; None where surroundings are not solved for.
     """
 
-    fields_apart: ClassVar[bool] = True
+    fields_decoupled: ClassVar[bool] = True
     mass: Mass
     far: NDArray[np.float64] | None
 
@@ -42,8 +42,8 @@ def pressed_system(
     known: Unknowns | None = None,
 ) -> PressedSystem:
     """The matrices of one press on one mesh. known: its unknowns, where they are numbered yet."""
-    unknowns = known or numbered(circuit, elements.trial, elements.facets, elements.inside)
-    far = charged(elements, coefficients.materials, unknowns)
+    unknowns = known or number_unknowns(circuit, elements.trial, elements.facets, elements.inside)
+    far = low_rank_charges(elements, coefficients.materials, unknowns)
     return PressedSystem(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),
@@ -76,7 +76,7 @@ def mass_of(
     add_foam(values, circuit.coupling, elements, unknowns, c)
     add_surroundings(values, circuit, elements, coefficients, unknowns)
     near = unknowns.pattern.matrix(values)
-    return near if far is None else Charged(near, far)
+    return near if far is None else LowRankMass(near, far)
 
 
 def film_of(

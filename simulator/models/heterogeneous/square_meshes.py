@@ -17,13 +17,13 @@ from ...press.press import Press
 from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from ..resolution import ONE_CELL, Ladder
+from ..resolution import ONE_CELL, ResolutionHierarchy
 from .boundary_layers import beside_foils, jumping, layered
 from .coefficients import PressCoefficients
 from .corners import ringed_corners
-from .discretised import Discretised, Solved
+from .discretised import Discretised, SolvedLevel
 from .elements import squares
-from .error_history import Course
+from .error_history import ErrorHistory
 from .materials import Materials
 from .pressed_system import pressed_system
 
@@ -48,8 +48,8 @@ class Squares:
         self.scene, self.circuit, self.press = scene, circuit, press
         self.materials = Materials(scene)
         self.rtol = rtol
-        self._course = Course()
-        self._ladder = Ladder(scene, circuit, own=rtol)
+        self._course = ErrorHistory()
+        self._ladder = ResolutionHierarchy(scene, circuit, own=rtol)
         self._level = self._ladder.lowest(rtol)
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
@@ -86,7 +86,7 @@ class Squares:
         elements = squares(pixels, resolution.order)
         system = pressed_system(circuit, elements, coefficients)
         fine, coarse, *lower = (
-            Solved(Galerkin(system, circuit, resolution.order - less), system, elements)
+            SolvedLevel(Galerkin(system, circuit, resolution.order - less), system, elements)
             for less in range(min(4, resolution.order))
         )
         answered = replace(resolution, order=resolution.order - 1)

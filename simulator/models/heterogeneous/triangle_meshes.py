@@ -22,18 +22,18 @@ from ...press.press import Press
 from ...press.touch import Disc, Place, Touch
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
-from ..outlook import cells_needed, check_within_reach
 from ..resolution import depth_of
+from ..time_estimate import cells_needed, check_within_reach
 from .coefficients import PressCoefficients
 from .corner_sheets import crossed, sheets
-from .discretised import Discretised, Solved, indicators
+from .discretised import Discretised, SolvedLevel, indicators
 from .elements import triangles
-from .error_history import Course, at_corners
+from .error_history import ErrorHistory, at_corners
 from .materials import Materials
 from .pressed_system import pressed_system
 
 if TYPE_CHECKING:
-    from ..mechanics.pressed import Pressed
+    from ..mechanics.deformation import Deformation
 
 ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
 """From which tolerance on which order of elements answers, and does so what mechanics spreads; one
@@ -69,7 +69,7 @@ class Triangles:
         circuit: Circuit,
         press: Press,
         rtol: float,
-        pressed: Pressed | None = None,
+        pressed: Deformation | None = None,
     ) -> None:
         """pressed: what the touches do that have no factor."""
         self.scene, self.circuit, self.press = scene, circuit, press.on_patches
@@ -80,10 +80,10 @@ class Triangles:
         self._before: Discretised | None = None
         self._domain: Domain | None = None
         self._ends = np.empty(0)
-        self._spaces: tuple[Solved, ...] = ()
-        self._course = Course()
+        self._spaces: tuple[SolvedLevel, ...] = ()
+        self._course = ErrorHistory()
 
-    def again(self, pressed: Pressed) -> Triangles:
+    def again(self, pressed: Deformation) -> Triangles:
         """For other depths of the same touches: from the latest mesh on, with all that is solved
         on it and does not change."""
         other = copy(self)
@@ -191,7 +191,7 @@ class Triangles:
         return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
 
     def discretised(
-        self, mesh: Domain, left_out: float = 0.0, known: tuple[Solved, ...] = ()
+        self, mesh: Domain, left_out: float = 0.0, known: tuple[SolvedLevel, ...] = ()
     ) -> Discretised:
         """The press on a mesh that conforms to it. left_out: of what is not quite as asked. known:
         what was solved of another press on it, in both orders."""
@@ -224,10 +224,10 @@ class Triangles:
             self.materials, factors, self.pressed, self.circuit.fields, fingers
         )
 
-    def _solved(self, mesh: Domain, order: int, coefficients: PressCoefficients) -> Solved:
+    def _solved(self, mesh: Domain, order: int, coefficients: PressCoefficients) -> SolvedLevel:
         elements = triangles(mesh, order, self.scene.skin)
         system = pressed_system(self.circuit, elements, coefficients)
-        return Solved(Galerkin(system, self.circuit, order), system, elements)
+        return SolvedLevel(Galerkin(system, self.circuit, order), system, elements)
 
 
 def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:

@@ -15,12 +15,12 @@ from ...progress import ProgressCallback, silent
 from ...scene.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
-from ..outlook import Remaining, check_within_reach
-from .contact import Pushed, Rest, above, at_rest, deepest, held_by
-from .ground import Ground
-from .levels import Again, Level
-from .membrane import ELEMENT, Membrane, Surface, tails
-from .pressed import check_reached
+from ..time_estimate import RemainingTime, check_within_reach
+from .contact import ApplicatorLoads, Equilibrium, above, clamped_nodes, deepest, equilibrium
+from .contact_mesh import ContactMesh
+from .deflection_cache import DeflectionCache, DeflectionLevel
+from .deformation import check_reached
+from .membrane import ELEMENT, Membrane, MembraneSurface, tails
 
 SHRINKS = 2 ** (-2 / 3)
 """The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
@@ -43,25 +43,25 @@ TOO_FINE = f"the press needs more than {MOST_TRIANGLES} triangles at this tolera
 
 
 @dataclass(frozen=True)
-class Solved:
+class AdaptiveDeflection:
     """A deflection, where and how what holds it pushes, and how little is known of it.
 
     error: of the factor, relatively, anywhere. unsure: of the deflection in m, averaged over each
     triangle, shape (triangle,). held: number of the applicator that holds each node, -1 for none.
     """
 
-    surface: Surface
-    rest: Rest
+    surface: MembraneSurface
+    rest: Equilibrium
     error: float
     unsure: NDArray[np.float64]
     membrane: Membrane
     held: NDArray[np.int64]
 
 
-def _solved(level: Level, error: float) -> Solved:
+def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
     """What is known of a level."""
     doubt = unsure(level.membrane, level.rest.w)
-    return Solved(level.surface, level.rest, error, doubt, level.membrane, level.held)
+    return AdaptiveDeflection(level.surface, level.rest, error, doubt, level.membrane, level.held)
 
 
 def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -69,15 +69,15 @@ def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
     return OF_TAIL * tails(membrane, w)
 
 
-def solved(
+def adaptive_deflection(
     press: Press,
-    ground: Ground,
+    ground: ContactMesh,
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
     progress: ProgressCallback = silent,
-    again: Again | None = None,
-) -> Solved:
+    again: DeflectionCache | None = None,
+) -> AdaptiveDeflection:
     """The deflection by a press's applicators, within `rtol` of the factor anywhere.
 
     progress: as of `ProgressCallback`. again: what presses of the same places left, its mesh is
@@ -87,9 +87,9 @@ def solved(
     pushed = _pushed(press)
     _check_apart(press, ground, pushed)
     _check_length(ground, mechanics, thickness)
-    pressing, remaining = _Pressing(mechanics, thickness, pushed), Remaining(rtol)
+    pressing, remaining = _Pressing(mechanics, thickness, pushed), RemainingTime(rtol)
     progress(PRESSING, 0.0)
-    known = again or Again()
+    known = again or DeflectionCache()
     level = pressing.again(known, known.level, rtol) if known.level else pressing.level(ground)
     while True:
         check_reached(press, level.rest.depth, mechanics, thickness)
@@ -104,12 +104,12 @@ def solved(
         level = pressing.level(_refined(level.ground, found / rtol), level.surface)
 
 
-def _least(rtol: float, level: Level) -> float:
+def _least(rtol: float, level: DeflectionLevel) -> float:
     """An error that the first triangles are taken not to be below, as they are refined yet."""
     return 0.0 if level.refined else HALF_AGAIN * rtol
 
 
-def _check_within_reach(ground: Ground, excess: NDArray[np.float64]) -> None:
+def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> None:
     """Raises ToleranceError where even smooth triangles would have to become too many.
 
     excess: of the error over its target. Away from corners it falls like h^FALLS at best; a
@@ -122,7 +122,7 @@ def _check_within_reach(ground: Ground, excess: NDArray[np.float64]) -> None:
     check_within_reach(needed, MOST_TRIANGLES, FALLS / 2, f"triangles under the press; {SPREADS}")
 
 
-def _refined(ground: Ground, excess: NDArray[np.float64]) -> Ground:
+def _refined(ground: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
     """Finer where an error exceeds its target, and at corners as often as they are to shrink it."""
     worst = excess[ground.cornered].max(initial=0.0)
     finer = ground.refined(excess > 1)
@@ -137,9 +137,9 @@ class _Pressing:
 
     mechanics: Mechanics
     thickness: float
-    pushed: Pushed
+    pushed: ApplicatorLoads
 
-    def level(self, ground: Ground, start: Surface | None = None) -> Level:
+    def level(self, ground: ContactMesh, start: MembraneSurface | None = None) -> DeflectionLevel:
         if ground.mesh.nelements > MOST_TRIANGLES:
             raise ToleranceError(TOO_FINE)
         tension = self.mechanics.tension
@@ -147,11 +147,11 @@ class _Pressing:
         nodes = len(membrane.places.T)
         first = np.zeros(nodes) if start is None else start(membrane.places)
         held = self._held(membrane, self._most(ground, membrane), first)
-        rest = at_rest(membrane, held, self.pushed, first)
-        surface = Surface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
-        return Level(ground, membrane, held, rest, surface, start is not None)
+        rest = equilibrium(membrane, held, self.pushed, first)
+        surface = MembraneSurface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
+        return DeflectionLevel(ground, membrane, held, rest, surface, start is not None)
 
-    def again(self, known: Again, level: Level, rtol: float) -> Level:
+    def again(self, known: DeflectionCache, level: DeflectionLevel, rtol: float) -> DeflectionLevel:
         """On the mesh of a level that is known."""
         start = known.start(level, self.pushed)
         most = self._most(level.ground, level.membrane)
@@ -159,7 +159,7 @@ class _Pressing:
         held = self._held(level.membrane, most, no_deeper)
         return known.pressed(level, held, self.pushed, start, rtol)
 
-    def _most(self, ground: Ground, membrane: Membrane) -> NDArray[np.int64]:
+    def _most(self, ground: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
         """(node,): the applicator that may hold each node, -1 for none."""
         under = above(membrane.nodes, len(membrane.places.T), ground.covered)
         return deepest(under, self.pushed)
@@ -168,9 +168,9 @@ class _Pressing:
         self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         """(node,): the one that does. near: deflections near by, m."""
-        return held_by(membrane, self.mechanics.tension, most, self.pushed, near)
+        return clamped_nodes(membrane, self.mechanics.tension, most, self.pushed, near)
 
-    def relative(self, level: Level) -> NDArray[np.float64]:
+    def relative(self, level: DeflectionLevel) -> NDArray[np.float64]:
         """Tails as relative changes of the factor, shape (triangle,)."""
         strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
         moved = tails(level.membrane, level.rest.w)
@@ -184,20 +184,20 @@ def _times(excess: float) -> int:
     return min(MOST_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)
 
 
-def _pushed(press: Press) -> Pushed:
+def _pushed(press: Press) -> ApplicatorLoads:
     by = [touch.by for touch in press.indented]
     depth = [each.value if isinstance(each, Depth) else np.nan for each in by]
     force = [np.nan if isinstance(each, Depth) else each.value for each in by]
-    return Pushed(np.array(depth), np.array(force))
+    return ApplicatorLoads(np.array(depth), np.array(force))
 
 
-def _check_length(ground: Ground, mechanics: Mechanics, thickness: float) -> None:
+def _check_length(ground: ContactMesh, mechanics: Mechanics, thickness: float) -> None:
     spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
     if LEAST_ALONG * ground.edges > MOST_TRIANGLES * spread:
         raise ToleranceError(TOO_FINE)
 
 
-def _check_apart(press: Press, ground: Ground, pushed: Pushed) -> None:
+def _check_apart(press: Press, ground: ContactMesh, pushed: ApplicatorLoads) -> None:
     t = ground.domain.t
     under = above(t, int(t.max()) + 1, ground.covered)
     for each in pushed.by_force:

@@ -12,7 +12,7 @@ from scipy.sparse import coo_array, csr_matrix
 from scipy.sparse.linalg import splu
 
 from ...sweeps.errors import ToleranceError
-from .membrane import Membrane, Net
+from .membrane import LumpedMembrane, Membrane
 
 STILL = 1e-12
 """Of the deflection: steps that are but rounding where much tension outweighs the foam."""
@@ -30,7 +30,7 @@ MIXED, MOST_MIXED = 4, 8
 """Steps that are mixed, and tried before new factors are made, which take as long as ten."""
 
 
-class Body(Protocol):
+class ElasticBody(Protocol):
     """What has an energy, and is at rest where it is least."""
 
     thickness: float
@@ -41,7 +41,7 @@ class Body(Protocol):
 
 
 @dataclass(frozen=True)
-class Pushed:
+class ApplicatorLoads:
     """What applicators do: depth [m] of each, nan where it is pushed by `force` [N] instead."""
 
     depth: NDArray[np.float64]
@@ -58,7 +58,7 @@ Newton = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
-class Rest:
+class Equilibrium:
     """Deflection w [m] (node,), and depth [m] and force [N] of each applicator.
 
     newton: by the last factors that were made for it, None where none were.
@@ -70,9 +70,9 @@ class Rest:
     newton: Newton | None = None
 
 
-def at_rest(
-    body: Body, held: NDArray[np.int64], pushed: Pushed, start: NDArray[np.float64]
-) -> Rest:
+def equilibrium(
+    body: ElasticBody, held: NDArray[np.int64], pushed: ApplicatorLoads, start: NDArray[np.float64]
+) -> Equilibrium:
     """Least energy less the work of given forces, by damped Newton steps from deflections `start`.
 
     held: (node,) number of the applicator that holds each node, -1 where none does. Nodes that one
@@ -111,14 +111,14 @@ def at_rest(
     raise ToleranceError("the press did not come to rest: its depth or force is too great")
 
 
-def near_rest(
-    body: Body,
+def nearby_equilibrium(
+    body: ElasticBody,
     held: NDArray[np.int64],
-    pushed: Pushed,
+    pushed: ApplicatorLoads,
     start: NDArray[np.float64],
     newton: Newton,
     left: float,
-) -> Rest | None:
+) -> Equilibrium | None:
     """As `at_rest`, by steps of factors that were made for another deflection of the same nodes.
 
     Of the latest steps those are mixed that leave least, until one is but `left` of the deflection
@@ -158,13 +158,15 @@ def _mixed(
     return step - (q[:, None] - moved + step[:, None] - steps) @ shares
 
 
-def _factors(body: Body, turn: csr_matrix, w: NDArray[np.float64]) -> Newton:
+def _factors(body: ElasticBody, turn: csr_matrix, w: NDArray[np.float64]) -> Newton:
     """At a deflection w."""
     stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
     return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
 
-def _freedoms(held: NDArray[np.int64], pushed: Pushed) -> tuple[csr_matrix, NDArray[np.float64]]:
+def _freedoms(
+    held: NDArray[np.int64], pushed: ApplicatorLoads
+) -> tuple[csr_matrix, NDArray[np.float64]]:
     """w = turn q + fixed, q the free nodes, then the depths of applicators of given force."""
     free = np.flatnonzero(held < 0)
     rank = np.full(len(pushed.depth), -1)
@@ -179,14 +181,14 @@ def _freedoms(held: NDArray[np.int64], pushed: Pushed) -> tuple[csr_matrix, NDAr
 
 
 def _first(
-    start: NDArray[np.float64], held: NDArray[np.int64], pushed: Pushed
+    start: NDArray[np.float64], held: NDArray[np.int64], pushed: ApplicatorLoads
 ) -> NDArray[np.float64]:
     depths = [start[held == each].max(initial=0.0) for each in pushed.by_force]
     return np.concatenate([start[held < 0], depths])
 
 
 def _damped(
-    body: Body,
+    body: ElasticBody,
     turn: csr_matrix,
     fixed: NDArray[np.float64],
     work: NDArray[np.float64],
@@ -210,14 +212,14 @@ def _rest(
     w: NDArray[np.float64],
     reaction: NDArray[np.float64],
     held: NDArray[np.int64],
-    pushed: Pushed,
+    pushed: ApplicatorLoads,
     found: NDArray[np.float64],
     newton: Newton | None = None,
-) -> Rest:
+) -> Equilibrium:
     depth = pushed.depth.copy()
     depth[pushed.by_force] = found
     force = [reaction[held == each].sum() for each in range(len(depth))]
-    return Rest(w, depth, np.array(force), newton)
+    return Equilibrium(w, depth, np.array(force), newton)
 
 
 MOST_CHANGES = 200
@@ -234,7 +236,7 @@ def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> N
     return found
 
 
-def deepest(under: NDArray[np.bool_], pushed: Pushed) -> NDArray[np.int64]:
+def deepest(under: NDArray[np.bool_], pushed: ApplicatorLoads) -> NDArray[np.int64]:
     """(node,): the deepest applicator on each node, -1 where there is none.
 
     Applicators of given force must share no node with another.
@@ -243,11 +245,11 @@ def deepest(under: NDArray[np.bool_], pushed: Pushed) -> NDArray[np.int64]:
     return np.where(under.any(axis=0), depth.argmax(axis=0), -1)
 
 
-def held_by(
+def clamped_nodes(
     membrane: Membrane,
     tension: float,
     most: NDArray[np.int64],
-    pushed: Pushed,
+    pushed: ApplicatorLoads,
     start: NDArray[np.float64],
 ) -> NDArray[np.int64]:
     """(node,): the applicator that holds each node, of those that `most` says could, or -1.
@@ -256,10 +258,10 @@ def held_by(
     """
     if len(pushed.depth) < 2:
         return most
-    net, w = Net(membrane, tension), start
+    net, w = LumpedMembrane(membrane, tension), start
     held = np.where(start > _depths(start, most, pushed)[most] + CLOSE * net.thickness, -1, most)
     for _ in range(MOST_CHANGES):
-        rest = at_rest(net, held, pushed, w)
+        rest = equilibrium(net, held, pushed, w)
         w, reaction = rest.w, net.residual(rest.w)
         reaches = (most >= 0) & (w < rest.depth[most] - SAME * net.thickness)
         stays = np.where(held >= 0, reaction > 0, reaches)
@@ -271,7 +273,7 @@ def held_by(
 
 
 def _depths(
-    start: NDArray[np.float64], most: NDArray[np.int64], pushed: Pushed
+    start: NDArray[np.float64], most: NDArray[np.int64], pushed: ApplicatorLoads
 ) -> NDArray[np.float64]:
     least = [start[most == each].min(initial=np.inf) for each in range(len(pushed.depth))]
     return np.where(np.isnan(pushed.depth), least, pushed.depth)

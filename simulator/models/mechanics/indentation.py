@@ -20,11 +20,11 @@ from ...progress import ProgressCallback, silent
 from ...scene.foam_mechanics import Mechanics
 from ...scene.planar import ring
 from ...scene.scene import Scene
-from .pressed import Pressed, check_depths
-from .stamps import stamped
+from .deformation import Deformation, check_depths
+from .no_tension import deformation_without_tension
 
 if TYPE_CHECKING:
-    from .levels import Again
+    from .deflection_cache import DeflectionCache
 
 DISC_SIDES = 128
 """Of the polygon of the same area that a disc is to the membrane."""
@@ -32,16 +32,16 @@ OUT_OF_ROUND = 0.02 * (np.pi / DISC_SIDES) ** 3
 """What that changes of Rs and Cp: it falls with the cube of the sides; a third of it was seen, all
 of it far above cut-off."""
 
-__all__ = ["Pressed", "pressed"]
+__all__ = ["Deformation", "deformation"]
 
 
-def pressed(
+def deformation(
     scene: Scene,
     press: Press,
     rtol: float,
     progress: ProgressCallback = silent,
-    again: Again | None = None,
-) -> Pressed:
+    again: DeflectionCache | None = None,
+) -> Deformation:
     """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
 
     progress: as of `ProgressCallback`. again: what presses of the same places left. Raises
@@ -51,13 +51,13 @@ def pressed(
     """
     touches = press.indented
     if not touches:
-        return Pressed(None, 1.0, _flat, (), (), 0.0, (), press)
+        return Deformation(None, 1.0, _flat, (), (), 0.0, (), press)
     check_press(press, scene)
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
     check_depths(press, mechanics, thickness)
     if not mechanics.tension:
-        return stamped(scene, press, mechanics, thickness)
+        return deformation_without_tension(scene, press, mechanics, thickness)
     return _spread(scene, press, mechanics, thickness, rtol, progress, again)
 
 
@@ -68,19 +68,19 @@ def _spread(
     thickness: float,
     rtol: float,
     progress: ProgressCallback,
-    again: Again | None,
-) -> Pressed:
-    from .adaptive import solved
-    from .ground import straight_ground
-    from .levels import Again
+    again: DeflectionCache | None,
+) -> Deformation:
+    from .adaptive import adaptive_deflection
+    from .contact_mesh import straight_contact_mesh
+    from .deflection_cache import DeflectionCache
 
-    again = again or Again()
+    again = again or DeflectionCache()
     places = [touch.place for touch in press.indented]
     kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
-    ground = again.ground or straight_ground(scene, places, DISC_SIDES)
-    found = solved(press, ground, mechanics, thickness, rtol, progress, again)
+    ground = again.ground or straight_contact_mesh(scene, places, DISC_SIDES)
+    found = adaptive_deflection(press, ground, mechanics, thickness, rtol, progress, again)
     depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
-    return Pressed(
+    return Deformation(
         mechanics,
         thickness,
         found.surface,
@@ -90,7 +90,7 @@ def _spread(
         kinks,
         None,
         out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
-        closer=partial(pressed, scene, press, again=again),
+        within_error=partial(deformation, scene, press, again=again),
         unsure=found.surface.in_triangles(found.unsure),
     )
 

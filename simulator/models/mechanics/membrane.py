@@ -107,7 +107,7 @@ class _Pattern:
         return csr_matrix((values, pattern.indices, pattern.indptr), shape=(size, size))
 
 
-class Net:
+class LumpedMembrane:
     """The same in first order between all nodes of a membrane, foam and skins lumped at them.
 
     Its matrices make a discrete maximum principle, so that nodes leave and meet applicators by the
@@ -191,7 +191,7 @@ def _products(at: NDArray[np.float64], powers: list[tuple[int, int]]) -> NDArray
     return np.stack([a[i] * b[j] for i, j in powers])
 
 
-class Surface:
+class MembraneSurface:
     """w [m] between the nodes of an element's triangles.
 
     p: (2, point) m; nodes: (node of the element, triangle), its corners first.
@@ -216,7 +216,7 @@ class Surface:
         self._powers = powers(element.maxdeg)
         self._monomials = np.linalg.inv(_products(element.doflocs.T, self._powers))
 
-    def of(self, w: NDArray[np.float64]) -> Surface:
+    def of(self, w: NDArray[np.float64]) -> MembraneSurface:
         """Another deflection of the same nodes; where places lie is found once for both."""
         other = copy(self)
         other.w = w

@@ -30,7 +30,7 @@ from ..reduced.projection import Projection
 Model = TypeVar("Model", bound=Projection)
 
 
-class Kept(TypedDict):
+class ReductionOptions(TypedDict):
     """What `reduce` is told of any readings alike."""
 
     modes: int
@@ -53,7 +53,7 @@ def trained(
     where a tension spreads presses.
     """
     require_no_spread(scene)
-    more = Kept(modes=modes, progress=progress, frequency=frequency)
+    more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
     return reduce(scene, rtol, draw, alike=False, readings=chain(scene), **more)
 
 
@@ -80,7 +80,7 @@ def reduced_for(
 
     rtol, draw, modes, alike, progress, frequency: as of `reduce`.
     """
-    more = Kept(modes=modes, progress=progress, frequency=frequency)
+    more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
     if not many(scene, alike):
         return reduce(scene, rtol, draw, alike=alike, **more)
     return read(trained(scene, rtol, draw, **more), scene.interfaces)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from ...fem.excited_terminals import Driven
+from ...fem.excited_terminals import ExcitedTerminals
 
 
 class Rest(NamedTuple):
@@ -95,7 +95,7 @@ def _without_common(
     return conductance
 
 
-def feed_of(driven: Driven) -> Feed:
+def feed_of(driven: ExcitedTerminals) -> Feed:
     """A drive as the kernel takes it."""
     own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
     return Feed(
@@ -113,7 +113,7 @@ Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 
 def solved(
-    drives: Sequence[Driven],
+    drives: Sequence[ExcitedTerminals],
     rest: Rest,
     cells: NDArray[np.int64],
     weights: NDArray[np.float64],
@@ -165,7 +165,7 @@ def _seen(
 
 
 def _by_touches(
-    driven: Driven,
+    driven: ExcitedTerminals,
     rows: NDArray[np.float64],
     P: NDArray[np.complex128],
     U: NDArray[np.float64],
@@ -197,7 +197,7 @@ def _by_touches(
 
 
 def _beside_floating(
-    driven: Driven,
+    driven: ExcitedTerminals,
     rows: NDArray[np.float64],
     P: NDArray[np.complex128],
     beside: NDArray[np.float64],

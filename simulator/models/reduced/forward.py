@@ -20,10 +20,12 @@ from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid
 from ...scene.scene import Scene
+from ..cosine_modes.amplitudes import amplitudes
+from ..cosine_modes.sheet_modes import StiffnessTerms, random_amplitudes, variation_with_modes
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
 from ..heterogeneous.mesh_choice import single_field
 from ..parameters import (
-    FOAM_WAVES,
+    FOAM_MODES,
     Variation,
     all_values,
     by_sheets,
@@ -34,8 +36,6 @@ from ..parameters import (
     variation_of,
 )
 from ..response import Response, at_meter
-from ..slow.sheets import Terms, drawn_waves, uneven_sheets
-from ..slow.waves import amplitudes
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
 from .indented.draws import require_whole_pixels
@@ -148,9 +148,9 @@ class Forward:
         by_name |= self._by_surroundings(found, skin, values)
         assert skin.variation is not None and skin.weights is not None
         by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
-        by_name |= self._terms.by_waves(by_weight, skin.weights, values)
+        by_name |= self._terms.by_amplitudes(by_weight, skin.weights, values)
         of_waves = np.moveaxis(self._s(values)[:, None] * by_wave, -1, 0)
-        named = zip(FOAM_WAVES, of_waves, strict=False)
+        named = zip(FOAM_MODES, of_waves, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
         at = leads_of(values), self.scene.frequencies
         return at_meter(1 / found.Y, by_name, *at, found.by_cell, by_term, by_gauge)
@@ -215,7 +215,7 @@ class Forward:
         def draw(random: np.random.Generator) -> Case:
             mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
             drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
-            drawn |= drawn_waves(random) if self.modes > 1 else {}
+            drawn |= random_amplitudes(random) if self.modes > 1 else {}
             around = [name for name in dict.fromkeys(self._parts.fixed) if name in own]
             factors = random.uniform(-1, 1, len(around)) * math.log(REACH)
             drawn |= dict(zip(around, factors.tolist(), strict=True))
@@ -240,7 +240,7 @@ class Forward:
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """The last one is kept: many presses of one skin are asked for in a row."""
         if self._kept is None or self._kept[0] != values:
-            sizes = amplitudes(values, FOAM_WAVES)[1:]
+            sizes = amplitudes(values, FOAM_MODES)[1:]
             model = self._waves.under(sizes) if _waved(values) else self.reduced
             self._kept = dict(values), model.skin(self._even(values))
         return self._kept[1]
@@ -294,7 +294,7 @@ class Forward:
 
     def _even(self, values: Mapping[str, float]) -> Variation:
         """All but slow waves of the foam."""
-        return uneven_sheets(variation_of(self.divided, values), values, self.modes)
+        return variation_with_modes(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """What rises of each cell count in, over the scene's own: c at rest but for slow waves, and
@@ -302,9 +302,9 @@ class Forward:
         return self._even(all_values(self.scene, values)).factors(self.divided)
 
     @cached_property
-    def _terms(self) -> Terms:
+    def _terms(self) -> StiffnessTerms:
         parts = foam_parts(self.divided) if gauged(self.scene.skin) else 1
-        return Terms(self.reduced.circuit.fields, self.modes, parts)
+        return StiffnessTerms(self.reduced.circuit.fields, self.modes, parts)
 
     def _by_gauge(
         self, weighed: NDArray[np.complex128], pressed: NDArray[np.float64]
@@ -317,4 +317,4 @@ class Forward:
 
 def _waved(values: Mapping[str, float]) -> bool:
     """Whether slow waves of the foam are among the values."""
-    return any(name in values for name in FOAM_WAVES)
+    return any(name in values for name in FOAM_MODES)

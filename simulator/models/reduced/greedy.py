@@ -29,7 +29,7 @@ from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..heterogeneous.mesh_choice import circuit_of
 from ..heterogeneous.surroundings_terms import check_surroundings
-from ..plain import electrical
+from ..uniform import equivalent_scene
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
@@ -95,7 +95,7 @@ def reduce(
     """
     check_surroundings(scene)
     applied = spreading(scene, by_depth)
-    scene = scene if applied else electrical(scene)
+    scene = scene if applied else equivalent_scene(scene)
     draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)
     circuit = circuit_of(scene, alike)
     circuit = circuit if readings is None else circuit.read(readings)

@@ -13,7 +13,7 @@ from ...press.touch import AnyTouch, Touch
 from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from ..answer import Rung
+from ..solution import ModelResult
 from .cases import pixel_touches, strongest_finger
 from .greedy import reduce
 from .skin import KRYLOV_SHARE, ReducedSkin
@@ -28,7 +28,7 @@ class OfPixels:
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
+    def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
         """The answer at frequencies in Hz within those, and its error.
 
         Raises InputError for touches unlike those that it is trained on.
@@ -50,12 +50,12 @@ def rung_of(
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],
     frequency: NDArray[np.float64],
-) -> Rung:
+) -> ModelResult:
     """What a reduced skin answers of one press, and the certified error with that of its mesh."""
     model, s = skin.reduced, laplace_variable(frequency, skin.loss)
     at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
     told = f"reduced to {model.size} vectors, {model.circuit.description}"
-    return Rung(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
+    return ModelResult(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
 
 
 def _check_trained(press: Press, scene: Scene) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.error_estimate import reference_susceptance
-from ...fem.excited_terminals import driven_by
+from ...fem.excited_terminals import excited_terminals
 from ...fem.factors import one_blas_thread
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of
@@ -63,7 +63,7 @@ class ReducedSkin:
         terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
         self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
         self.drives = [
-            driven_by(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
+            excited_terminals(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.excitations
         ]
         self.feeds = [feed_of(driven) for driven in self.drives]

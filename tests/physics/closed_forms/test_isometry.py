@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.heterogeneous.materials import Materials, metric, position
-from rcskin.simulator.models.plain import electrical, electrical_press
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import equivalent_press, equivalent_scene
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Polygon, Rectangle, Touch
 from rcskin.simulator.scene.scene import Scene
@@ -41,10 +41,10 @@ def test_bending_to_a_mug_changes_no_bit_of_the_problem(make_scene):
             of_bent.conductance(electrode, X), of_flat.conductance(electrode, X)
         )
     np.testing.assert_array_equal(of_bent.capacitance(X), of_flat.capacitance(X))
-    assert electrical(bent) == flat
+    assert equivalent_scene(bent) == flat
     press = Press((Touch(1, 2, 2.5),))
-    assert electrical_press(bent, press) == press
-    Z = [Solver(electrical(scene), 1e-3).solve(press).Z for scene in (flat, bent)]
+    assert equivalent_press(bent, press) == press
+    Z = [Solver(equivalent_scene(scene), 1e-3).solve(press).Z for scene in (flat, bent)]
     np.testing.assert_array_equal(*Z)
 
 
@@ -65,7 +65,7 @@ def test_a_strip_pulled_by_a_fifth_follows_its_line(make_scene, film):
     C = 5e-9 * 0.1 * 0.02 * 1.2 ** (5 / 7)
     q = np.sqrt(2j * np.pi * scene.frequencies * R * C)
     expected = R / np.tanh(q) / q + 1.6 * film / 0.02 * 1.2**0.5
-    folded = electrical(scene)
+    folded = equivalent_scene(scene)
     Z = Solver(folded).solve(Press()).Z[0]
     np.testing.assert_allclose(Z, expected, rtol=1e-11)
     by_elements = Solver(folded, 1e-6, model="sheet").solve(Press()).Z[0]
@@ -79,7 +79,7 @@ def test_uniform_coefficients_are_those_of_the_plain_scene(make_scene, ratios):
     if ratios[1] is not None:
         stretch["y"] = ratios[1]
     scene = skin_with(make_scene(), stretch=stretch)
-    plain, materials = Materials(electrical(scene)), Materials(scene)
+    plain, materials = Materials(equivalent_scene(scene)), Materials(scene)
     along, across = scene.skin.stretch.ratios
     J, L = along * across, np.array([along**2, across**2, along * across])[:, None]
     moved = X * np.array([along, across])[:, None]
@@ -123,5 +123,5 @@ def test_a_place_pressed_moves_with_the_stretched_skin(make_scene):
     at_rest = Polygon(tuple(map(tuple, corners.tolist())), 2.5)
     moved = Polygon(tuple(map(tuple, (corners * [1.2, 0.9]).tolist())), 2.5)
     one = Solver(scene, 1e-4).solve(Press((at_rest,))).Z
-    other = Solver(electrical(scene), 1e-4).solve(Press((moved,))).Z
+    other = Solver(equivalent_scene(scene), 1e-4).solve(Press((moved,))).Z
     np.testing.assert_allclose(one, other, rtol=2e-4)

@@ -8,7 +8,7 @@ from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.lumped import Lumped
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
 
 FINE = Resolution(order=8, cells=3)
@@ -22,7 +22,7 @@ def test_the_coth_law_at_complex_s(make_scene, frequency_at, loss_tangent):
     C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     q = np.sqrt(2 * np.pi * frequency * (loss_tangent + 1j) * R * C)
     expected = R / (q * np.tanh(q))
-    for model in (Line(scene), Sheet(scene, one_field(scene), FINE)):
+    for model in (Line(scene), SheetModel(scene, one_field(scene), FINE)):
         np.testing.assert_allclose(model.impedance(Press(), frequency)[0], expected, rtol=1e-12)
 
 
@@ -34,6 +34,6 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
     C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
-    for model in (Line(scene), Lumped(Sheet(scene, two_fields(scene), FINE))):
+    for model in (Line(scene), Lumped(SheetModel(scene, two_fields(scene), FINE))):
         Z = model.impedance(Press(), frequency)[0]
         np.testing.assert_allclose(Z.real, loss + R / 3, rtol=1e-12)

@@ -8,7 +8,7 @@ from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.lumped import Lumped
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
@@ -30,8 +30,8 @@ def models(scene):
     one, two = one_field(scene), two_fields(scene)
     return [
         Line(scene),
-        *(Sheet(scene, circuit, COARSE) for circuit in (one, two)),
-        *(Lumped(Sheet(scene, circuit, COARSE)) for circuit in (one, two)),
+        *(SheetModel(scene, circuit, COARSE) for circuit in (one, two)),
+        *(Lumped(SheetModel(scene, circuit, COARSE)) for circuit in (one, two)),
     ]
 
 
@@ -64,7 +64,7 @@ def test_crossed_feed(make_scene, size):
     scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
-    sheet = Sheet(scene, two_fields(scene), COARSE)
+    sheet = SheetModel(scene, two_fields(scene), COARSE)
     for model in (sheet, Lumped(sheet)):
         Z = model.impedance(Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
@@ -76,7 +76,7 @@ def test_crossed_feed(make_scene, size):
 def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
     """Two sheets of 50 kohm/sq; the second scene has foils on the bottom edge too."""
     scene = load_scene(name)
-    sheet = Sheet(scene, one_field(scene), Resolution(order=4, layers=6))
+    sheet = SheetModel(scene, one_field(scene), Resolution(order=4, layers=6))
     left = Lumped(sheet).series(Press())[0]
     assert round(left.R, -2) == Rs
 
@@ -86,6 +86,6 @@ def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
     scene = data.draw(random.between())
     press, skin = data.draw(random.presses(scene)), scene.skin
     total = capacitance_map(scene, press).mean() * skin.length * skin.width
-    sheet = Sheet(scene, two_fields(scene), Resolution(order=2))
+    sheet = SheetModel(scene, two_fields(scene), Resolution(order=2))
     Cp = parallel_capacitance(sheet.impedance(press, MILLIHERTZ), MILLIHERTZ)
     assert Cp == pytest.approx(total, rel=1e-12)

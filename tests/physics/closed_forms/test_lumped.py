@@ -8,7 +8,7 @@ from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.lumped import Lumped
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -29,7 +29,9 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
     scene = make_scene(columns=data.draw(st.integers(1, 5)), loss_tangent=loss_tangent)
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
-    assert_bounded(Lumped(Sheet(scene, one_field(scene), ON_LINES)), Line(scene), press, frequency)
+    assert_bounded(
+        Lumped(SheetModel(scene, one_field(scene), ON_LINES)), Line(scene), press, frequency
+    )
 
 
 @given(data=st.data())
@@ -39,13 +41,13 @@ def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     circuit, resolution = two_fields(scene), Resolution(order=3)
-    sheet = Sheet(scene, circuit, resolution)
+    sheet = SheetModel(scene, circuit, resolution)
     assert_bounded(Lumped(sheet), sheet, press, frequency)
 
 
 def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
     scene = make_scene()
-    lumped = Lumped(Sheet(scene, one_field(scene), ON_LINES))
+    lumped = Lumped(SheetModel(scene, one_field(scene), ON_LINES))
     frequency = frequency_at(scene, 1e-2)
     Z, true_Z = (model.impedance(Press(), frequency) for model in (lumped, Line(scene)))
     Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
@@ -57,4 +59,4 @@ def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
 def test_a_resistor_is_no_capacitor(make_scene):
     scene = make_scene({"top-left": {}, "top-right": {}})
     with pytest.raises(InputError, match="both driven"):
-        Lumped(Sheet(scene, two_fields(scene), ON_LINES)).series(Press())
+        Lumped(SheetModel(scene, two_fields(scene), ON_LINES)).series(Press())

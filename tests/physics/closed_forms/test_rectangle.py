@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press, parse_press
 
 EDGES = ["left", "right", "bottom", "top"]
@@ -14,7 +14,7 @@ U = np.geomspace(1e-6, 30, 9)
 
 
 def sheet_impedance(scene, press, frequency):
-    return Sheet(scene, two_fields(scene), FINE).impedance(press, frequency)[0]
+    return SheetModel(scene, two_fields(scene), FINE).impedance(press, frequency)[0]
 
 
 @pytest.mark.parametrize("edge", EDGES)

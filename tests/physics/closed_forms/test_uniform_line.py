@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.fem.circuit import one_field
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import parallel_capacitance
 from scipy.optimize import brentq
@@ -49,7 +49,7 @@ def test_line_is_the_coth_law_in_both_parts(line, frequency_at):
 
 def test_sheet_is_the_coth_law_in_both_parts(make_scene, frequency_at):
     scene = make_scene()
-    sheet = Sheet(scene, one_field(scene), Resolution(order=8, cells=4))
+    sheet = SheetModel(scene, one_field(scene), Resolution(order=8, cells=4))
     u = np.geomspace(1e-9, 1e2, 12)
     expected = R * coth_over_q(1j * u)
     np.testing.assert_allclose(

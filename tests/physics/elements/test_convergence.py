@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press, parse_press
 
 CELLS = {1: (16, 32), 2: (8, 16), 3: (4, 8), 4: (4, 8)}
@@ -14,7 +14,9 @@ CELLS = {1: (16, 32), 2: (8, 16), 3: (4, 8), 4: (4, 8)}
 def slope(scene, circuit, press, frequency, order, Z):
     """log2 of how much the error falls as cells are halved."""
     coarse, fine = (
-        abs(Sheet(scene, circuit, Resolution(order, cells)).impedance(press, frequency) / Z - 1)
+        abs(
+            SheetModel(scene, circuit, Resolution(order, cells)).impedance(press, frequency) / Z - 1
+        )
         for cells in CELLS[order]
     )
     assert fine > 1e-13, "rounding hides the slope"
@@ -34,7 +36,7 @@ def crossed(make_scene, frequency_at):
     """A scene without a press, its frequency, and Z to 1e-13."""
     scene = make_scene({"top-left": {}, "bottom-bottom": {}})
     frequency = frequency_at(scene, 10)
-    sheet = Sheet(scene, two_fields(scene), Resolution(order=8, cells=8))
+    sheet = SheetModel(scene, two_fields(scene), Resolution(order=8, cells=8))
     return scene, frequency, sheet.impedance(Press(), frequency)
 
 

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 
 U = np.array([0.1, 30.0])
 
 
 def assert_same(scene, circuit, resolution, press, frequency, plain_skin):
-    Z = Sheet(scene, circuit, resolution).impedance(press, frequency)
+    Z = SheetModel(scene, circuit, resolution).impedance(press, frequency)
     plain = plain_skin(scene, resolution)
     expected = [
         [1 / plain.solve(press, f, interface)[1] for f in frequency]

@@ -76,7 +76,7 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
     scene = varied(DIRECTED, FOILS, rows=5, columns=5, frequencies=f, **SHEETS)
     press = parse_press("2,2", 2.0)
     finer = Triangles(scene, circuit_of(scene), press, 2e-6)
-    while (known := finer.finer(f).rung(f, 2e-6)).error.max() > 2e-6:
+    while (known := finer.finer(f).result(f, 2e-6)).error.max() > 2e-6:
         pass
     for rtol in (1e-2, 1e-3, 1e-4, 1e-5):
         answer = Solver(scene, rtol).solve(press)
@@ -161,9 +161,9 @@ def test_towards_ends_of_foils_on_pressed_gauges_few_meshes_do(varied, off, pres
 
     def answers(asked):
         finer = Triangles(scene, circuit_of(scene), touched, asked)
-        found = [finer.finer(f).rung(f, asked)]
+        found = [finer.finer(f).result(f, asked)]
         while found[-1].error.max() > asked:
-            found.append(finer.finer(f).rung(f, asked))
+            found.append(finer.finer(f).result(f, asked))
         return found
 
     (*_, known), found = answers(rtol / 10), answers(rtol)

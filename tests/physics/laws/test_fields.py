@@ -3,7 +3,7 @@
 import meshio
 import numpy as np
 import pytest
-from rcskin.simulator.models.fields import fields
+from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.meter import Leads

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 
 U = np.geomspace(1e-6, 30, 4)
 
@@ -16,7 +16,7 @@ def test_same_impedance_as_two_fields(random, frequency_at, data):
     scene = data.draw(random.in_pairs())
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     one, two = (
-        Sheet(scene, circuit(scene), Resolution(order=3)).impedance(press, frequency)
+        SheetModel(scene, circuit(scene), Resolution(order=3)).impedance(press, frequency)
         for circuit in (one_field, two_fields)
     )
     np.testing.assert_allclose(one, two, rtol=1e-10)

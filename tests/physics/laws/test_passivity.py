@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.sweeps import UNPRESSED, build, violations
 
 U = np.geomspace(1e-8, 1e3, 23)
@@ -13,7 +13,7 @@ U = np.geomspace(1e-8, 1e3, 23)
 
 
 def sweeps(scene, press, frequency):
-    Z = Sheet(scene, two_fields(scene), Resolution(order=2)).impedance(press, frequency)
+    Z = SheetModel(scene, two_fields(scene), Resolution(order=2)).impedance(press, frequency)
     return build(Z[None], frequency, interface=["meter"], press=[UNPRESSED], row=[0], column=[0])
 
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 
 FREQUENCY = np.geomspace(1e2, 1e6, 3)
 
@@ -42,7 +42,7 @@ def test_shape_alone_makes_the_curve(random, data):
         }
     )
     Z, scaled_Z = (
-        Sheet(which, two_fields(which), Resolution(order=3)).impedance(press, frequency)
+        SheetModel(which, two_fields(which), Resolution(order=3)).impedance(press, frequency)
         for which, frequency in (
             (scene, FREQUENCY),
             (scaled, FREQUENCY / (resistance * capacitance * size**2)),

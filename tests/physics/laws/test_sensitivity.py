@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
@@ -36,7 +36,7 @@ def test_admittance_to_capacitance(random, frequency_at, plain_skin, data, at):
         data.draw(st.floats(0.5, 5)),
     )
     press, frequency = Press((touch,)), frequency_at(scene, at)
-    sheet = Sheet(scene, two_fields(scene), ORDER)
+    sheet = SheetModel(scene, two_fields(scene), ORDER)
     dc = capacitance_map(scene, strengthened(press, touch, 1.0)) - capacitance_map(scene, press)
     plain = plain_skin(scene, ORDER)
     u, _ = plain.solve(press, frequency.item())
@@ -61,6 +61,6 @@ def test_impedance_to_sheet_resistance(random, frequency_at, plain_skin, data, a
     def Z(by):
         top = skin.top.model_copy(update={"sheet_resistance": (1 + by) * skin.top.sheet_resistance})
         resistant = scene.model_copy(update={"skin": skin.model_copy(update={"top": top})})
-        return Sheet(resistant, two_fields(resistant), ORDER).impedance(press, frequency)[0]
+        return SheetModel(resistant, two_fields(resistant), ORDER).impedance(press, frequency)[0]
 
     assert abs(derivative(Z, 2e-3) - predicted) < 1e-8 * abs(Z(0.0))

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
 
@@ -16,7 +16,7 @@ CROSSED = {"top-left": {}, "bottom-bottom": {}}
 
 
 def solve(scene, press, frequency=FREQUENCY):
-    return Sheet(scene, two_fields(scene), ORDER).impedance(press, frequency)
+    return SheetModel(scene, two_fields(scene), ORDER).impedance(press, frequency)
 
 
 def assert_same(scene, press, image_scene, image_press):
@@ -95,7 +95,7 @@ def test_exchanged_sheets_and_exchanged_leads(random, data):
 def test_reciprocity(random, data):
     """The current at one terminal from a volt at another is the same the other way round."""
     scene = data.draw(random.between())
-    sheet = Sheet(scene, two_fields(scene), ORDER)
+    sheet = SheetModel(scene, two_fields(scene), ORDER)
     network = sheet.network(data.draw(random.presses(scene)), FREQUENCY)
     Y = network.conductance + network.dynamic
     rounding = 1e-14 * abs(sheet.system.stiffness).max()

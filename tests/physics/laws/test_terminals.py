@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import parse_press
 
 U = np.array([1e-6, 1.0, 30.0])
@@ -14,7 +14,7 @@ PRESS = parse_press("1,2:3+2,3:0.5", 2.0)
 
 
 def solve(scene, frequency):
-    return Sheet(scene, two_fields(scene), Resolution(order=3)).impedance(PRESS, frequency)
+    return SheetModel(scene, two_fields(scene), Resolution(order=3)).impedance(PRESS, frequency)
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_order_and_names_of_foils_do_not_matter(random, frequency_at, data):
     shuffled = tuple(data.draw(st.permutations(scene.contacts)))
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     Z, other = (
-        Sheet(each, two_fields(each), Resolution(order=2)).impedance(press, frequency)
+        SheetModel(each, two_fields(each), Resolution(order=2)).impedance(press, frequency)
         for each in (scene, scene.model_copy(update={"contacts": shuffled}))
     )
     np.testing.assert_allclose(other.view(float), Z.view(float), rtol=1e-9)

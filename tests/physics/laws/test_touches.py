@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends, tile_lines
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.capacitance import lines, tile_map
 from rcskin.simulator.press.press import Press, parse_press
@@ -102,7 +102,7 @@ def over_resolved(scene, press):
         layers=7 if singular else 0,
         lines=lines(scene, press),
     )
-    ((Z, _),) = Sheet(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
+    ((Z, _),) = SheetModel(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
     return Z
 
 
@@ -152,7 +152,7 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
     resolution = Resolution(order=3, lines=lines(scene, press))
     x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
     assume(min(np.diff(x).min(), np.diff(y).min()) > THINNEST * max(x[-1], y[-1]))
-    frequency, sheet = frequency_at(scene, at), Sheet(scene, two_fields(scene), resolution)
+    frequency, sheet = frequency_at(scene, at), SheetModel(scene, two_fields(scene), resolution)
     stronger = Press((Rectangle(*_place(first), first.factor + 1), *others))
     plain, rest = plain_skin(scene, resolution), scene.skin.foam.unpressed_capacitance_per_area
     dc = rest * (tile_map(scene, stronger, x, y) - tile_map(scene, press, x, y))
@@ -191,7 +191,7 @@ def test_a_mesh_without_the_edges_is_refused(sheet):
     press = parse_press("rect(0.03,0.04,0.01,0.02)", 2.0)
     for resolution in (Resolution(2), Resolution(2, lines=((0.03,), ()))):
         with pytest.raises(InputError):
-            Sheet(sheet, two_fields(sheet), resolution).mass(press)
+            SheetModel(sheet, two_fields(sheet), resolution).mass(press)
 
 
 def test_forgotten_meshes_make_room(sheet):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.parameters import (
-    FOAM_WAVES,
+    FOAM_MODES,
     PARAMETERS,
-    SHEET_WAVES,
+    SHEET_MODES,
     scene_with,
 )
 from rcskin.simulator.models.reduced.forward import Forward
@@ -99,8 +99,8 @@ def test_presses_together_are_those_one_by_one(reader, moved, touches):
     pixels = reader.scene.pixels.rows * reader.scene.pixels.columns
     cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
     cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
-    waves = dict.fromkeys(SHEET_WAVES, 0.1) if reader.modes > 1 else {}
-    assert reader.alike(moved | waves) and not reader.alike(moved | dict.fromkeys(FOAM_WAVES, 0.1))
+    waves = dict.fromkeys(SHEET_MODES, 0.1) if reader.modes > 1 else {}
+    assert reader.alike(moved | waves) and not reader.alike(moved | dict.fromkeys(FOAM_MODES, 0.1))
     together = reader.respond_together(cells, rises, moved | waves)
     for k in range(6):
         alone = reader.respond(cells[k], rises[k], moved | waves)

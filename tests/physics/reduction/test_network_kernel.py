@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.excitation import Combination, through_virtual_earth
-from rcskin.simulator.models.network.kernel import admittances, impedances
-from rcskin.simulator.models.network.skin import wiring_of
-from rcskin.simulator.models.network.touches import SIDE_BY_SIDE, at_rest
+from rcskin.simulator.models.network.admittance_kernel import admittances, impedances
+from rcskin.simulator.models.network.network_skin import wiring_of
+from rcskin.simulator.models.network.woodbury_kernel import SIDE_BY_SIDE, unpressed_network
 from rcskin.simulator.models.reduced.dense import Rest, mass_of
 from rcskin.simulator.press.batch import PressBatch
 
@@ -50,21 +50,21 @@ def test_the_kernel_is_its_readable_twin(rest, count):
     cells = [one, one, both, both, both, turned, none, none, one, both, every, every]
     random, s = np.random.default_rng(1), some_s(count)
     batch = PressBatch.of((each, random.uniform(-0.5, 2.0, len(each))) for each in cells)
-    found = admittances(rest, at_rest(rest, s), batch, s)
+    found = admittances(rest, unpressed_network(rest, s), batch, s)
     np.testing.assert_allclose(found, admittances_readable(rest, batch, s), rtol=1e-10)
 
 
 def test_a_touch_of_no_weight_is_none(rest):
     s, cells = some_s(3), np.array([1, 4])
     batch = PressBatch.of([(cells, np.zeros(2)), (cells[:0], np.zeros(0))])
-    unpressed, untouched = admittances(rest, at_rest(rest, s), batch, s)
+    unpressed, untouched = admittances(rest, unpressed_network(rest, s), batch, s)
     np.testing.assert_allclose(unpressed, untouched, rtol=1e-12)
 
 
 def test_admittance_is_reciprocal_and_passive(rest):
     s, cells = some_s(5), np.array([0, 2])
     batch = PressBatch.of([(cells, np.array([-0.4, 1.5]))])
-    Y = admittances(rest, at_rest(rest, s), batch, s)[0]
+    Y = admittances(rest, unpressed_network(rest, s), batch, s)[0]
     np.testing.assert_array_equal(Y, Y.swapaxes(1, 2))
     assert (np.linalg.eigvalsh(Y.real) > 0).all()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.lanczos import Pencil, potentials, respond
-from rcskin.simulator.models.parameters import WAVES, Variation, mode_values, nominal
+from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.dense import mass_of, widened
 from rcskin.simulator.models.reduced.file import load, save
@@ -219,7 +219,7 @@ def varied(scene, random, modes, alike):
 )
 def test_skins_of_a_family(make_scene, name, alike):
     """Sheets, their slow variation, films, foam and loss are free, without another basis."""
-    scene, modes = skin(make_scene, name), len(WAVES)
+    scene, modes = skin(make_scene, name), len(HALF_WAVES)
     touch = pixel_touches(scene)
 
     def draw(random):

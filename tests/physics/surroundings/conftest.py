@@ -67,7 +67,7 @@ def on_triangles():
     def on_triangles(scene, press="none", rtol=1e-4):
         found = Triangles(scene, circuit_of(scene), parse_press(press, 2.0, scene), rtol)
         while True:
-            rung = found.finer(scene.frequencies).rung(scene.frequencies, rtol)
+            rung = found.finer(scene.frequencies).result(scene.frequencies, rtol)
             if rung.error.max() <= rtol:
                 return rung
 

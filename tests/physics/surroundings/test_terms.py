@@ -6,9 +6,9 @@ import meshio
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.fields import fields
-from rcskin.simulator.models.plain import electrical
+from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import equivalent_scene
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -188,7 +188,7 @@ def test_a_stretched_skin_is_a_larger_one(around, solve):
     told["skin"] |= {"foam": skin, "stretch": {"x": 1.4, "y": 0.9}}
     scene = type(at_rest).model_validate(told)
     given = {"rim": RIM, "thickness": True, "edges": True, "body": {"distance": 5e-3}}
-    larger = electrical(scene).model_dump(by_alias=True, exclude_none=True)
+    larger = equivalent_scene(scene).model_dump(by_alias=True, exclude_none=True)
     assert larger["skin"]["length"] == pytest.approx(0.14) and "stretch" not in larger["skin"]
     stretched, flat = (
         type(scene).model_validate(each | {"surroundings": given}) for each in (told, larger)

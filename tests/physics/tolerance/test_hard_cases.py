@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.resolution import Ladder
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.resolution import ResolutionHierarchy
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene
@@ -31,18 +31,18 @@ def kept_at(scene, press, rtol=RTOL):
     """Asserts that the answer is within rtol of elements three orders finer; the answer."""
     answer = Solver(scene, rtol).solve(press)
     circuit = one_field(scene) or two_fields(scene)
-    ladder = Ladder(scene, circuit)
+    ladder = ResolutionHierarchy(scene, circuit)
     elements = [model for model in answer.models if "Q" in model]
     order = max((int(model.split("Q")[1].split(",")[0]) for model in elements), default=4)
     level = ladder.levels.index((order, 1))
     coarse = ladder.resolution(level, press, scene.frequencies[-1])
     finer = replace(coarse, order=order + 3, layers=coarse.layers + 2 if coarse.layers else 0)
-    sheet = Sheet(scene, circuit, finer)
+    sheet = SheetModel(scene, circuit, finer)
     ((Z, _),) = sheet.sweep(press, scene.frequencies, 1e-3 * rtol)
     true = relative_difference(answer.Z, Z)
     assert np.max(answer.relative_errors) <= rtol
-    assert true.max() <= rtol, answer.told()
-    assert (true <= np.stack(answer.relative_errors) + 1e-11).all(), answer.told()
+    assert true.max() <= rtol, answer.lines()
+    assert (true <= np.stack(answer.relative_errors) + 1e-11).all(), answer.lines()
     return answer
 
 

@@ -8,7 +8,7 @@ from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.scene.frequency import penetration_depth
@@ -53,7 +53,7 @@ def over_resolved(scene, press):
         layers=11 if singular else 0,
         edge_cell=depth(scene),
     )
-    ((Z, _),) = Sheet(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
+    ((Z, _),) = SheetModel(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
     return Z
 
 

@@ -41,7 +41,7 @@ def by_triangles(scene, press, rtol):
     """Z refined where it is least certain, whatever the coefficients."""
     finer = Triangles(scene, circuit_of(scene), press, rtol)
     while True:
-        rung = finer.finer(scene.frequencies).rung(scene.frequencies, rtol)
+        rung = finer.finer(scene.frequencies).result(scene.frequencies, rtol)
         if rung.error.max() <= rtol:
             return rung.Z
 

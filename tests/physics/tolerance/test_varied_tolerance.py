@@ -94,7 +94,7 @@ def refined(kind, scene, press, f, rtol):
     found = kind(scene, circuit, press, rtol)
     while True:
         discretised = found.finer(f)
-        rung = discretised.rung(f, rtol)
+        rung = discretised.result(f, rtol)
         if rung.error.max() <= rtol:
             break
     fine, s = discretised.fine, laplace_variable(f, scene.skin.foam.loss)

@@ -7,15 +7,15 @@ from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import FOAM_WAVES
+from rcskin.simulator.models.cosine_modes.foam_modes import map_of, with_foam_modes
+from rcskin.simulator.models.parameters import FOAM_MODES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow.foam import map_of, with_foam_waves
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
-FIT = ("sheet_resistance", "capacitance", *FOAM_WAVES)
+FIT = ("sheet_resistance", "capacitance", *FOAM_MODES)
 UNEVEN = Options(fit=FIT, fix=("others",), strengths=False, uneven=True)
 EVEN = Options(fit=FIT[:2], fix=("others",), strengths=False)
 TRUE = {"foam_x": 0.08, "foam_y": -0.06, "foam_xy": 0.04}
@@ -55,7 +55,7 @@ def test_slopes_by_waves_are_those_of_the_answers(model):
     cells, rises = np.array([6]), np.array([1.0])
     own = dict(TRUE, capacitance=0.2)
     found = model.respond(cells, rises, own)
-    for name in FOAM_WAVES:
+    for name in FOAM_MODES:
         ends = [
             model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
         ]
@@ -71,7 +71,7 @@ def test_waves_of_twins_are_found_and_their_intervals_hold_them(scene, twin, mod
         read = read_out(twin, scene.readout, random, session)
         found = calibrate(scene, read, UNEVEN, model=model)
         held += [low <= TRUE[name] <= high for name, (low, high) in _waves(found).items()]
-        assert all(found.told[name] for name in FOAM_WAVES)
+        assert all(found.told[name] for name in FOAM_MODES)
     assert sum(held) >= 12
 
 
@@ -104,7 +104,7 @@ SKINS = {
 def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, changed):
     """The bilinear map is off by a hundredth of a wave at most."""
     scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
-    model, solver = Forward(scene, rtol=rtol), Solver(with_foam_waves(scene, TRUE), rtol)
+    model, solver = Forward(scene, rtol=rtol), Solver(with_foam_modes(scene, TRUE), rtol)
     for press in every_press(scene)[::3]:
         cells, rises = model.cells(press)
         Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
@@ -119,7 +119,7 @@ def test_intervals_hold_waves_that_vary_within_pixels(wide_pixels):
     model, held = Forward(wide_pixels, rtol=1e-4), []
     for number in range(8):
         random = np.random.default_rng(number)
-        waves = dict(zip(FOAM_WAVES, random.normal(0, (0.08, 0.06, 0.04)).tolist(), strict=True))
+        waves = dict(zip(FOAM_MODES, random.normal(0, (0.08, 0.06, 0.04)).tolist(), strict=True))
         read = read_out(twin_of(wide_pixels, waves), wide_pixels.readout, random, 0)
         found = calibrate(wide_pixels, read, UNEVEN, model=model)
         held += [low <= waves[name] <= high for name, (low, high) in _waves(found).items()]
@@ -127,7 +127,7 @@ def test_intervals_hold_waves_that_vary_within_pixels(wide_pixels):
 
 
 def _waves(found):
-    return {name: found.intervals[name] for name in FOAM_WAVES}
+    return {name: found.intervals[name] for name in FOAM_MODES}
 
 
 def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):

@@ -7,11 +7,11 @@ from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.cosine_modes.foam_modes import with_foam_modes
+from rcskin.simulator.models.cosine_modes.sheet_modes import with_sheet_modes
 from rcskin.simulator.models.network.terminals import reduced_for
-from rcskin.simulator.models.parameters import FOAM_WAVES, SHEET_WAVES
+from rcskin.simulator.models.parameters import FOAM_MODES, SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.slow.foam import with_foam_waves
-from rcskin.simulator.models.slow.sheets import with_sheet_waves
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import read_scene, scene_text
@@ -21,9 +21,9 @@ pytestmark = pytest.mark.usefixtures("models_made_once")
 
 MEAN = ("sheet_resistance", "sheet_mismatch", "capacitance")
 SIZES = (0.08, -0.06, 0.04)
-FOAM = dict(zip(FOAM_WAVES, SIZES, strict=True))
-SHEETS = dict(zip(SHEET_WAVES, (*SIZES, *SIZES[::-1]), strict=True))
-FLAT = dict.fromkeys(SHEET_WAVES, 0.0)
+FOAM = dict(zip(FOAM_MODES, SIZES, strict=True))
+SHEETS = dict(zip(SHEET_MODES, (*SIZES, *SIZES[::-1]), strict=True))
+FLAT = dict.fromkeys(SHEET_MODES, 0.0)
 
 
 def asked(*waves):
@@ -33,7 +33,7 @@ def asked(*waves):
 
 
 def twin_of(scene, waves):
-    made = with_sheet_waves(with_foam_waves(scene, waves), waves)
+    made = with_sheet_modes(with_foam_modes(scene, waves), waves)
     return simulate(Solver(made, 2e-4), every_press(scene)).assign_attrs(scene=scene_text(scene))
 
 
@@ -68,7 +68,7 @@ def test_slopes_by_waves_are_those_of_the_answers(model):
     step, cells, rises = 1e-5, np.array([3]), np.array([1.0])
     own = SHEETS | {"sheet_mismatch": 0.3, "sheet_resistance": -0.2, "foam_x": 0.1}
     found = model.respond(cells, rises, own)
-    for name in (*SHEET_WAVES, "sheet_mismatch", "sheet_resistance", "foam_x"):
+    for name in (*SHEET_MODES, "sheet_mismatch", "sheet_resistance", "foam_x"):
         below, above = (
             model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
         )
@@ -82,8 +82,8 @@ def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(
     inside = []
     for seed in range(3):
         read = read_out(twin, scene.readout, np.random.default_rng(seed))
-        found = calibrate(scene, read, asked(*SHEET_WAVES), model=model)
-        assert all(found.told[name] for name in SHEET_WAVES)
+        found = calibrate(scene, read, asked(*SHEET_MODES), model=model)
+        assert all(found.told[name] for name in SHEET_MODES)
         assert 0.7 < found.chi_squared < 1.3
         inside += held(found, SHEETS)
     assert sum(inside) >= 14
@@ -92,7 +92,7 @@ def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(
 @pytest.mark.slow
 def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
     even = calibrate(scene, twin, asked(), model=model)
-    uneven = calibrate(scene, twin, asked(*SHEET_WAVES), model=model)
+    uneven = calibrate(scene, twin, asked(*SHEET_MODES), model=model)
     assert uneven.rms_error < 0.03 * even.rms_error
     again = simulate(Solver(uneven.scene, 2e-4), every_press(scene)[:3])
     for name in ("Rs", "Cp"):
@@ -102,7 +102,7 @@ def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
 
 def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
     read = read_out(twin_of(scene, {}), scene.readout, np.random.default_rng(1))
-    found = calibrate(scene, read, asked(*SHEET_WAVES), model=model)
+    found = calibrate(scene, read, asked(*SHEET_MODES), model=model)
     assert sum(held(found, FLAT)) >= 5
     assert all(abs(found.values[name]) < 0.05 for name in FLAT)
 
@@ -114,8 +114,8 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
     read["Rs"].values, read["X"].values = Z.real, Z.imag
     read["Cp"].values = (1 / Z).imag / (2 * np.pi * scene.frequencies)
     read = read_out(read, scene.readout, np.random.default_rng(2))
-    found = calibrate(scene, read, asked(*FOAM_WAVES, *SHEET_WAVES), model=model)
-    assert all(found.told[name] for name in (*FOAM_WAVES, *SHEET_WAVES))
+    found = calibrate(scene, read, asked(*FOAM_MODES, *SHEET_MODES), model=model)
+    assert all(found.told[name] for name in (*FOAM_MODES, *SHEET_MODES))
     assert 0.7 < found.chi_squared < 1.3
     assert sum(held(found, SHEETS | FOAM)) >= 7
 
@@ -123,7 +123,7 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
 def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
     truth = {"top_x": 0.1, "bottom_x": -0.02}
     read = read_out(twin_of(strip, truth), strip.readout, np.random.default_rng(0))
-    names = ("sheet_resistance", "capacitance", *SHEET_WAVES)
+    names = ("sheet_resistance", "capacitance", *SHEET_MODES)
     options = Options(fit=names, fix=("others",), strengths=False, uneven_sheets=True)
     found = calibrate(strip, read, options)
     of = {each.name: each for each in found.quantities}
@@ -140,19 +140,19 @@ def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
 
 
 def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
-    mapped = with_sheet_waves(scene, SHEETS)
+    mapped = with_sheet_modes(scene, SHEETS)
     with pytest.raises(InputError, match="sheets without maps alone, got `skin.top.map`"):
-        calibrate(mapped, twin, asked(*SHEET_WAVES))
+        calibrate(mapped, twin, asked(*SHEET_MODES))
     with pytest.raises(InputError, match="top_x changes nothing in this scene"):
         calibrate(scene, twin, Options(fit=("top_x",)))
     with pytest.raises(InputError, match="`modes` of the model must be 4"):
-        calibrate(scene, twin, asked(*SHEET_WAVES), model=Forward(scene, rtol=1e-2))
+        calibrate(scene, twin, asked(*SHEET_MODES), model=Forward(scene, rtol=1e-2))
 
 
 @pytest.mark.usefixtures("unpainted")
 def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
     waves = {"top_x": 0.2}
-    made = with_sheet_waves(strip, waves)
+    made = with_sheet_modes(strip, waves)
     write(twin_of(strip, waves), tmp_path / "run.nc")
     (tmp_path / "line.toml").write_text(scene_text(strip))
     options = [part for name in ("top_x", "sheet_resistance") for part in ("--fit", name)]

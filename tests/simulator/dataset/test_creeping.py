@@ -8,7 +8,7 @@ from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.foam_state import FoamState
 from rcskin.simulator.measure.in_time import reading_moments
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.mechanics.in_depths import foldable
+from rcskin.simulator.models.mechanics.force_depths import foldable
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells

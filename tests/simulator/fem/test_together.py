@@ -6,7 +6,7 @@ from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.factors import FEWEST_SIDES
 from rcskin.simulator.fem.lanczos import potentials, potentials_of_all
 from rcskin.simulator.mesh.quadrilaterals import Resolution
-from rcskin.simulator.models.sheet import Sheet
+from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -16,7 +16,7 @@ SHIFTS = np.geomspace(1e3, 1e6, 4)
 @pytest.fixture(scope="module")
 def sheet():
     scene = load_scene("sheet-5x5-two-interfaces")
-    return Sheet(scene, two_fields(scene), Resolution(order=3, layers=2))
+    return SheetModel(scene, two_fields(scene), Resolution(order=3, layers=2))
 
 
 @pytest.mark.kernel

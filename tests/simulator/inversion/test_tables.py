@@ -8,7 +8,7 @@ from rcskin.simulator.inversion.tables import STRENGTHS, strength_prior, templat
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import WAVES, scene_with, session_spreads
+from rcskin.simulator.models.parameters import HALF_WAVES, scene_with, session_spreads
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -74,7 +74,7 @@ def test_the_effect_of_unknown_skins_is_the_spread_over_drawn_skins(make_scene):
     drawn = tables_scene(make_scene, {"contact_resistance": 1.0})
     unknown = UnknownSkin(Forward(drawn, rtol=1e-3))
     effect, _ = unknown.of_touch(np.array([1]), np.array([1.0]))
-    modes = len(WAVES)
+    modes = len(HALF_WAVES)
 
     def one(random):
         return Case(
@@ -97,7 +97,7 @@ def _change(scene, family, seed):
 
 def _seen(scene, family, seed):
     """At rest, and what a touch changes."""
-    skin = drawn_skin(scene, seed, 0, (2, 2), len(WAVES))
+    skin = drawn_skin(scene, seed, 0, (2, 2), len(HALF_WAVES))
     s = laplace_variable(scene.frequencies, skin.variation.loss)
     Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), s)
     seen = observed(skin.leads.at_meter(Z, scene.frequencies))
@@ -107,7 +107,7 @@ def _seen(scene, family, seed):
 def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
     """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
     drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
-    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(WAVES)
+    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(HALF_WAVES)
 
     def one(random):
         skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import LOST_SUSCEPTANCE, certified, relative_difference
-from rcskin.simulator.models.answer import Progress, Rung
+from rcskin.simulator.models.solution import ModelResult, SolutionProgress
 from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.sweeps import parallel_capacitance
 
@@ -12,8 +12,8 @@ ERROR = 1e-6
 
 
 def answered(Z, error=ERROR):
-    progress = Progress(1, FREQUENCY, 1e-4)
-    progress.offer(Rung("a rung", 1, np.array([Z]), np.full((2, 1, 3), error)))
+    progress = SolutionProgress(1, FREQUENCY, 1e-4)
+    progress.offer(ModelResult("a rung", 1, np.array([Z]), np.full((2, 1, 3), error)))
     return progress.answer()
 
 
@@ -34,7 +34,7 @@ def test_a_resistor_has_errors_that_are_numbers():
     np.testing.assert_allclose(Cp, ERROR)
     tiny = LOST_SUSCEPTANCE / 5e4 / (2 * np.pi * FREQUENCY)
     np.testing.assert_allclose(answer.Cp_error[0], ERROR * tiny)
-    assert len(answer.told()) == 4
+    assert len(answer.lines()) == 4
 
 
 def test_leads_that_cancel_the_capacitance_leave_errors_that_are_numbers():

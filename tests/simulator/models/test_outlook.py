@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.heterogeneous import triangle_meshes as triangles
 from rcskin.simulator.models.mechanics import adaptive
-from rcskin.simulator.models.outlook import Outlook, cells_needed, check_within_reach
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.time_estimate import TimeEstimate, cells_needed, check_within_reach
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import ToleranceError
@@ -54,7 +54,7 @@ def test_what_is_out_of_reach_says_how_much_larger_a_tolerance_would_be_kept():
 
 def test_a_press_that_takes_minutes_is_told_once(caplog):
     clock = Clock()
-    outlook = Outlook(1e-8, clock)
+    outlook = TimeEstimate(1e-8, clock)
     with caplog.at_level(logging.INFO, "rcskin"):
         for _ in range(2):
             clock.now = 0.0
@@ -67,7 +67,7 @@ def test_a_press_that_takes_minutes_is_told_once(caplog):
 def test_a_press_that_is_done_soon_is_not_told(caplog):
     clock = Clock()
     with caplog.at_level(logging.INFO, "rcskin"):
-        saw(clock, Outlook(1e-4, clock), (6, 1e-3), (9, 2e-4), (70, 1e-5))
+        saw(clock, TimeEstimate(1e-4, clock), (6, 1e-3), (9, 2e-4), (70, 1e-5))
     assert not caplog.messages
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from rcskin.simulator.models.plain import evenly_pressed
 from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import SITE
 from rcskin.simulator.page.packed import packed, reduced_for_page
 from rcskin.simulator.scene.scene import Scene
@@ -74,7 +74,7 @@ class Paged:
 
 
 def paged(scene, rtol=1e-3, cells=2):
-    skin = evenly_pressed(scene, "a page")
+    skin = uniformly_pressed(scene, "a page")
     reduced = reduced_for_page(skin, rtol, cells)
     return Paged(skin, reduced, packed(skin, reduced, points=300))
 

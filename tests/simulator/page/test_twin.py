@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.fields import fields
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.reduced.kernel import swept
+from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, pictured

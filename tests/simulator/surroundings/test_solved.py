@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.factors import factorised
-from rcskin.simulator.fem.low_rank import Bordered, Charged
+from rcskin.simulator.fem.low_rank import Bordered, LowRankMass
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
@@ -90,7 +90,7 @@ def test_the_products_are_those_of_the_dense_matrix():
     A = csc_matrix(np.diag(rng.uniform(1, 2, 6)) + np.diag(np.full(5, 0.1), 1).T)
     A = csc_matrix(A + A.T)
     far, y = rng.standard_normal((6, 2)), rng.standard_normal(6)
-    assert Charged(A, far) @ y == pytest.approx((A.toarray() + far @ far.T) @ y)
+    assert LowRankMass(A, far) @ y == pytest.approx((A.toarray() + far @ far.T) @ y)
     for s in (3.0, 3.0j):
         dense = A.toarray() + s * far @ far.T
         found = Bordered(factorised(A.astype(type(s))), far, s).solve(y.astype(type(s)))
@@ -130,7 +130,7 @@ def test_what_is_solved_for_is_about_what_rim_and_thickness_leave(skin):
 
 def test_the_answer_says_how_closely_surroundings_were_solved_for(skin):
     scene = around(skin)
-    told = Solver(scene, 1e-3).solve(Press()).told()[0]
+    told = Solver(scene, 1e-3).solve(Press()).lines()[0]
     assert f"surroundings solved to {surroundings_matrix(scene).error:.0e}" in told
 
 

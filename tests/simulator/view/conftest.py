@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.fields import Fields
+from rcskin.simulator.models.solution_fields import SolutionFields
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.view.scenery import Stage
 
@@ -31,7 +31,7 @@ def line_fields(
     along = np.stack([J, np.zeros_like(J)], axis=1)
     bump = np.exp(-((x - 0.084) ** 2 + (y - 0.04) ** 2) / 0.01**2)
     Z = 2 * R / (g * WIDTH * np.tanh(g * LENGTH))
-    return Fields(
+    return SolutionFields(
         x=np.stack([x, y]),
         position=_position(x, y, radius),
         cells=cells,

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from rcskin.simulator.models import fields as solver_fields
+from rcskin.simulator.models import solution_fields as solver_fields
 from rcskin.simulator.progress import silent
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.view.command import _stage

@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 
 from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
 from ....fem.galerkin import Galerkin
-from ....fem.quadrature import Rule, Surface, gauss_rule, mass_terms, stiffness_terms, surface
+from ....fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
 from ....fem.system import Films, PixelSystem, build_system, conducting, pixel_films
 from ....mesh.quadrilaterals import Resolution
 from ...parameters import mode_values
@@ -87,7 +87,7 @@ class EvenFamily(Family):
             add_terms(values, system.slots[own], terms)
             yield taken(values, system.slots[own])
 
-    def _mode_at_points(self, mode: int) -> tuple[Rule, Surface, NDArray[np.float64]]:
+    def _mode_at_points(self, mode: int) -> tuple[Rule, CellGeometry, NDArray[np.float64]]:
         """A mode at the points of a rule that is exact for it, shape (cell, point)."""
         cells, order = self.system.pixels.cells, self.mesh.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE

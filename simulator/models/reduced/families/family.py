@@ -22,7 +22,7 @@ from ....fem.error_estimate import Swept
 from ....fem.excitation import Excitation, impedance_with_error
 from ....fem.factors import without_zeros
 from ....fem.galerkin import Galerkin, swept
-from ....fem.low_rank import Charged, Mass
+from ....fem.low_rank import LowRankMass, Mass
 from ....fem.system import Films, System
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
@@ -31,7 +31,7 @@ from ....scene.frequency import Loss, laplace_variable
 from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges
-from ...parameters import WAVES, Variation, foam_parts, nominal
+from ...parameters import HALF_WAVES, Variation, foam_parts, nominal
 from ..cases import Case
 from .masses import Masses
 
@@ -94,7 +94,7 @@ class Family(ABC):
     @cached_property
     def foam_waves(self) -> list[Masses]:
         """The same of each wave but the mean."""
-        return [self.masses_in(mode) for mode in range(1, len(WAVES))]
+        return [self.masses_in(mode) for mode in range(1, len(HALF_WAVES))]
 
     @abstractmethod
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
@@ -165,12 +165,12 @@ class Family(ABC):
     def mass(self, factors: NDArray[np.float64]) -> Mass:
         """M in F, in the system's pattern. factors: of each part there is, shape (part,)."""
         near = self.masses.mass(factors)
-        return near if self.far is None else Charged(near, self.far)
+        return near if self.far is None else LowRankMass(near, self.far)
 
     def mass_inside(self, factors: NDArray[np.float64]) -> Mass:
         """M in F of the space alone. factors: as of `mass`."""
         near = self.space.matrix(self._masses_inside @ factors)
-        return near if self.far_inside is None else Charged(near, self.far_inside)
+        return near if self.far_inside is None else LowRankMass(near, self.far_inside)
 
     @cached_property
     def far_inside(self) -> NDArray[np.float64] | None:

@@ -23,7 +23,7 @@ from ....scene.scene import Scene
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, most
 from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
-from ...resolution import Ladder
+from ...resolution import ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
 from .even import EvenFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
@@ -102,7 +102,7 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
     """A family for presses up to a frequency in Hz: the first that often serves of a plain scene,
     of others the first that serves a few presses."""
     if scene.uniform:
-        ladder = Ladder(scene, circuit)
+        ladder = ResolutionHierarchy(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
         return EvenFamily(scene, circuit, resolution, modes=1)
     draw, random = pixel_touches(scene), np.random.default_rng(0)
@@ -136,7 +136,7 @@ def finer_families(
         for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
             yield UnevenFamily(scene, circuit, mesh, modes)
         return
-    ladder = Ladder(scene, circuit)
+    ladder = ResolutionHierarchy(scene, circuit)
     for level in range(ladder.first(rtol), len(ladder.levels)):
         resolution = ladder.resolution(level, presses[0], frequency[-1])
         yield EvenFamily(scene, circuit, resolution, modes)

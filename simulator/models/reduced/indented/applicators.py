@@ -20,7 +20,7 @@ from ....scene.foam_mechanics import Mechanics
 from ....scene.scene import Scene
 
 if TYPE_CHECKING:
-    from ...mechanics.course import Course
+    from ...mechanics.depth_series import DepthSeries
 
 REACH = 0.9
 """Of the strain at which cells are closed: how deep applicators are known."""
@@ -42,7 +42,7 @@ class Applicators:
     """
 
     scene: Scene
-    courses: tuple[Course, ...]
+    courses: tuple[DepthSeries, ...]
     of_pixel: NDArray[np.int64]
     turn: NDArray[np.float64]
     shift: NDArray[np.float64]
@@ -70,7 +70,7 @@ class Applicators:
         strain = self.mechanics.strain_at(1 + np.asarray(rises, dtype=np.float64))
         return np.minimum(strain * self.thickness, self.deepest)
 
-    def course(self, pixel: int) -> Course:
+    def course(self, pixel: int) -> DepthSeries:
         """Of a pixel with skin."""
         return self.courses[self.of_pixel[pixel]]
 
@@ -103,7 +103,7 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
 
     rtol: the tolerance asked of Rs and Cp. Raises as `course`.
     """
-    from ...mechanics.course import spread
+    from ...mechanics.depth_series import spread
 
     rows, columns = scene.pixels.shape
     count, lengths = rows * columns, np.array(scene.skin.sides)
@@ -129,13 +129,13 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
     return Applicators(scene, tuple(found), of_pixel, turn, shift, far)
 
 
-def _course(scene: Scene, place: Sequence[int], rtol: float) -> Course:
-    from ...mechanics.course import course
+def _course(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
+    from ...mechanics.depth_series import depth_series
 
     column, row = place
     factor_rtol = min(COARSEST, FACTOR_SHARE * rtol)
     pixel = Touch(row + 1, column + 1, 1.0)
-    return course(scene, pixel, deepest(scene), factor_rtol, DEPTH_SHARE * rtol)
+    return depth_series(scene, pixel, deepest(scene), factor_rtol, DEPTH_SHARE * rtol)
 
 
 def _alike(index: int, count: int, pitch: float, far: float) -> int:

@@ -13,7 +13,7 @@ from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
 from ....scene.scene import Scene
 from ....sweeps import InputError
-from ...answer import Rung
+from ...solution import ModelResult
 from ..cases import pixel_touches
 from ..greedy import reduce
 from ..rung import check_finger, rung_of
@@ -30,7 +30,7 @@ class Applied:
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def rung(self, press: Press, frequency: NDArray[np.float64]) -> Rung:
+    def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
         """The answer at frequencies in Hz within those, and its error.
 
         Raises InputError for touches that are no pixels or deeper than those that are known.

@@ -163,7 +163,7 @@ class IndentedFamily(UnevenFamily):
     @cached_method(PRESSES_KEPT)
     def together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
         """By the mechanics of the whole press."""
-        from ...mechanics.indentation import pressed
+        from ...mechanics.indentation import deformation
 
         domain, columns = self.mesh.domain, self.scene.pixels.columns
         depths = self.applicators.depth(np.array(rises)).tolist()
@@ -171,7 +171,7 @@ class IndentedFamily(UnevenFamily):
             Indentation(Touch(k // columns + 1, k % columns + 1, 1.0), Depth(depth))
             for k, depth in sorted(zip(pixels, depths, strict=True))
         )
-        found = pressed(self.scene, Press(touches), min(COARSEST, FACTOR_SHARE * self.rtol))
+        found = deformation(self.scene, Press(touches), min(COARSEST, FACTOR_SHARE * self.rtol))
         far = self.applicators.far
         cells = np.unique(np.concatenate([near(domain, domain.pixel == k, far) for k in pixels]))
         x = self.elements.surface.x[:, cells]

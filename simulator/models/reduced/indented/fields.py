@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ....chebyshev import barycentric
 from ....mesh.domain import Domain
 from ...heterogeneous.elements import Elements
-from ...mechanics.course import DOUBT
+from ...mechanics.depth_series import DOUBT
 from .applicators import Applicators
 
 DROPPED = 1e-8

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanics.course import Course
+from ...mechanics.depth_series import DepthSeries
 from ..model import Reduced
 from .applicators import Applicators
 from .model import Indented
@@ -17,7 +17,7 @@ from .tables import Tables
 
 OF_PIXELS = ("of_pixel", "turn", "shift", "far")
 OF_TABLES = tuple(each.name for each in fields(Tables))
-OF_COURSE = tuple(each.name for each in fields(Course))
+OF_COURSE = tuple(each.name for each in fields(DepthSeries))
 
 
 def arrays_of(model: Indented) -> dict[str, NDArray]:
@@ -33,7 +33,7 @@ def arrays_of(model: Indented) -> dict[str, NDArray]:
     return found
 
 
-Beside = tuple[dict[str, Any], Tables, tuple[Course, ...]]
+Beside = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
 
 
 def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
@@ -45,7 +45,7 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
     for number in range(count):
         own: dict[str, Any] = {name: archive[f"course_{number}_{name}"] for name in OF_COURSE}
         own["count"] = int(own["count"])
-        courses.append(Course(**own))
+        courses.append(DepthSeries(**own))
     of_pixels: dict[str, Any] = {name: archive[f"applied_{name}"] for name in OF_PIXELS}
     of_pixels["far"] = float(of_pixels["far"])
     return of_pixels, Tables(**{k: archive[f"table_{k}"] for k in OF_TABLES}), tuple(courses)

@@ -14,7 +14,7 @@ from ....press.press import Press
 from ....scene.scene import Scene
 from ...heterogeneous.discretised import indicators, most
 from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
-from ...mechanics.pressed import Pressed
+from ...mechanics.deformation import Deformation
 from ..cases import Case
 from ..families.family import Mesh, Triangulation
 from ..families.resolving import alone, coarsest
@@ -72,7 +72,7 @@ def _triangulations(
     scene: Scene,
     circuit: Circuit,
     rtol: float,
-    presses: Sequence[Pressed],
+    presses: Sequence[Deformation],
     frequency: NDArray[np.float64],
     domain: Domain | None = None,
 ) -> Iterator[Triangulation]:
@@ -92,7 +92,7 @@ def _triangulations(
         domain = refined(domain)
 
 
-def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Pressed | None:
+def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Deformation | None:
     """Every second pixel each way, as deep as applicators are known."""
     columns = known.scene.pixels.columns
     pixels = np.flatnonzero(known.of_pixel >= 0)
@@ -103,7 +103,7 @@ def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Pressed | None:
     return _pressed(known, dict.fromkeys(own.tolist(), known.deepest))
 
 
-def _pressed(known: Applicators, depth: dict[int, float]) -> Pressed:
+def _pressed(known: Applicators, depth: dict[int, float]) -> Deformation:
     """Pixels to depths in m, each as if it were alone."""
 
     def w(x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -114,6 +114,6 @@ def _pressed(known: Applicators, depth: dict[int, float]) -> Pressed:
         return found.reshape(x.shape[1:])
 
     deepest = tuple(depth.values())
-    return Pressed(
+    return Deformation(
         known.mechanics, known.thickness, w, deepest, (0.0,) * len(deepest), 0.0, (), None
     )

@@ -7,10 +7,10 @@ import pytest
 from rcskin.simulator.fem.error_estimate import WINDOW, frequencies_around, relative_difference
 from rcskin.simulator.fem.safety_factors import FORESEEN, LEAST, UNSEEN, VARIED
 from rcskin.simulator.models.heterogeneous.error_history import (
-    Course,
+    ErrorHistory,
     at_corners,
     by_orders,
-    evened,
+    smoothed,
 )
 
 FREQUENCY = np.array([1e3, 1e4, 1e5])
@@ -27,11 +27,11 @@ def off_by(error):
 
 def steps(orders):
     """How far each order is off the one above it."""
-    return [evened(relative_difference(low, high)) for high, low in pairwise(orders)]
+    return [smoothed(relative_difference(low, high)) for high, low in pairwise(orders)]
 
 
 def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
-    course, k = Course(), 2.5
+    course, k = ErrorHistory(), 2.5
     pairs = [(off_by(error), off_by(error * (1 - 1 / k))) for error in (1e-2, 3e-3, 2.9e-3)]
     assert course.effect(FREQUENCY, *pairs[0]).tolist() == [UNSEEN] * 3
     assert course.effect(FREQUENCY, *pairs[1]) == pytest.approx(k, rel=1e-6)
@@ -42,7 +42,7 @@ def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
 
 def test_what_corners_tell_of_a_mesh_in_advance_is_believed_where_it_is_less():
     """What the meshes before it told may be of corners that it has done with."""
-    course = Course()
+    course = ErrorHistory()
     course.effect(FREQUENCY, off_by(1e-2), off_by(6e-3))
     course.foresees(FREQUENCY[[0, -1]], np.array([1.0, 3.0]))
     found = course.effect(FREQUENCY, off_by(1e-3), off_by(6e-4))
@@ -50,7 +50,7 @@ def test_what_corners_tell_of_a_mesh_in_advance_is_believed_where_it_is_less():
 
 
 def test_where_a_corner_is_weaker_than_elsewhere_more_is_believed_to_be_left():
-    course, power = Course(), np.array([0.1, np.inf])
+    course, power = ErrorHistory(), np.array([0.1, np.inf])
     course.meets(power, 3)
     k = at_corners(power[0], 3)
     assert course.effect(FREQUENCY, off_by(1e-2), off_by(9e-3)) == pytest.approx([k] * 3)
@@ -58,8 +58,8 @@ def test_where_a_corner_is_weaker_than_elsewhere_more_is_believed_to_be_left():
 
 
 def test_the_error_of_a_first_mesh_is_told_anew_by_what_corners_will_show():
-    course, told = Course(), np.array([[1e-3, 4e-3, 2e-3], [2e-3, 1e-3, 1e-3]])
-    course.tell(FREQUENCY, told)
+    course, told = ErrorHistory(), np.array([[1e-3, 4e-3, 2e-3], [2e-3, 1e-3, 1e-3]])
+    course.record(FREQUENCY, told)
     some = FREQUENCY[[0, 2]]
     assert course.expected_at(some, 2.0) == pytest.approx(np.array([2e-3, 2e-3]) * 2.0 / UNSEEN)
     assert course.expected_at(some, 1.0) == pytest.approx(np.array([2e-3, 2e-3]) * LEAST / UNSEEN)
@@ -75,13 +75,13 @@ def test_at_corners_the_next_order_shows_as_little_as_their_exponent_tells():
 
 
 def test_what_does_not_change_tells_nothing():
-    course = Course()
+    course = ErrorHistory()
     for _ in range(3):
         assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)).tolist() == [UNSEEN] * 3
 
 
 def test_smooth_errors_are_not_taken_for_less_than_the_least():
-    course = Course()
+    course = ErrorHistory()
     for error in (1e-2, 1e-3):
         found = course.effect(FREQUENCY, off_by(error), Z)
     assert found.tolist() == [LEAST] * 3
@@ -91,7 +91,7 @@ def test_smooth_errors_are_not_taken_for_less_than_the_least():
 @pytest.mark.parametrize("order", [2, 3, 5, 9])
 def test_orders_tell_how_their_errors_fall(order, power):
     orders = [off_by(1e-2 * p**-power) for p in range(order + 1, max(order - 3, 0), -1)]
-    true = evened(relative_difference(orders[1], Z))
+    true = smoothed(relative_difference(orders[1], Z))
     told = VARIED * by_orders(order, steps(orders))
     assert (told >= true).all()
     assert (told <= 5 * true).all()
@@ -104,19 +104,19 @@ def test_orders_that_gain_by_twos_are_not_believed():
 
 
 def test_meshes_that_gain_too_little_will_not_reach_a_tolerance():
-    course = Course()
+    course = ErrorHistory()
     assert course.lacks(1e-5) == 1.0
     assert course.reaches(1e-5, 2)
-    course.tell(np.ones(1), np.array([8e-4]))
+    course.record(np.ones(1), np.array([8e-4]))
     assert course.lacks(1e-5) == pytest.approx(80)
     assert course.reaches(1e-5, 2)
-    course.tell(np.ones(1), np.array([2e-4]))
+    course.record(np.ones(1), np.array([2e-4]))
     assert not course.reaches(1e-5, 2)
     assert course.reaches(1e-5, 3)
 
 
 def test_what_grows_with_frequency_is_told_as_it_is_and_what_changes_sign_is_not_lost():
     steep = (AROUND / 1e3) ** 3
-    np.testing.assert_allclose(evened(steep), steep[: len(FREQUENCY)])
+    np.testing.assert_allclose(smoothed(steep), steep[: len(FREQUENCY)])
     crossing = np.abs(AROUND / FREQUENCY[0] / 1.001 - 1)
-    assert evened(crossing)[0] > 0.01 * (WINDOW - 1)
+    assert smoothed(crossing)[0] > 0.01 * (WINDOW - 1)

@@ -27,7 +27,7 @@ def finer(scene, press, rtol):
     meshes, found = Triangles(scene, circuit_of(scene), press, rtol), []
     while True:
         mesh = meshes.finer(scene.frequencies)
-        rung = mesh.rung(scene.frequencies, rtol)
+        rung = mesh.result(scene.frequencies, rtol)
         assert not found or mesh.coarse.elements.cells > found[-1][0]
         found.append((mesh.coarse.elements.cells, rung))
         if rung.error.max() <= rtol:
@@ -63,14 +63,14 @@ def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(
     monkeypatch.setattr(of_triangles, "SECOND", np.inf)
     loose = {2: 1.0, 3: 1e-3}[order]
     first = Triangles(l_shape, circuit_of(l_shape), Press(), loose).finer(l_shape.frequencies)
-    rtol = asked * float(first.rung(l_shape.frequencies, loose).error.max())
+    rtol = asked * float(first.result(l_shape.frequencies, loose).error.max())
     meshes = Triangles(l_shape, circuit_of(l_shape), Press(), rtol)
     meshes.order = order
     cells = []
     for _ in range(3):
         mesh = meshes.finer(l_shape.frequencies)
         cells.append(mesh.coarse.elements.cells)
-        if mesh.rung(l_shape.frequencies, rtol).error.max() <= rtol:
+        if mesh.result(l_shape.frequencies, rtol).error.max() <= rtol:
             break
     else:
         raise AssertionError(f"meshes of {cells} triangles do not serve")
@@ -82,7 +82,7 @@ def test_parts_of_an_error_by_the_vectors_of_a_sweep_are_those_of_solves_of_thei
     mesh = Triangles(l_shape, circuit_of(l_shape), parse_press("2,1", 2.0), rtol).finer(ends)
     own = indicators(mesh, ends)
     assert not any(each.kept.steps for each in (mesh.coarse, mesh.fine))
-    mesh.rung(l_shape.frequencies, rtol)
+    mesh.result(l_shape.frequencies, rtol)
     excitation = mesh.circuit.excitations[0]
     assert all(each.kept.of(excitation, 2 * np.pi * ends) for each in (mesh.coarse, mesh.fine))
     by_sweep = indicators(mesh, ends)

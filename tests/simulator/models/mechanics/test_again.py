@@ -5,9 +5,13 @@ import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.heterogeneous import press_cache
 from rcskin.simulator.models.mechanics import adaptive
-from rcskin.simulator.models.mechanics.contact import Pushed, at_rest, near_rest
-from rcskin.simulator.models.mechanics.ground import straight_ground
-from rcskin.simulator.models.mechanics.membrane import ELEMENT, Surface
+from rcskin.simulator.models.mechanics.contact import (
+    ApplicatorLoads,
+    equilibrium,
+    nearby_equilibrium,
+)
+from rcskin.simulator.models.mechanics.contact_mesh import straight_contact_mesh
+from rcskin.simulator.models.mechanics.membrane import ELEMENT, MembraneSurface
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
@@ -79,7 +83,7 @@ def test_other_frequencies_are_answered_within_the_tolerance(scene):
 
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
     monkeypatch.setattr(press_cache, "MOST_NODES", 5)
-    kept = press_cache.Places()
+    kept = press_cache.PressCache()
     asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in asked:
         place = kept.of(press)
@@ -92,26 +96,28 @@ def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
 
 def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
-    ground = straight_ground(scene, [Touch(1, 2, 1.0)], 0)
+    ground = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
     press = parse_press("1,2:2mm", 2.0)
-    found = adaptive.solved(press, ground, mechanics, thickness, 1e-2)
+    found = adaptive.adaptive_deflection(press, ground, mechanics, thickness, 1e-2)
     body, held, w = found.membrane, found.held, found.rest.w
-    pushed = Pushed(np.array([1.2e-3]), np.array([np.nan]))
-    true = at_rest(body, held, pushed, w)
-    near = near_rest(body, held, pushed, 0.6 * w, found.rest.newton, 1e-8)
+    pushed = ApplicatorLoads(np.array([1.2e-3]), np.array([np.nan]))
+    true = equilibrium(body, held, pushed, w)
+    near = nearby_equilibrium(body, held, pushed, 0.6 * w, found.rest.newton, 1e-8)
     np.testing.assert_allclose(near.w, true.w, atol=1e-7 * true.w.max())
     np.testing.assert_allclose(near.force, true.force, rtol=1e-6)
-    assert near_rest(body, held, pushed, 0.6 * w, lambda pulls: 1e-3 * pulls, 1e-8) is None
-    assert near_rest(body, held, pushed, 0.6 * w, lambda pulls: np.nan * pulls, 1e-8) is None
+    assert nearby_equilibrium(body, held, pushed, 0.6 * w, lambda pulls: 1e-3 * pulls, 1e-8) is None
+    assert (
+        nearby_equilibrium(body, held, pushed, 0.6 * w, lambda pulls: np.nan * pulls, 1e-8) is None
+    )
 
 
 def test_places_in_triangles_have_the_elements_own_shares(scene):
-    ground = straight_ground(scene, [Touch(1, 2, 1.0)], 0)
-    found = adaptive.solved(
+    ground = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
+    found = adaptive.adaptive_deflection(
         parse_press("1,2:2mm", 2.0), ground, scene.skin.foam.mechanics, 4e-3, 1e-2
     )
     surface = found.surface
-    assert isinstance(surface, Surface)
+    assert isinstance(surface, MembraneSurface)
     x = np.random.default_rng(1).uniform(0, 1, (2, 50)) * [[0.12], [0.04]]
     _, shares = surface.located(x)
     _, at = surface._located(x)

@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.mechanics.lattice import presses
-from rcskin.simulator.models.mechanics.lattice.kernel import laid, settled
-from rcskin.simulator.models.mechanics.lattice.presses import Applied, deflected, raised, window
-from rcskin.simulator.models.mechanics.lattice.skin import lattice_of
+from rcskin.simulator.models.mechanics.lattice import relaxed_presses as presses
+from rcskin.simulator.models.mechanics.lattice.relaxation_kernel import rasterized, relaxed_in_place
+from rcskin.simulator.models.mechanics.lattice.relaxed_presses import (
+    Applicators,
+    deflected,
+    raised,
+    window,
+)
+from rcskin.simulator.models.mechanics.lattice.skin_lattice import lattice_of
 from rcskin.simulator.sweeps import ToleranceError
 from scipy.optimize import minimize
 from scipy.special import k0
@@ -39,7 +44,9 @@ def lattice_on(make_scene):
 
 
 def one(left, right, bottom, top, depth, radius=0.0):
-    return Applied(np.array([[left, right, bottom, top]]), np.array([radius]), np.array([depth]))
+    return Applicators(
+        np.array([[left, right, bottom, top]]), np.array([radius]), np.array([depth])
+    )
 
 
 def disc(x, y, radius, depth):
@@ -84,7 +91,7 @@ def test_the_kernel_finds_the_least_energy_above_applicators():
     law = np.cumsum(np.linspace(0.05, 0.3, 64)) - 0.05
     per_metre = 20.0
     w = least.copy()
-    assert settled(w, least, right, up, load, law, per_metre, 1.3, 1e-12, 5000) < 5000
+    assert relaxed_in_place(w, least, right, up, load, law, per_metre, 1.3, 1e-12, 5000) < 5000
     known = np.concatenate([[0.0], np.cumsum((law[1:] + law[:-1]) / 2)]) / per_metre
 
     def stored(w):
@@ -112,7 +119,7 @@ def test_arms_end_at_the_edges_of_applicators():
     x = y = np.arange(8) + 0.5
     right, up, load = (np.ones((8, 8)) for _ in range(3))
     boxes, radius = np.array([[2.75, 5.25, 3.1, 6.0]]), np.zeros(1)
-    least = laid(boxes, radius, np.array([2.0]), x, y, right, up, load)
+    least = rasterized(boxes, radius, np.array([2.0]), x, y, right, up, load)
     inside = np.outer((y > 3.1) & (y < 6.0), (x > 2.75) & (x < 5.25))
     np.testing.assert_array_equal(least, 2.0 * inside)
     np.testing.assert_allclose(right[4, 1:6], [1, 4, 1, 4, 1])
@@ -126,7 +133,7 @@ def test_arms_end_at_the_edges_of_applicators():
 def test_presses_far_apart_are_those_of_each_alone(lattice_on):
     lattice = lattice_on()
     first, second = disc(0.02, 0.02, 0.006, 2e-3), one(0.09, 0.1, 0.08, 0.1, 1e-3)
-    both = Applied(*(np.concatenate(each) for each in zip(first, second, strict=True)))
+    both = Applicators(*(np.concatenate(each) for each in zip(first, second, strict=True)))
     expected = np.zeros(64)
     for each in (first, second):
         cells, rises = raised(lattice, each)
@@ -139,7 +146,7 @@ def test_presses_far_apart_are_those_of_each_alone(lattice_on):
 def test_presses_that_meet_are_no_sum(lattice_on):
     lattice = lattice_on()
     near = disc(0.05, 0.06, 0.006, 2e-3), disc(0.0645, 0.06, 0.006, 2e-3)
-    both = Applied(*(np.concatenate(each) for each in zip(*near, strict=True)))
+    both = Applicators(*(np.concatenate(each) for each in zip(*near, strict=True)))
     whole = slice(0, 8), slice(0, 8)
     w, (one_alone, other) = (
         deflected(lattice, both, whole),

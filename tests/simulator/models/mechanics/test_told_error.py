@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import Galerkin, swept
-from rcskin.simulator.models.heterogeneous.deflection_error import of_deflection
+from rcskin.simulator.models.heterogeneous.deflection_error import raised_by_deflection
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.pressed_system import pressed_system
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
-from rcskin.simulator.models.mechanics.indentation import pressed
+from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.frequency import laplace_variable
@@ -52,7 +52,7 @@ def test_capacitance_of_foam_that_nearly_closes(foam_scene, part):
     answer = Solver(scene, 1e-4).solve(press)
     skin = scene.skin
     c, area = skin.foam.unpressed_capacitance_per_area, skin.length * skin.width
-    true = c * (area + integral(pressed(scene, press, 5e-3)))
+    true = c * (area + integral(deformation(scene, press, 5e-3)))
     Cp = parallel_capacitance(answer.Z, answer.frequency)
     assert (np.abs(Cp / true - 1) <= answer.relative_errors[1] + 2e-6).all()
 
@@ -64,9 +64,12 @@ def test_what_is_felt_of_the_error_of_mechanics(foam_scene, place):
     top = scene.skin.top.model_copy(update={"piezoresistance": 2.0})
     scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": top})})
     press, f = parse_press(f"{place}:2.5mm", 2.0), np.array([1e1, 1e4, 1e6])
-    circuit, coarse, close = circuit_of(scene), *(pressed(scene, press, e) for e in (1e-2, 1e-3))
+    circuit, coarse, close = (
+        circuit_of(scene),
+        *(deformation(scene, press, e) for e in (1e-2, 1e-3)),
+    )
     found = Triangles(scene, circuit, press, 1e-3, coarse).finer(f)
-    felt = found.changes(of_deflection(found.coefficients), f, 1e-5)
+    felt = found.changes(raised_by_deflection(found.coefficients), f, 1e-5)
     other = replace(found.coefficients, pressed=close, _spread={})
     Z = [impedance(found, each, f) for each in (found.coefficients, other)]
     assert (relative_difference(*Z) <= felt + 1e-8).all()

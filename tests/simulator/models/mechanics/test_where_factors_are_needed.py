@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.inversion.tables import strength_prior
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
-from rcskin.simulator.models.plain import folded
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, impedance
 

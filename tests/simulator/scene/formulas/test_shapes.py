@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.heterogeneous.materials import Materials, position
-from rcskin.simulator.models.plain import electrical
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import equivalent_scene
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
 from rcskin.simulator.scene.frequency import laplace_variable
@@ -40,7 +40,7 @@ def test_even_stretch(make_scene, changed, rng):
     """
     keys, (lx, ly, nu, nu_f) = stretched(rng)
     rest = make_scene(top=R0, c=C0)
-    found = electrical(changed(rest, {"skin.stretch": keys})).skin
+    found = equivalent_scene(changed(rest, {"skin.stretch": keys})).skin
     J = lx * ly
     assert found.sides == pytest.approx((lx * rest.skin.length, ly * rest.skin.width))
     assert found.top.sheet_resistance == pytest.approx(R0 * J ** (nu / (1 - nu)))

@@ -21,7 +21,7 @@ SIDE_BY_SIDE = 64
 """Of s, at most: more would not stay in the processor's near memory."""
 
 
-class AtRest(NamedTuple):
+class UnpressedNetwork(NamedTuple):
     """What does not depend on the press, at each s; real and imaginary parts apart but in Y.
 
     admittance: Y beyond that at zero frequency, S, shape (s, N, N). damped: P, shape (n, 2, s).
@@ -35,7 +35,7 @@ class AtRest(NamedTuple):
     own: NDArray[np.float64]
 
 
-def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
+def unpressed_network(rest: Rest, s: NDArray[np.complex128]) -> UnpressedNetwork:
     """Of a skin. s: rad/s."""
     N = len(rest.rows)
     beside = rest.rows[:, N:]
@@ -48,7 +48,7 @@ def at_rest(rest: Rest, s: NDArray[np.complex128]) -> AtRest:
         damped = U * P[:, None]
         seen[k] = _apart(U_at - each * (damped @ beside.T))
         own[k] = _apart(damped @ U.T)
-    return AtRest(between_terminals(rest, s), _apart(P), seen, own)
+    return UnpressedNetwork(between_terminals(rest, s), _apart(P), seen, own)
 
 
 def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -59,7 +59,7 @@ def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 @compiled()
 def by_touches(
-    rest: Rest, known: AtRest, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+    rest: Rest, known: UnpressedNetwork, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
     """Y in S beyond that at zero frequency, shape (press, s, N, N), of presses on the same cells.
 
@@ -86,7 +86,7 @@ def by_touches(
 
 @compiled()
 def _put_together(
-    rest: Rest, known: AtRest, cells: NDArray, start: int, together: NDArray
+    rest: Rest, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
 ) -> None:  # pragma: no cover
     """Q from the diagonal on, and E beside it, shape (size, size + N, 2, s)."""
     N, (size, _, _, count) = len(rest.rows), together.shape

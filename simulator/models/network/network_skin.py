@@ -15,9 +15,9 @@ from ...scene.contacts import Interface
 from ...sweeps import InputError
 from ..heterogeneous.materials import gauged
 from ..reduced.skin import ReducedSkin
-from .kernel import Wiring, admittances, impedances
+from .admittance_kernel import Wiring, admittances, impedances
 from .terminals import read
-from .touches import AtRest, at_rest
+from .woodbury_kernel import UnpressedNetwork, unpressed_network
 
 
 class NetworkSkin:
@@ -36,8 +36,8 @@ class NetworkSkin:
         self.skin, self.s = skin, skin.s if s is None else s
 
     @cached_property
-    def _at_rest(self) -> AtRest:
-        return at_rest(self.skin.rest, self.s)
+    def _at_rest(self) -> UnpressedNetwork:
+        return unpressed_network(self.skin.rest, self.s)
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Y in S beyond `conductance` of presses on pixels, shape (press, s, N, N)."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact import Newton, Pushed, Rest, at_rest, near_rest
-from .ground import Ground
-from .membrane import Membrane, Surface
+from .contact import ApplicatorLoads, Equilibrium, Newton, equilibrium, nearby_equilibrium
+from .contact_mesh import ContactMesh
+from .membrane import Membrane, MembraneSurface
 
 LEFT = 1e-4
 """Of the tolerance: what the last step may still change of a deflection that others led to."""
@@ -20,30 +20,30 @@ MOST_KNOWN = 16
 
 
 @dataclass(frozen=True)
-class Level:
+class DeflectionLevel:
     """held: number of the applicator that holds each node, -1 for none. surface: the deflection
     anywhere. refined: whether the mesh is finer than the first."""
 
-    ground: Ground
+    ground: ContactMesh
     membrane: Membrane
     held: NDArray[np.int64]
-    rest: Rest
-    surface: Surface
+    rest: Equilibrium
+    surface: MembraneSurface
     refined: bool
 
 
-class Again:
+class DeflectionCache:
     """What presses of one place leave to the next one: the latest mesh, the latest deflections on
     it and the factors of a Newton step. Nothing before the first."""
 
     def __init__(self) -> None:
-        self.level: Level | None = None
-        self._known: dict[float, Rest] = {}
+        self.level: DeflectionLevel | None = None
+        self._known: dict[float, Equilibrium] = {}
         self._newton: Newton | None = None
         self._held = self._by_force = np.empty(0, np.int64)
 
     @property
-    def ground(self) -> Ground | None:
+    def ground(self) -> ContactMesh | None:
         """The latest mesh."""
         return self.level.ground if self.level else None
 
@@ -52,7 +52,7 @@ class Again:
         """Of that mesh."""
         return len(self.level.held) if self.level else 0
 
-    def keep(self, level: Level, pushed: Pushed) -> None:
+    def keep(self, level: DeflectionLevel, pushed: ApplicatorLoads) -> None:
         """For the next press."""
         before, self.level = self.level, level
         same = before is not None and before.membrane is level.membrane
@@ -67,7 +67,7 @@ class Again:
             while len(self._known) > MOST_KNOWN:
                 del self._known[next(iter(self._known))]
 
-    def start(self, level: Level, pushed: Pushed) -> NDArray[np.float64]:
+    def start(self, level: DeflectionLevel, pushed: ApplicatorLoads) -> NDArray[np.float64]:
         """A first guess at the deflection, m, shape (node,): through those known of one applicator,
         by its depth or its force, and through that at rest."""
         key = _key(pushed)
@@ -87,28 +87,28 @@ class Again:
 
     def pressed(
         self,
-        level: Level,
+        level: DeflectionLevel,
         held: NDArray[np.int64],
-        pushed: Pushed,
+        pushed: ApplicatorLoads,
         start: NDArray[np.float64],
         rtol: float,
-    ) -> Level:
+    ) -> DeflectionLevel:
         """Otherwise on the mesh of a level that was kept. rtol: of the factor anywhere."""
         body, key = level.membrane, _key(pushed)
         rest = None if key is None else self._known.get(key)
         if rest is None and self._serves(held, pushed) and self._newton is not None:
-            rest = near_rest(body, held, pushed, start, self._newton, LEFT * rtol)
+            rest = nearby_equilibrium(body, held, pushed, start, self._newton, LEFT * rtol)
         if rest is None:
-            rest = at_rest(body, held, pushed, start)
+            rest = equilibrium(body, held, pushed, start)
         return replace(level, held=held, rest=rest, surface=level.surface.of(rest.w), refined=True)
 
-    def _serves(self, held: NDArray[np.int64], pushed: Pushed) -> bool:
+    def _serves(self, held: NDArray[np.int64], pushed: ApplicatorLoads) -> bool:
         """Whether the factors are of the same free points."""
         alike = np.array_equal(pushed.by_force, self._by_force)
         return alike and np.array_equal(held, self._held)
 
 
-def _key(pushed: Pushed) -> float | None:
+def _key(pushed: ApplicatorLoads) -> float | None:
     """Depth or force of one applicator, the latter below zero; None where there are several."""
     if len(pushed.depth) > 1:
         return None

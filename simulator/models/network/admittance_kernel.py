@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...press.batch import PressBatch
 from ..reduced.dense import Rest, between_terminals, mass_of, own_axes
-from .touches import AtRest, by_touches
+from .woodbury_kernel import UnpressedNetwork, by_touches
 
 
 class Wiring(NamedTuple):
@@ -32,7 +32,7 @@ class Wiring(NamedTuple):
 
 
 def admittances(
-    rest: Rest, known: AtRest, batch: PressBatch, s: NDArray[np.complex128]
+    rest: Rest, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Y in S beyond that at zero frequency, of many presses, shape (press, s, N, N).
 
@@ -50,7 +50,7 @@ def admittances(
 
 @compiled()
 def _of_few(
-    rest: Rest, known: AtRest, batch: PressBatch, many: NDArray, s: NDArray, Y: NDArray
+    rest: Rest, known: UnpressedNetwork, batch: PressBatch, many: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
     """The same of presses that do not touch many cells, into Y."""
     (cells, weights, starts), press = batch, 0

@@ -10,9 +10,9 @@ from ....press.press import Press, order
 from ....press.touch import Depth, Disc, Indentation, Rectangle
 from ....scene.scene import Scene
 from ....scene.skin import covers
-from ..indentation import pressed
-from .presses import Applied, window
-from .skin import Lattice
+from ..indentation import deformation
+from .relaxed_presses import Applicators, window
+from .skin_lattice import Lattice
 
 FACTOR_RTOL = 1e-3
 """Of the factor anywhere, which lattices are compared with."""
@@ -20,7 +20,7 @@ POINTS = 24
 """Along each side of a cell, at which that is seen."""
 
 
-def traced(scene: Scene, lattice: Lattice, applied: Applied) -> TouchedCells:
+def traced(scene: Scene, lattice: Lattice, applied: Applicators) -> TouchedCells:
     """As `presses.raised`, to FACTOR_RTOL of the factor: some tenths of a second each."""
     if not len(applied.depth):
         return NOTHING
@@ -31,7 +31,7 @@ def traced(scene: Scene, lattice: Lattice, applied: Applied) -> TouchedCells:
     )
     at = np.stack(np.broadcast_arrays(x, y[:, None]))
     part = covers(scene.skin, at).astype(np.float64)
-    rise = part * (pressed(scene, as_press(applied), FACTOR_RTOL).factor(at) - 1)
+    rise = part * (deformation(scene, as_press(applied), FACTOR_RTOL).factor(at) - 1)
     shape = len(y) // POINTS, POINTS, len(x) // POINTS, POINTS
     area, total = (each.reshape(shape).sum(axis=(1, 3)) for each in (part, rise))
     every: NDArray[np.float64] = np.zeros(grid)
@@ -40,7 +40,7 @@ def traced(scene: Scene, lattice: Lattice, applied: Applied) -> TouchedCells:
     return TouchedCells(cells, every.ravel()[cells])
 
 
-def as_press(applied: Applied) -> Press:
+def as_press(applied: Applicators) -> Press:
     """Applicators for the mechanics on triangles."""
     touches = []
     each = zip(*(own.tolist() for own in applied), strict=True)

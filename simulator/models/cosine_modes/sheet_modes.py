@@ -12,26 +12,26 @@ from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError
-from ..parameters import BOTTOM_WAVES, SHEET_WAVES, TOP_WAVES, Variation
-from .waves import LARGEST_WAVE, amplitudes, nearest_map, waves_at
+from ..parameters import BOTTOM_MODES, SHEET_MODES, TOP_MODES, Variation
+from .amplitudes import MAX_AMPLITUDE, amplitudes, modes_at, nearest_map
 
-OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_WAVES, "bottom": BOTTOM_WAVES}
+OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_MODES, "bottom": BOTTOM_MODES}
 
 
-def uneven_sheets(even: Variation, values: Mapping[str, float], modes: int) -> Variation:
+def variation_with_modes(even: Variation, values: Mapping[str, float], modes: int) -> Variation:
     """The skin with the waves among the values on its sheets, so many modes of each."""
     sizes = {name: amplitudes(values, waves)[:modes] for name, waves in OF_SHEETS.items()}
     return replace(even, top=even.top[0] * sizes["top"], bottom=even.bottom[0] * sizes["bottom"])
 
 
-def drawn_waves(random: np.random.Generator) -> dict[str, float]:
+def random_amplitudes(random: np.random.Generator) -> dict[str, float]:
     """Amplitudes of all waves, as large as any may be."""
-    drawn = random.uniform(-LARGEST_WAVE, LARGEST_WAVE, len(SHEET_WAVES))
-    return dict(zip(SHEET_WAVES, drawn.tolist(), strict=True))
+    drawn = random.uniform(-MAX_AMPLITUDE, MAX_AMPLITUDE, len(SHEET_MODES))
+    return dict(zip(SHEET_MODES, drawn.tolist(), strict=True))
 
 
 @dataclass(frozen=True)
-class Terms:
+class StiffnessTerms:
     """How the terms of K are counted: of each field, of each mode, of each part of the foam that
     changes a sheet (one for all where none does); then those of the films."""
 
@@ -45,7 +45,7 @@ class Terms:
         sheets, films = np.split(of_terms, [self.fields * self.modes * self.parts], axis=-1)
         return sheets.reshape(*of_terms.shape[:-1], *shape), films
 
-    def by_waves(
+    def by_amplitudes(
         self,
         by_weight: NDArray[np.complex128],
         weights: NDArray[np.float64],
@@ -60,12 +60,12 @@ class Terms:
         sheets, means = self.split(by_weight)[0], self.split(weights)[0][:, 0]
         slopes = (sheets[..., 1:, :] * means[:, None]).sum(axis=-1)
         flat = slopes.reshape(*slopes.shape[:-2], -1)
-        return {name: flat[..., k] for k, name in enumerate(SHEET_WAVES) if name in values}
+        return {name: flat[..., k] for k, name in enumerate(SHEET_MODES) if name in values}
 
 
-def with_sheet_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
+def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
     """The scene with the waves among the values as maps of its sheets."""
-    if not any(values.get(name) for name in SHEET_WAVES):
+    if not any(values.get(name) for name in SHEET_MODES):
         return scene
     sheets = {
         name: scene.skin.sheet(name).model_copy(update={"map": map_of_sheet(scene, values, waves)})
@@ -76,10 +76,10 @@ def with_sheet_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of_sheet(scene: Scene, values: Mapping[str, float], waves: tuple[str, ...]) -> Grid:
     """Waves of a sheet's conductance as a map of its resistance."""
-    return nearest_map(scene, lambda x: 1 / waves_at(scene, values, waves, x))
+    return nearest_map(scene, lambda x: 1 / modes_at(scene, values, waves, x))
 
 
-def check_even_sheets(scene: Scene) -> None:
+def check_uniform_sheets(scene: Scene) -> None:
     """Raises InputError where waves of a sheet cannot be told apart from what the scene has."""
     for name in OF_SHEETS:
         if scene.skin.sheet(name).map is not None:

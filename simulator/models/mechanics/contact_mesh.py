@@ -20,7 +20,7 @@ from ...scene.form.outline import Curve
 from ...scene.planar import Circle, regular
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from .pressed import check_plane
+from .deformation import check_plane
 
 COARSEST = 8
 """Triangles along the longer side of the skin, before any are refined."""
@@ -29,7 +29,7 @@ RIM_SIDES = 512
 
 
 @dataclass(frozen=True)
-class Ground:
+class ContactMesh:
     """The skin under applicators.
 
     pixel: (applicator,) number of the pixel that it is, -1 where it is one of the domain's touches,
@@ -63,12 +63,14 @@ class Ground:
         points = KDTree(self.domain.p.T).query(self.sharp.T)[1]
         return np.any(np.isin(self.domain.t, points), axis=0)
 
-    def refined(self, marked: NDArray[np.bool_]) -> Ground:
+    def refined(self, marked: NDArray[np.bool_]) -> ContactMesh:
         """The same with the marked triangles halved each way."""
         return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
 
 
-def ground(scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None = None) -> Ground:
+def contact_mesh(
+    scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None = None
+) -> ContactMesh:
     """The skin of a scene under applicators of the shapes of `places`.
 
     asked: what these are called, if not themselves. Raises InputError where it is no plane, or a
@@ -83,19 +85,19 @@ def ground(scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None 
     shapes = [shape_of(scene, place) for place in places]
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
-    laid = Ground(found, np.array(pixel), sharp, sum(map(_around, shapes)))
+    laid = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
     for place, covered in zip(asked or places, laid.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
     return laid
 
 
-def straight_ground(scene: Scene, places: Sequence[Place], sides: int) -> Ground:
+def straight_contact_mesh(scene: Scene, places: Sequence[Place], sides: int) -> ContactMesh:
     """The same of straight triangles: a disc is a polygon of so many sides and of the same area.
 
     Its corners are so blunt that they count as none.
     """
-    laid = ground(_angular(scene), [polygonal(place, sides) for place in places], places)
+    laid = contact_mesh(_angular(scene), [polygonal(place, sides) for place in places], places)
     angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
     return replace(laid, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
 

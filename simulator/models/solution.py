@@ -15,7 +15,7 @@ from ..scene.meter import Leads
 
 
 @dataclass(frozen=True)
-class Rung:
+class ModelResult:
     """What one model says of one press at some frequencies.
 
     Z: ohm, shape (interface, frequency). error: estimated relative errors of Rs and Cp, shape (2,
@@ -29,7 +29,7 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Solution:
     """Z of one press with the estimated errors of Rs and Cp; all of shape (interface, frequency).
 
     frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the rung that answered
@@ -52,10 +52,10 @@ class Answer:
     @property
     def relative_errors(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Estimated errors of Rs and Cp as fractions of their values, see `told_capacitance`."""
-        Cp = told_capacitance(self.Z, self.frequency)
+        Cp = reference_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
-    def at_meter(self, leads: Leads) -> Answer:
+    def at_meter(self, leads: Leads) -> Solution:
         """The same at the meter's end of the leads.
 
         The error of Z is taken to be UNIFORM times as large as that of Rs or of Cp tells: near a
@@ -68,7 +68,7 @@ class Answer:
         off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
         return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
 
-    def told(self) -> list[str]:
+    def lines(self) -> list[str]:
         """For people: each model with its frequencies and errors, then what was rejected."""
         Rs, Cp = (error.max(axis=0) for error in self.relative_errors)
         lines = []
@@ -83,7 +83,7 @@ class Answer:
         return lines + [f"rejected  {reason}" for reason in self.rejected]
 
 
-def told_capacitance(
+def reference_capacitance(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """What relative errors of Cp are fractions of, in F: |Cp|, or what of it can be told at all.
@@ -93,7 +93,7 @@ def told_capacitance(
     return reference_susceptance(1 / Z) / (2 * np.pi * frequency)
 
 
-class Progress:
+class SolutionProgress:
     """The frequencies of one press that are answered, and those that are left.
 
     on_error: callback that takes the largest error of each rung.
@@ -123,7 +123,7 @@ class Progress:
         """Those that are left, Hz."""
         return self._all[self._left]
 
-    def offer(self, rung: Rung, among: NDArray[np.bool_] | None = None) -> None:
+    def offer(self, rung: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
         """Take what keeps the tolerance of a rung for the frequencies that are left.
 
         among: those of them that the rung is of; all for None.
@@ -147,11 +147,11 @@ class Progress:
         """Note why a rung did not serve."""
         self.rejected.append(reason)
 
-    def answer(self) -> Answer:
+    def answer(self) -> Solution:
         """The gathered answer, once done."""
-        Cp = told_capacitance(self._Z, self._all)
+        Cp = reference_capacitance(self._Z, self._all)
         models, unknowns = zip(*self._served, strict=True)
-        return Answer(
+        return Solution(
             frequency=self._all,
             Z=self._Z,
             Rs_error=self._error[0] * np.abs(self._Z.real),
@@ -161,7 +161,7 @@ class Progress:
             rejected=tuple(self.rejected),
         )
 
-    def _reason(self, rung: Rung, f: NDArray[np.float64]) -> str:
+    def _reason(self, rung: ModelResult, f: NDArray[np.float64]) -> str:
         error = rung.error.max(axis=1)
         Rs, Cp = (int(np.argmax(each)) for each in error)
         return (

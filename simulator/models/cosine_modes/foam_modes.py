@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from ..parameters import FOAM_WAVES
-from .waves import nearest_map, waves_at
+from ..parameters import FOAM_MODES
+from .amplitudes import modes_at, nearest_map
 
 
-def with_foam_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
+def with_foam_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
     """The scene with the waves among the values as a map of its foam."""
-    if not any(values.get(name) for name in FOAM_WAVES):
+    if not any(values.get(name) for name in FOAM_MODES):
         return scene
     foam = scene.skin.foam.model_copy(update={"map": map_of(scene, values)})
     return scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
@@ -21,10 +21,10 @@ def with_foam_waves(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
     """The waves as a map, whose mean over the sides is 1."""
-    return nearest_map(scene, lambda x: waves_at(scene, values, FOAM_WAVES, x))
+    return nearest_map(scene, lambda x: modes_at(scene, values, FOAM_MODES, x))
 
 
-def check_even_foam(scene: Scene) -> None:
+def check_uniform_foam(scene: Scene) -> None:
     """Raises InputError where waves of the foam cannot be told apart from what the scene has, or
     change more than its capacitance."""
     if scene.skin.foam.map is not None:

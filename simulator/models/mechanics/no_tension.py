@@ -17,15 +17,17 @@ from ...scene.foam_mechanics import Elastic, Mechanics
 from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from .ground import ground
-from .pressed import Pressed, check_reached
+from .contact_mesh import contact_mesh
+from .deformation import Deformation, check_reached
 
 ROUNDING = 1e-15
 Shapes = tuple[Circle | NDArray[np.float64], ...]
 """Circles, and polygons by their corners (corner, 2); m."""
 
 
-def stamped(scene: Scene, press: Press, mechanics: Mechanics, thickness: float) -> Pressed:
+def deformation_without_tension(
+    scene: Scene, press: Press, mechanics: Mechanics, thickness: float
+) -> Deformation:
     """A press of which each touch presses what it covers; raises InputError as `pressed`."""
     places = [touch.place for touch in press.indented]
     shapes = tuple(shape_of(scene, place) for place in places)
@@ -48,11 +50,11 @@ def stamped(scene: Scene, press: Press, mechanics: Mechanics, thickness: float) 
     force = tuple((mechanics.elastic.stress(strain) * area).tolist())
     sharp = _sharp(press, mechanics.factor(strain)) if apart else None
     kinks = tuple(each if isinstance(each, Circle) else ring(each) for each in shapes)
-    w = Stamps(shapes, depth)
-    return Pressed(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)
+    w = FootprintDeflection(shapes, depth)
+    return Deformation(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)
 
 
-class Stamps:
+class FootprintDeflection:
     """Deflection [m] by applicators of known depth: of those over a place the deepest counts."""
 
     def __init__(self, shapes: Shapes, depth: tuple[float, ...]) -> None:
@@ -99,7 +101,7 @@ def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[n
                 for each in shapes
             ]
         )
-    under = ground(scene, [touch.place for touch in press.indented])
+    under = contact_mesh(scene, [touch.place for touch in press.indented])
     depth = [touch.by.value if isinstance(touch.by, Depth) else 1.0 for touch in press.indented]
     holds = np.where(under.covered, np.array(depth)[:, None], 0.0).argmax(axis=0)
     alone = under.covered & (holds == np.arange(len(depth))[:, None])

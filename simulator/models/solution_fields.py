@@ -14,16 +14,16 @@ from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
 from .heterogeneous.coefficients import ELECTRODES
 from .heterogeneous.discretised import Discretised
-from .heterogeneous.mesh_choice import indented, meshes
+from .heterogeneous.mesh_choice import deformed, meshes
 from .heterogeneous.sampling import Sampler
-from .outlook import Remaining
+from .time_estimate import RemainingTime
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class Fields:
+class SolutionFields:
     """What a press does at one interface, with 1 V (amplitude) between high and low.
 
     x: flat places in m, shape (2, point). position: the same in space, m, (3, point). cells:
@@ -59,7 +59,7 @@ def fields(
     interface: str,
     rtol: float = 1e-3,
     progress: ProgressCallback = silent,
-) -> Fields:
+) -> SolutionFields:
     """Those of a press at frequencies in Hz.
 
     Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
@@ -81,7 +81,7 @@ def fields(
     by_rise = np.stack(rises)
     x, coefficients = sampler.surface.x, discretised.coefficients
     by_Rs, by_Cp = _relative(scene, by_rise, Z[excitation], frequency)
-    return Fields(
+    return SolutionFields(
         x=_flat(x),
         position=_flat(sampler.position),
         cells=sampler.parts,
@@ -102,13 +102,13 @@ def _resolved(
     scene: Scene, press: Press, frequency: Real, rtol: float, progress: ProgressCallback
 ) -> tuple[Discretised, Complex]:
     """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    touched = indented(scene, press, rtol, progress)
-    solving, remaining = f"solving, frequencies: {frequency.size}", Remaining(rtol)
+    touched = deformed(scene, press, rtol, progress)
+    solving, remaining = f"solving, frequencies: {frequency.size}", RemainingTime(rtol)
     progress(solving)
     finer = meshes(scene, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
-        rung = discretised.rung(frequency, rtol)
+        rung = discretised.result(frequency, rtol)
         progress(solving, remaining.share(float(rung.error.max())))
         if rung.error.max() <= rtol:
             return discretised, rung.Z

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ....press.batch import TouchedCells
 from ....sweeps.errors import ToleranceError
-from .kernel import laid, settled
-from .skin import Lattice
+from .relaxation_kernel import rasterized, relaxed_in_place
+from .skin_lattice import Lattice
 
 STILL = 1e-5
 """Of the depth: what the last sweep may move a node by."""
@@ -25,7 +25,7 @@ Window = tuple[slice, slice]
 """Rows and columns of cells."""
 
 
-class Applied(NamedTuple):
+class Applicators(NamedTuple):
     """Applicators of one press.
 
     boxes: left, right, bottom and top in m, shape (touch, 4). radius: of discs in m, 0 of
@@ -37,7 +37,7 @@ class Applied(NamedTuple):
     depth: NDArray[np.float64]
 
 
-def raised(lattice: Lattice, applied: Applied) -> TouchedCells:
+def raised(lattice: Lattice, applied: Applicators) -> TouchedCells:
     """Cells and rises of c there by a press, in the mean of the skin in each.
 
     Of applicators that do not feel each other each settles for itself.
@@ -50,13 +50,13 @@ def raised(lattice: Lattice, applied: Applied) -> TouchedCells:
     return TouchedCells(cells, rise.ravel()[cells])
 
 
-def rises_within(lattice: Lattice, applied: Applied, here: Window) -> NDArray[np.float64]:
+def rises_within(lattice: Lattice, applied: Applicators, here: Window) -> NDArray[np.float64]:
     """Of c in the mean of the skin in each cell of a window, shape (row, column)."""
     return in_cells(lattice, rises_at_nodes(lattice, applied, here), here)
 
 
 def rises_at_nodes(
-    lattice: Lattice, applied: Applied, here: Window, still: float = STILL
+    lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
     """Of c at the nodes of a window, shape (row, column). still: as STILL."""
     w = deflected(lattice, applied, here, still)
@@ -64,7 +64,7 @@ def rises_at_nodes(
 
 
 def deflected(
-    lattice: Lattice, applied: Applied, here: Window, still: float = STILL
+    lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
     """At the nodes of a window, m, shape (row, column). still: as STILL.
 
@@ -74,19 +74,19 @@ def deflected(
     x, y = lattice.x[columns], lattice.y[rows]
     right, up = lattice.right[rows, columns].copy(), lattice.up[rows, columns].copy()
     load = lattice.area * lattice.part[rows, columns]
-    least = laid(*applied, x, y, right, up, load)
+    least = rasterized(*applied, x, y, right, up, load)
     w, deepest = _first(lattice, applied, x, y), float(applied.depth.max())
     slowest = min(SLOWEST * lattice.falls_within(deepest), max(np.ptp(x), np.ptp(y)))
     relaxed = 2 / (1 + np.pi * min(lattice.steps) / slowest)
     law = lattice.law, lattice.per_metre
-    swept = settled(w, least, right, up, load, *law, relaxed, still * deepest, MOST_SWEEPS)
+    swept = relaxed_in_place(w, least, right, up, load, *law, relaxed, still * deepest, MOST_SWEEPS)
     if swept > MOST_SWEEPS:
         raise ToleranceError(f"a press by {deepest:g} m: the foam beside it does not come to rest")
     return w
 
 
 def _first(
-    lattice: Lattice, applied: Applied, x: NDArray[np.float64], y: NDArray[np.float64]
+    lattice: Lattice, applied: Applicators, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """As if each applicator's edge were straight, m, shape (row, column)."""
     found = np.zeros((len(y), len(x)))
@@ -113,14 +113,14 @@ def _summed(lattice: Lattice, values: NDArray[np.float64]) -> NDArray[np.float64
     return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))
 
 
-def _groups(lattice: Lattice, applied: Applied) -> list[Applied]:
+def _groups(lattice: Lattice, applied: Applicators) -> list[Applicators]:
     """The applicators, those together of which one is felt where another is."""
-    if len(applied.depth) > 1 and apart(lattice, applied):
-        return [Applied(*(each[[k]] for each in applied)) for k in range(len(applied.depth))]
+    if len(applied.depth) > 1 and independent(lattice, applied):
+        return [Applicators(*(each[[k]] for each in applied)) for k in range(len(applied.depth))]
     return [applied] if len(applied.depth) else []
 
 
-def apart(lattice: Lattice, applied: Applied) -> bool:
+def independent(lattice: Lattice, applied: Applicators) -> bool:
     """Whether no two of the applicators are felt at one place."""
     far = [lattice.reach(depth) for depth in applied.depth]
     low = applied.boxes[:, ::2] - np.array(far)[:, None]
@@ -129,7 +129,7 @@ def apart(lattice: Lattice, applied: Applied) -> bool:
     return int(np.count_nonzero(meet)) == len(far)
 
 
-def window(lattice: Lattice, applied: Applied) -> Window:
+def window(lattice: Lattice, applied: Applicators) -> Window:
     """The cells that any of the applicators is felt in."""
     far = max(lattice.reach(depth) for depth in applied.depth)
     low, high = applied.boxes[:, ::2].min(axis=0) - far, applied.boxes[:, 1::2].max(axis=0) + far

@@ -17,7 +17,7 @@ from ...sweeps import InputError
 
 
 @dataclass(frozen=True)
-class Pressed:
+class Deformation:
     """The skin under the touches of a press that have a depth or a force.
 
     What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
@@ -40,13 +40,13 @@ class Pressed:
     sharp: Press | None
     out_of_round: float = 0.0
     unsure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
-    closer: Callable[[float], Pressed] | None = None
+    within_error: Callable[[float], Deformation] | None = None
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""
         return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
 
-    def deeper(self, times: float) -> Pressed:
+    def deeper(self, times: float) -> Deformation:
         """With the deflection larger by so many times what it may be off by."""
         w, unsure = self.w, self.unsure
         if unsure is None:

@@ -24,31 +24,31 @@ from ..sweeps import InputError
 Part = TypeVar("Part", Sheet, Foam)
 
 
-def electrical(scene: Scene) -> Scene:
+def equivalent_scene(scene: Scene) -> Scene:
     """The scene with all folded in that a plain scene can hold, see `form`.
 
     A plain scene is returned as it is.
     """
-    skin = form(scene.skin)
+    skin = equivalent_skin(scene.skin)
     return scene if skin is scene.skin else scene.model_copy(update={"skin": skin})
 
 
-def form(skin: Skin) -> Skin:
+def equivalent_skin(skin: Skin) -> Skin:
     """What a skin is electrically.
 
     Even maps and directions of no preference are always folded in, and bending to a cylinder; a
     stretch where nothing else is left that is not plain.
     """
-    even = _evened(skin)
+    even = _without_uniform_maps(skin)
     return _stretched(even) if even.beyond_uniform == ["skin.stretch"] else even
 
 
-def electrical_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
+def equivalent_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
     """The same press on `electrical(scene)`; None where that is no plain press on a plain scene.
 
     even: `electrical(scene)`, where it is known.
     """
-    if not (press.plain and (even or electrical(scene)).uniform):
+    if not (press.plain and (even or equivalent_scene(scene)).uniform):
         return None
     ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):
@@ -64,22 +64,22 @@ def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
     where `what` cannot take how pixels are pressed, and as `require_static`. creeps: whether `what`
     takes factors of foam that creeps.
     """
-    mechanics, evenly = scene.skin.foam.mechanics, evenly_pressed(scene, what, creeps)
+    mechanics, evenly = scene.skin.foam.mechanics, uniformly_pressed(scene, what, creeps)
     spread = not scene.press.by_factor and mechanics is not None and mechanics.tension
     return scene if spread else evenly
 
 
-def evenly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
+def uniformly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
     if not (creeps and scene.press.by_factor):
         require_static(scene, f"{what} by `press.depth`" if creeps else what)
     if scene.press.by_factor:
-        return electrical(scene)
+        return equivalent_scene(scene)
     if scene.press.force is not None:
         return _by_depth_alone(scene, what)
     factor, spread = scene.pressed_factor, scene.press.factor_spread
     pressing = Pressing(capacitance_factor=factor, factor_spread=spread, finger=scene.press.finger)
-    return scene.model_copy(update={"press": pressing, "skin": form(scene.skin)})
+    return scene.model_copy(update={"press": pressing, "skin": equivalent_skin(scene.skin)})
 
 
 def require_static(scene: Scene, what: str) -> Scene:
@@ -116,7 +116,7 @@ def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
     )
 
 
-def _evened(skin: Skin) -> Skin:
+def _without_uniform_maps(skin: Skin) -> Skin:
     """Without even maps, without directions of no preference, and flat where it only bends."""
     changed = {
         "top": _without_even_map(_without_idle_direction(skin.top)),

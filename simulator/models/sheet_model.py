@@ -23,7 +23,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 
-class Sheet:
+class SheetModel:
     """A scene discretised once, solved for any press and frequency."""
 
     def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution) -> None:

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from ...scene.maps import Grid
 from ...scene.scene import Scene
-from ..parameters import FOAM_WAVES, SHEET_WAVES, WAVES, mode_values
+from ..parameters import FOAM_MODES, HALF_WAVES, SHEET_MODES, mode_values
 
-LARGEST_WAVE = 0.3
+MAX_AMPLITUDE = 0.3
 """Of an amplitude over the mean: three at most leave it above zero."""
 NODES, POINTS = 9, 257
 """Of a map of the waves, along each side: it is off by 1 % of an amplitude at most, and by nothing
 in the mean. Places along each side at which it is fitted."""
 
 
-class Uneven(NamedTuple):
+class FittedModes(NamedTuple):
     """Whether slow waves of the foam, and of both sheets, are among a skin's parameters."""
 
     foam: bool = False
@@ -28,15 +28,15 @@ class Uneven(NamedTuple):
     @property
     def names(self) -> tuple[str, ...]:
         """Of the amplitudes."""
-        return (*(FOAM_WAVES if self.foam else ()), *(SHEET_WAVES if self.sheets else ()))
+        return (*(FOAM_MODES if self.foam else ()), *(SHEET_MODES if self.sheets else ()))
 
     @property
     def modes(self) -> int:
         """Of each sheet's conductance, with its mean."""
-        return len(WAVES) if self.sheets else 1
+        return len(HALF_WAVES) if self.sheets else 1
 
 
-EVEN = Uneven()
+NO_MODES = FittedModes()
 
 
 def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.float64]:
@@ -57,11 +57,11 @@ def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
     return Grid(values=tuple(tuple(row) for row in rows.tolist()))
 
 
-def waves_at(
+def modes_at(
     scene: Scene, values: Mapping[str, float], names: Iterable[str], x: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """1 and the waves among the values at places x in m, shape (2, ...), over the mean."""
-    waves = mode_values(scene, x, len(WAVES))
+    waves = mode_values(scene, x, len(HALF_WAVES))
     return np.asarray(np.tensordot(amplitudes(values, names), waves, axes=1), dtype=np.float64)
 
 

@@ -14,11 +14,11 @@ from ...press.touch import Depth, Indentation, Touch
 from ...scene.foam_mechanics import Elastic, Mechanics
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from .adaptive import solved, unsure
-from .contact import Pushed, at_rest
-from .ground import straight_ground
-from .levels import NEAREST, lagrange
-from .membrane import ELEMENT, Surface
+from .adaptive import adaptive_deflection, unsure
+from .contact import ApplicatorLoads, equilibrium
+from .contact_mesh import straight_contact_mesh
+from .deflection_cache import NEAREST, lagrange
+from .membrane import ELEMENT, MembraneSurface
 
 COUNTS = (9, 13, 17, 33)
 HELD, STEP = 1e-9, 1e-4
@@ -31,7 +31,7 @@ DOUBT = 2.0
 
 
 @dataclass(frozen=True)
-class Course:
+class DepthSeries:
     """Deflections under one pixel's applicator by its depth.
 
     p: (2, point) m, nodes: (node of the element, triangle), as of `Surface`. depth: Chebyshev's
@@ -96,14 +96,14 @@ class Course:
     def deflection(self, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """At flat positions x (2, point) in m, m, shape (point,)."""
         w = self.weights(np.array(depth)) @ self.w[: self.count]
-        return np.clip(Surface(ELEMENT, self.p, self.nodes, w)(x), 0.0, depth)
+        return np.clip(MembraneSurface(ELEMENT, self.p, self.nodes, w)(x), 0.0, depth)
 
     def factors(
         self, x: NDArray[np.float64], mechanics: Mechanics, thickness: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Capacitance over that at rest less 1 at flat positions x (2, point) in m, at all depths,
         and the same where the deflection is larger by what it may be off; shape (depth, point)."""
-        triangle, shares = Surface(ELEMENT, self.p, self.nodes, self.w[0]).located(x)
+        triangle, shares = MembraneSurface(ELEMENT, self.p, self.nodes, self.w[0]).located(x)
         w = np.zeros((len(self.depth), len(triangle)))
         for share, node in zip(shares, self.nodes, strict=True):
             w += share * self.w[:, node[triangle]]
@@ -115,7 +115,9 @@ class Course:
         return known, raised
 
 
-def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float) -> Course:
+def depth_series(
+    scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float
+) -> DepthSeries:
     """Of a pixel, down to `deepest` in m.
 
     factor_rtol: of the factor anywhere, for the mesh. rtol: of the factor between depths. Raises
@@ -124,8 +126,8 @@ def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol:
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
     press = Press((Indentation(pixel, Depth(deepest)),))
-    ground = straight_ground(scene, [pixel], 0)
-    first = solved(press, ground, mechanics, thickness, factor_rtol)
+    ground = straight_contact_mesh(scene, [pixel], 0)
+    first = adaptive_deflection(press, ground, mechanics, thickness, factor_rtol)
     known = {deepest: (first.rest.w, float(first.rest.force[0]))}
     known[0.0] = np.zeros_like(first.rest.w), 0.0
 
@@ -134,17 +136,17 @@ def course(scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol:
             near = sorted(known, key=lambda d: abs(d - depth))[:NEAREST]
             shares = lagrange(np.array(near), depth)
             start = shares @ np.stack([known[d][0] for d in near])
-            pushed = Pushed(np.array([depth]), np.array([np.nan]))
-            rest = at_rest(first.membrane, first.held, pushed, np.clip(start, 0.0, depth))
+            pushed = ApplicatorLoads(np.array([depth]), np.array([np.nan]))
+            rest = equilibrium(first.membrane, first.held, pushed, np.clip(start, 0.0, depth))
             known[depth] = rest.w, float(rest.force[0])
         return known[depth]
 
-    def found(depths: NDArray[np.float64], count: int) -> Course:
+    def found(depths: NDArray[np.float64], count: int) -> DepthSeries:
         w, force = zip(*map(at, depths.tolist()), strict=True)
         doubts = np.stack([unsure(first.membrane, each) for each in w])
         surface = first.surface
         p = first.membrane.places
-        return Course(p, surface.nodes, depths, count, np.stack(w), doubts, np.array(force))
+        return DepthSeries(p, surface.nodes, depths, count, np.stack(w), doubts, np.array(force))
 
     for count in COUNTS:
         nodes, between = _depths(deepest, count)
@@ -168,7 +170,7 @@ def _order(count: int) -> NDArray[np.int64]:
     return np.concatenate([np.arange(count)[::-1], count + np.arange(CHECKS)])
 
 
-def interpolated_error(course: Course, mechanics: Mechanics, thickness: float) -> float:
+def interpolated_error(course: DepthSeries, mechanics: Mechanics, thickness: float) -> float:
     """Largest relative error of the factor at the nodes of the mesh, by depths between."""
     factor = mechanics.factor(np.clip(course.w, 0, None) / thickness)
     nodes, between = factor[: course.count], factor[course.count :]

@@ -59,7 +59,7 @@ def check_within_reach(needed: float, most: int, order: float, what: str) -> Non
         raise ToleranceError(f"the tolerance needs more than {most} {what}", times)
 
 
-class Remaining:
+class RemainingTime:
     """How long it still takes until errors are within a tolerance, by those of the answers so far.
 
     clock: s.
@@ -92,7 +92,7 @@ class Remaining:
         return now * float((error / self._rtol) ** power - 1)
 
 
-class Outlook:
+class TimeEstimate:
     """Tells once how long a press will still take, where that is a minute or more.
 
     clock: s.
@@ -104,7 +104,7 @@ class Outlook:
 
     def of(self, press: str) -> Callable[[float], None]:
         """A callback that takes the largest error of each answer to a press, from now on."""
-        remaining = Remaining(self._rtol, self._clock)
+        remaining = RemainingTime(self._rtol, self._clock)
 
         def on_error(error: float) -> None:
             elapsed, left = remaining.after(error)

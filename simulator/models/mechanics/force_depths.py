@@ -14,7 +14,7 @@ from ...press.press import Press
 from ...press.touch import Depth, Force, Indentation, Touch
 from ...scene.scene import Scene
 from ...scene.skin import Sheet
-from ..plain import folded
+from ..uniform import folded
 
 LOG = logging.getLogger(__name__)
 SAMPLE = 9
@@ -28,10 +28,10 @@ SHOWN_RTOL = 0.05
 
 def foldable(scene: Scene, what: str, creeps: bool = False) -> Scene:
     """As `folded`, of a scene whose pixels may be pressed by a force too: see `in_depths`."""
-    return folded(in_depths(scene), what, creeps)
+    return folded(forces_as_depths(scene), what, creeps)
 
 
-def in_depths(scene: Scene) -> Scene:
+def forces_as_depths(scene: Scene) -> Scene:
     """The scene with its pixels pressed to one depth, the median of what its force takes in them.
 
     How far depths lie apart is logged. Raises InputError where the foam cannot give way so far.
@@ -51,11 +51,11 @@ def _bare(scene: Scene) -> Scene:
 @lru_cache(maxsize=16)
 def _median(scene: Scene) -> float:
     """Of the depths that its force takes in pixels, m."""
-    from .indentation import pressed
+    from .indentation import deformation
 
     force = scene.press.force
     presses = _some(_in_pixels(scene), SAMPLE)
-    depths = [pressed(scene, press, FACTOR_RTOL).depth[0] for press in presses]
+    depths = [deformation(scene, press, FACTOR_RTOL).depth[0] for press in presses]
     median = float(np.median(depths))
     LOG.info(
         f"{scene.name}: {force:g} N take pixels {1e3 * min(depths):.3g} to "
@@ -106,9 +106,9 @@ def _reached(scene: Scene, press: Press) -> tuple[float, ...]:
 
 @lru_cache(maxsize=64)
 def _reached_in(bare: Scene, press: Press) -> tuple[float, ...]:
-    from .indentation import pressed
+    from .indentation import deformation
 
-    return pressed(bare, press, SHOWN_RTOL).depth
+    return deformation(bare, press, SHOWN_RTOL).depth
 
 
 def _forced(press: Press) -> bool:
@@ -124,16 +124,16 @@ def _and(depths: tuple[float, ...]) -> str:
     return " and ".join(f"{1e3 * depth:.3g}" for depth in depths)
 
 
-def settled(scene: Scene, press: Press) -> Press:
+def press_by_depths(scene: Scene, press: Press) -> Press:
     """The press with its forces as the depths that they take.
 
     Raises InputError and ToleranceError as `pressed`.
     """
-    from .indentation import pressed
+    from .indentation import deformation
 
     if not _forced(press):
         return press
-    depths = pressed(scene, press, FACTOR_RTOL).depth
+    depths = deformation(scene, press, FACTOR_RTOL).depth
     by_depth = [
         replace(touch, by=Depth(depth)) for touch, depth in zip(press.indented, depths, strict=True)
     ]

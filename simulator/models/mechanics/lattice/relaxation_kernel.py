@@ -12,7 +12,7 @@ LEAST_ARM = 1e-3
 
 
 @compiled()
-def settled(
+def relaxed_in_place(
     w: NDArray,
     least: NDArray,
     right: NDArray,
@@ -81,7 +81,7 @@ def _held(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
 
 
 @compiled()
-def laid(
+def rasterized(
     boxes: NDArray,
     radius: NDArray,
     depth: NDArray,
