@@ -80,7 +80,7 @@ class DeflectedTriangles:
                 return found
             error = found.changes(raised, frequency, self._rtol)
             if error.max() <= most:
-                return replace(found, felt=error)
+                return replace(found, deflection_error=error)
             self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
             self._place.triangles = triangles = triangles.again(self._pressed)
 
