@@ -11,7 +11,7 @@ from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits.hand import Hand
-from rcskin.simulator.models.network.skin import NetworkSkin
+from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with
 from rcskin.simulator.models.reduced.file import load, save
