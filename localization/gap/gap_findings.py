@@ -23,7 +23,7 @@ from .paired_samples import FEATURE_LABELS, PairedSamples, paired_samples
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.calibration.misfit import Explained
+    from ...simulator.calibration.misfit import Causes, Explained, Together
 
 ALL = "all"
 
@@ -56,7 +56,8 @@ class GapFindings:
     """stages: before and after. own: trained and tested on the other side, by set of features,
     `grouped` as hard as can be and of `single` sweeps. causes: what each
     parameter explains when it alone is fitted, the one that explains most first.
-    model: what the user's own model tells, where it is asked.
+    model: what the user's own model tells, where it is asked. together: what pairs of parameters
+    explain when both are fitted, the pair that explains most first.
     """
 
     trial: Comparison
@@ -65,6 +66,7 @@ class GapFindings:
     causes: Sequence[Explained]
     notes: Sequence[str]
     model: ModelFindings | None = None
+    together: Sequence[Together] = ()
 
 
 def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
@@ -74,14 +76,15 @@ def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
     """
     stages = {name: _stage(trial, name, progress) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
-    causes, why = _causes(trial)
+    causes, why = _causes(trial, progress)
     model, unasked = _by_model(trial)
     notes = [*trial.notes, *why, *unasked]
     if not all(own.values()):
         notes.append(
             f"A class has a single {trial.pair.label.adjective} sweep: nothing is trained on them."
         )
-    return GapFindings(trial, stages, own, causes, notes, model)
+    alone, together = (causes.alone, causes.together) if causes else ((), ())
+    return GapFindings(trial, stages, own, alone, notes, model, together)
 
 
 def _by_model(trial: Comparison) -> tuple[ModelFindings | None, list[str]]:
@@ -163,19 +166,15 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Comparison) -> tuple[Sequence[Explained], list[str]]:
+def _causes(trial: Comparison, progress: ProgressCallback) -> tuple[Causes | None, list[str]]:
+    """What explains the gap, None without a scene; and what could not be tried."""
     from ...simulator.calibration.misfit import gap_by_parameter
 
-    notes: list[str] = []
-
-    def remark(work: str, done: float | None = None, total: float = 1.0, /) -> None:
-        if done is None:
-            notes.append(f"{work[0].upper()}{work[1:]}.")
-
     if trial.pair.scene is None:
-        return (), notes
+        return None, []
     sweeps = _one_of_each(trial.pair.other)
     try:
-        return gap_by_parameter(trial.pair.scene, sweeps, progress=remark), notes
+        causes = gap_by_parameter(trial.pair.scene, sweeps, progress=progress)
     except (InputError, ToleranceError) as error:
-        return (), [f"No causes: {error}."]
+        return None, [f"No causes: {error}."]
+    return causes, [f"{remark[0].upper()}{remark[1:]}." for remark in causes.remarks]

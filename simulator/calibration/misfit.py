@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from .estimates import changed
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
 from .fit_options import Options, candidates
 from .measurements import measurements_of
-from .prior import Prior, noise_of, priors
+from .prior import Prior, effect_prior, noise_of, priors
 from .problem import FitSpec, LeastSquaresProblem, difference
 from .surroundings_trials import Trials, addable, in_words
 
@@ -48,6 +49,38 @@ class Explained:
         return max(0.0, 1 - self.after / self.before) if self.before > 0 else 0.0
 
 
+@dataclass(frozen=True)
+class Together:
+    """What two causes do for the misfit when both are fitted.
+
+    names: of the parameters. before, after: as in `Explained`. descriptions: what each then is, in
+    words.
+    """
+
+    names: tuple[str, str]
+    before: float
+    after: float
+    descriptions: tuple[str, ...]
+
+    @property
+    def removed(self) -> float:
+        """Part of chi-squared that they remove, from 0 to 1."""
+        return max(0.0, 1 - self.after / self.before) if self.before > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Causes:
+    """What explains a misfit.
+
+    alone: every parameter that was fitted alone, the one that removes most first. together: pairs
+    that were fitted jointly, the one that removes most first. remarks: what could not be tried.
+    """
+
+    alone: tuple[Explained, ...] = ()
+    together: tuple[Together, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
 def gap_by_parameter(
     scene: Scene,
     sweeps: xr.Dataset,
@@ -55,13 +88,14 @@ def gap_by_parameter(
     *,
     model: Model | None = None,
     progress: ProgressCallback = silent,
-) -> tuple[Explained, ...]:
-    """Of every parameter of the scene, the one that removes most first.
+) -> Causes:
+    """Fits every parameter of the scene alone, and the best of them with what surrounds the skin.
 
-    All is counted after the strengths of presses and the meter's fixed errors were fitted within
-    their own spreads. Factors are looked for within the model's reach. Where there is a misfit,
-    those of EFFECTS that the scene has not are tried, too. Arguments, errors: as of `calibrate`; of
-    `options.fit`, where given, only those.
+    Strengths of presses and the meter's fixed errors are fitted with each, within their own
+    spreads. Factors are looked for within the model's reach. Where there is a misfit, those of
+    EFFECTS that the scene has not are tried, too: each alone, and each together with the best
+    parameter and with the best of EFFECTS. Arguments, errors: as of `calibrate`; of `options.fit`,
+    where given, only those.
     """
     data = measurements_of(scene, sweeps, options.band, options.session)
     effects = effects_of(data.scene) if options.prior == "wide" else ()
@@ -73,37 +107,67 @@ def gap_by_parameter(
     names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
     with one_blas_thread():
         before = solve_from(LeastSquaresProblem(asked, ready), asked.fixed).chi_squared
-        found = [_alone(asked, ready, name, known[name], before) for name in names]
-        if not options.fit and before > EXPLAINED * data.numbers:
-            found += _tried(asked, before, progress)
+        alone = [_alone(asked, ready, name, known[name], before) for name in names]
+        if options.fit or before <= EXPLAINED * data.numbers or not addable(data.scene):
+            return Causes(_ordered(alone))
+        try:
+            trials = Trials(asked, {}, progress)
+            alone = _ordered([*alone, *_tried(trials, before)])
+            return Causes(alone, _together(trials, alone, known, data.numbers))
+        except (InputError, ToleranceError) as error:
+            return Causes(_ordered(alone), (), (f"what surrounds the skin was not tried: {error}",))
+
+
+Found = TypeVar("Found", Explained, Together)
+
+
+def _ordered(found: Sequence[Found]) -> tuple[Found, ...]:
     return tuple(sorted(found, key=lambda each: each.after))
 
 
-def _tried(asked: FitSpec, before: float, progress: ProgressCallback) -> list[Explained]:
+def _tried(trials: Trials, before: float) -> list[Explained]:
     """What each of EFFECTS alone does that the scene has not."""
-    if not addable(asked.measurements.scene):
-        return []
-    try:
-        trials = Trials(asked, {}, progress)
-        fits = {name: trials.fit(name) for name in trials.names}
-    except (InputError, ToleranceError) as error:
-        progress(f"what surrounds the skin was not tried: {error}")
-        return []
+    fits = {name: trials.fit(name) for name in trials.names}
     return [
         Explained(name, fit.values[name], before, fit.chi_squared, trials.in_words(fit, name))
         for name, fit in fits.items()
     ]
 
 
+def _together(
+    trials: Trials, alone: Sequence[Explained], known: Mapping[str, Prior], numbers: int
+) -> tuple[Together, ...]:
+    """Pairs of the first cause, and of the first of EFFECTS, with each of these that the scene has
+    not; none where the first cause alone explains the readings."""
+    first = alone[0]
+    if first.after <= EXPLAINED * numbers:
+        return ()
+    best = next(each for each in alone if each.name in trials.names)
+    found: dict[frozenset[str], Together] = {}
+    for own in (first, best):
+        prior = known.get(own.name) or effect_prior(trials.asked.measurements, own.name)
+        for name in trials.names:
+            both = own.name, name
+            if own.name == name or frozenset(both) in found:
+                continue
+            fit = trials.fit(name, {own.name: prior}, {own.name: own.value})
+            words = tuple(_in_words(trials.asked, each, fit.values[each]) for each in both)
+            found[frozenset(both)] = Together(both, own.before, fit.chi_squared, words)
+    return _ordered(list(found.values()))
+
+
+def _in_words(asked: FitSpec, name: str, value: float) -> str:
+    """The change of a parameter; of one of EFFECTS what it then is."""
+    if name in EFFECTS:
+        return in_words(asked.measurements.scene, name, value)
+    return changed(name, value - asked.fixed[name])
+
+
 def _alone(asked: FitSpec, ready: Around, name: str, prior: Prior, before: float) -> Explained:
     alone = replace(asked, fitted={name: prior})
     fit = solve_from(LeastSquaresProblem(alone, ready), asked.fixed)
     value = fit.values[name]
-    if name in EFFECTS:
-        told = in_words(asked.measurements.scene, name, value)
-    else:
-        told = changed(name, value - asked.fixed[name])
-    return Explained(name, value, before, fit.chi_squared, told)
+    return Explained(name, value, before, fit.chi_squared, _in_words(asked, name, value))
 
 
 IDEAL = {"phase_exponent": 1.0, "loss_tangent": 0.0}

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 from ..models.effects import EFFECTS, NEEDED, effects_of
 from ..models.parameters import scene_with
@@ -15,7 +16,7 @@ from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
 from .centered_model import Around, around
 from .fit import EXPLAINED, Fit, certificate_limit, solve_from
-from .prior import effect_prior
+from .prior import Prior, effect_prior
 from .problem import FitSpec, LeastSquaresProblem
 
 BODY = 8e-3
@@ -128,12 +129,19 @@ class Trials:
         self._at = at
         self._ready: Around = around(scene, at, certificate_limit(asked), progress)
 
-    def fit(self, name: str) -> Fit:
-        """The best fit with one of them."""
-        both = {**self.asked.fitted, name: effect_prior(self.asked.measurements, name)}
-        fixed = {n: value for n, value in self.asked.fixed.items() if n != name}
+    def fit(
+        self,
+        name: str,
+        beside: Mapping[str, Prior] = MappingProxyType({}),
+        at: Mapping[str, float] = MappingProxyType({}),
+    ) -> Fit:
+        """The best fit with one of them. beside: priors of parameters that are fitted with it. at:
+        values that these begin at."""
+        own = {name: effect_prior(self.asked.measurements, name)}
+        both = {**self.asked.fitted, **beside, **own}
+        fixed = {n: value for n, value in self.asked.fixed.items() if n not in both}
         asked = replace(self.asked, fitted=both, fixed=fixed)
-        return solve_from(LeastSquaresProblem(asked, self._ready), {**self._at, name: 0.0})
+        return solve_from(LeastSquaresProblem(asked, self._ready), {**self._at, **at, name: 0.0})
 
     def in_words(self, fit: Fit, name: str) -> str:
         """What it found of one."""

@@ -54,6 +54,8 @@ KEYS = {
     "calibrated; low and high, the 95 % interval",
     "causes": "parameter, share, from 0 to 1, of the misfit that goes when it alone is fitted, and "
     "told, its change in words",
+    "causes_together": "parameters, share of the misfit that goes when these two are fitted "
+    "jointly, and told, what each then is in words; empty where no pair was tried",
     "notes": "what was left out or changed to make both sides comparable",
 }
 
@@ -84,6 +86,14 @@ def numbers(findings: GapFindings) -> dict[str, Any]:
         "causes": [
             {"parameter": each.name, "share": each.removed, "told": each.told}
             for each in findings.causes
+        ],
+        "causes_together": [
+            {
+                "parameters": list(each.names),
+                "share": each.removed,
+                "told": list(each.descriptions),
+            }
+            for each in findings.together
         ],
         "notes": list(findings.notes),
     }

@@ -100,7 +100,26 @@ def cause_sentence(findings: GapFindings) -> str:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
     if others and others[0].removed >= WORTH_TELLING:
         told += f"; next is {cause_label(others[0])} with {100 * others[0].removed:.0f} %"
-    return told[0].upper() + told[1:] + "."
+    return told[0].upper() + told[1:] + "." + _pairs(findings)
+
+
+def _pairs(findings: GapFindings) -> str:
+    """What the best pair removes, and which others were fitted jointly; empty without pairs."""
+    if not findings.together:
+        return ""
+    first, *others = findings.together
+    words = " and ".join(
+        description if name in EFFECTS else _spaced(name)
+        for name, description in zip(first.names, first.descriptions, strict=True)
+    )
+    shares = [
+        f" Fitted together, {words} remove {100 * first.removed:.1f} % of the misfit",
+        *(
+            f"{' and '.join(map(_spaced, each.names))} {100 * each.removed:.1f} %"
+            for each in others
+        ),
+    ]
+    return "; ".join(shares) + "."
 
 
 def cause_label(cause: Explained) -> str:

@@ -16,9 +16,9 @@ from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import read, write
 
-ENTRIES = {"about", "accuracy", "calibration", "causes", "compared", "discrepancy", "distance",
-           "features", "frequency_Hz", "interfaces", "meter_error", "notes", "question",
-           "software"}  # fmt: skip
+ENTRIES = {"about", "accuracy", "calibration", "causes", "causes_together", "compared",
+           "discrepancy", "distance", "features", "frequency_Hz", "interfaces", "meter_error",
+           "notes", "question", "software"}  # fmt: skip
 
 
 @pytest.fixture

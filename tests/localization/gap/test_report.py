@@ -10,7 +10,7 @@ from rcskin.localization.gap.report import html_report
 from rcskin.localization.gap.report.chart_list import charts_of
 from rcskin.localization.gap.report.json_data import KEYS, numbers
 from rcskin.localization.gap.report.sentences import accuracy_rows, cause_sentence
-from rcskin.simulator.calibration.misfit import Explained
+from rcskin.simulator.calibration.misfit import Causes, Explained, Together
 from rcskin.simulator.chart_style import STYLE
 
 CHARTS = {
@@ -188,3 +188,36 @@ def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
         "share": pytest.approx(0.71),
         "told": "a body at about 6 mm",
     }
+
+
+def test_a_pair_is_told_with_what_was_tried_beside_it(findings):
+    pairs = [
+        Together(("body", "rim"), 1.0, 0.01, ("a body at about 6 mm", "a rim of about 5 pF/m")),
+        Together(("lead_resistance", "rim"), 1.0, 0.2, ("lead_resistance +5 ohm", "a rim")),
+    ]
+    told = cause_sentence(replace(findings, together=pairs))
+    assert told.endswith(
+        " %. Fitted together, a body at about 6 mm and a rim of about 5 pF/m remove 99.0 % of the "
+        "misfit; lead resistance and rim 80.0 %."
+    )
+    assert numbers(replace(findings, together=pairs))["causes_together"][1] == {
+        "parameters": ["lead_resistance", "rim"],
+        "share": pytest.approx(0.8),
+        "told": ["lead_resistance +5 ohm", "a rim"],
+    }
+
+
+@pytest.mark.usefixtures("unpainted")
+def test_what_could_not_be_tried_is_a_remark(pair_of_sweeps, make_findings, tmp_path, monkeypatch):
+    remark = "what surrounds the skin was not tried: no thickness"
+    monkeypatch.setattr(
+        "rcskin.simulator.calibration.misfit.gap_by_parameter",
+        lambda *given, **more: Causes(remarks=(remark,)),
+    )
+    found = make_findings(*pair_of_sweeps)
+    assert "What surrounds the skin was not tried: no thickness." in found.notes
+    html_report.write_report(tmp_path, found)
+    for name in ("gap.html", "gap.json"):
+        assert (
+            "What surrounds the skin was not tried: no thickness." in (tmp_path / name).read_text()
+        )

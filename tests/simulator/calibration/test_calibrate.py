@@ -215,7 +215,7 @@ def test_sheets_of_two_fields_are_told_apart_by_two_interfaces(make_scene, read)
     found = calibrate(scene, sweeps, only(truth), model=model)
     assert not outside(found, truth)
     assert found.told["sheet_mismatch"]
-    best = gap_by_parameter(scene, sweeps, model=model)[0]
+    best = gap_by_parameter(scene, sweeps, model=model).alone[0]
     assert best.removed > 0.3
 
 
@@ -223,7 +223,7 @@ def test_sheets_of_two_fields_are_told_apart_by_two_interfaces(make_scene, read)
     ("name", "value"), [("sheet_resistance", 0.2), ("phase_exponent", 0.95), ("capacitance", 0.1)]
 )
 def test_the_parameter_that_differs_explains_the_gap(line, read, name, value):
-    found = gap_by_parameter(line, read(line, {name: value}, REST))
+    found = gap_by_parameter(line, read(line, {name: value}, REST)).alone
     assert found[0].name == name
     assert found[0].value == pytest.approx(value, rel=0.2)
     assert found[0].removed > 0.9

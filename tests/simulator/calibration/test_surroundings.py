@@ -25,6 +25,9 @@ TWINS = {
     "body": {"surroundings": {"body": {"distance": 6e-3}}},
     "finger": {"surroundings": {}, "press.finger": 5.3e-12},
     "sheet": {"skin.top.sheet_resistance": 65e3},
+    "body and rim": {
+        "surroundings": {"body": {"distance": 6e-3}, "rim": dict.fromkeys(RIMS, 12e-12)}
+    },
     "all": {
         "surroundings": {"body": {"distance": 6e-3}, "rim": dict.fromkeys(RIMS, 4e-12)},
         "press.finger": 3e-12,
@@ -70,11 +73,13 @@ def twins(scene):
     ],
 )
 def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words, truth):
-    first, second, *_ = gap_by_parameter(scene, twins[twin])
+    causes = gap_by_parameter(scene, twins[twin])
+    first, second, *_ = causes.alone
     assert first.name == twin
     assert float(re.fullmatch(words, first.told)[1]) == pytest.approx(truth, rel=0.05)
     assert first.removed > 0.99
     assert first.after < 0.2 * second.after
+    assert causes.together == ()
 
 
 def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
@@ -88,10 +93,31 @@ def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
 
 
 def test_the_gap_of_a_twin_of_another_sheet_is_not_what_surrounds_it(scene, model, twins):
-    found = gap_by_parameter(scene, twins["sheet"])
+    found = gap_by_parameter(scene, twins["sheet"]).alone
     assert found[0].name in ("sheet_resistance", "sheet_mismatch")
     first_effect = next(each for each in found if each.name in EFFECTS)
     assert found[0].after < 0.2 * first_effect.after
+
+
+def test_a_body_and_a_rim_are_found_together_where_each_alone_is_not_enough(scene, model, twins):
+    causes = gap_by_parameter(scene, twins["body and rim"])
+    both, *others = causes.together
+    words = dict(zip(both.names, both.descriptions, strict=True))
+    assert {*words} == {"body", "rim"}
+    body, rim = (float(re.search("[0-9.]+", words[name])[0]) for name in ("body", "rim"))
+    assert (body, rim) == (pytest.approx(6, rel=0.05), pytest.approx(12, rel=0.1))
+    assert both.after < 0.5 * min(each.after for each in (*causes.alone, *others))
+    assert {each.name for each in causes.alone[:2]} != {*both.names}
+
+
+def test_what_surrounds_a_skin_and_cannot_be_tried_is_a_remark(scene, twins, monkeypatch):
+    def refuse(*given):
+        raise InputError("the foam is unknown")
+
+    monkeypatch.setattr("rcskin.simulator.calibration.misfit.Trials", refuse)
+    causes = gap_by_parameter(scene, twins["body"])
+    assert causes.remarks == ("what surrounds the skin was not tried: the foam is unknown",)
+    assert causes.together == () and len(causes.alone) > 3
 
 
 def test_a_calibration_says_what_an_effect_would_gain(scene, model, twins):
