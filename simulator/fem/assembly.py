@@ -1,7 +1,8 @@
-"""Assembly into a sparsity pattern built once: the scatter map is kept, only values are filled.
+"""Assembly into a sparsity pattern that is built once; later only the values are filled.
 
-A parallelogram's matrix is a weighted sum of a few reference matrices; any other shape has its own,
-of which a mesh needs few. The weights change with the capacitance map, the pattern never does.
+The matrix of a parallelogram is a weighted sum of a few reference matrices. Any other shape has its
+own reference matrices; a mesh needs few of those. The weights change with the capacitance map, the
+pattern never does.
 """
 
 from __future__ import annotations
@@ -30,11 +31,12 @@ from .quadrature import (
 EXTRA_ORDER = 40
 
 SHAPES_KEPT = 128
-"""Of cells that are no parallelograms, 0.1 MB each at order 8; a mesh has four for each order."""
+"""Cached shapes of cells that are no parallelograms, 0.1 MB each at order 8. A mesh has four for
+each order."""
 
 
 def fill_readable(values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray) -> None:
-    """What `fill` does, in plain numpy, terms and elements added in the same order."""
+    """Do what `fill` does, in plain numpy; terms and elements are added in the same order."""
     kept = slots != DROPPED
     totals = np.zeros(slots.shape)
     for weight, matrix in zip(weights.T, reference, strict=True):
@@ -48,7 +50,10 @@ fill = LazyKernel(
 
 
 def add_terms(values: NDArray, slots: NDArray, terms: Iterable[tuple[NDArray, NDArray]]) -> None:
-    """`fill` with the weights and reference of each term, without what is zero in all elements."""
+    """Call `fill` with the weights and reference matrices of each term.
+
+    Terms and entries that are zero in all elements are left out.
+    """
     for weights, reference in terms:
         there, used = weights.any(axis=0), reference.any(axis=0)
         own = slots if used.all() else slots[:, used]
@@ -66,7 +71,7 @@ def element_pairs(unknowns: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def quadrilateral(order: int) -> Element:
-    """The quadrilateral element of that polynomial order."""
+    """Quadrilateral element of that polynomial order."""
     if order == 1:
         return ElementQuad1()
     return ElementQuad2() if order == 2 else ElementQuadP(order)
@@ -76,7 +81,7 @@ def quadrilateral(order: int) -> Element:
 class Group:
     """Cells whose matrices are weighted sums of the same reference matrices.
 
-    cells: their indices. stiffness_weights: shape (cell, term) for the terms of `stiffness`, shape
+    cells: their indices. stiffness_weights: shape (cell, term), for the terms of `stiffness`, shape
     (term, local, local). mass_weights: m², shape (cell,), for `mass`, shape (local, local).
     """
 
@@ -88,7 +93,7 @@ class Group:
 
 
 def groups(cells: Cells, order: int) -> list[Group]:
-    """All parallelograms as one group, and one for each other shape, whatever its size."""
+    """Group all parallelograms, and the other cells by shape, whatever their size."""
     straight = (cells.twist == 0).all(axis=0)
     found = [_parallelograms(cells, np.flatnonzero(straight), order)]
     if straight.all():
@@ -108,7 +113,7 @@ def groups(cells: Cells, order: int) -> list[Group]:
 
 @cache
 def _rules(order: int) -> tuple[Rule, Rule]:
-    """Exact on parallelograms, and of their first corner alone."""
+    """Rule that is exact on parallelograms, and a rule of their first corner alone."""
     element = quadrilateral(order)
     return gauss_rule(element, 2 * order), rule_at(element, np.zeros((2, 1)), np.ones(1))
 
@@ -120,7 +125,7 @@ def edge_masses(order: int) -> list[NDArray[np.float64]]:
 
 
 def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group:
-    """The same at all points of each cell: one point tells the weights."""
+    """Group of parallelograms: their geometry is constant, so one point gives the weights."""
     rule, corner = _rules(order)
     at, even = surface(cells.some(which), corner), np.ones((len(which), 1))
     ((area, mass),) = mass_terms(rule, at, even)
@@ -134,9 +139,10 @@ def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group
 def _shape_matrices(
     shape: tuple[float, ...], order: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mass and stiffness of one quadrilateral: along, across and twist, two numbers each.
+    """Mass and stiffness matrix of one quadrilateral, given along, across and twist (two numbers
+    each).
 
-    The integrand of the stiffness is rational; EXTRA_ORDER more than a polynomial's leaves 1e-13.
+    The integrand of the stiffness is rational. EXTRA_ORDER more than for a polynomial leaves 1e-13.
     """
     along, across, twist = np.array(shape).reshape(3, 2, 1)
     cell = Cells(np.zeros((2, 1)), np.zeros((4, 1), dtype=np.int64), along, across, twist)

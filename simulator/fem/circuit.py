@@ -1,7 +1,7 @@
-"""The electrical reading of a scene: which fields are solved for, which terminals drive them.
+"""Electrical view of a scene: the fields that are solved for, and the terminals that excite them.
 
 Two fields are the potentials of the two sheets. One field, their difference, is enough where both
-sheets carry the same foils and every interface drives them in pairs: then the currents in the two
+sheets carry the same foils and every interface excites them in pairs. Then the currents in the two
 sheets are equal and opposite everywhere, V_t = a V and V_b = -(1 - a) V with a = R_t / (R_t + R_b),
 and div(grad V / (R_t + R_b)) = s c V.
 """
@@ -30,9 +30,9 @@ Low = Literal["floating", "virtual earth"] | None
 class Terminal:
     """Foils of one field at one potential; without foils, the reference of a floating sheet.
 
-    A conductor beside the skin, such as a guard, is a terminal without a sheet: its field is beyond
-    those of the circuit. faces: the field in front of such a conductor. follows: the terminal of
-    the meter that it is wired to, None where it floats.
+    A conductor near the skin, such as a guard, is a terminal without a sheet: its field number is
+    beyond those of the circuit. faces: the field in front of such a conductor. follows: the
+    terminal of the meter that it is wired to, None if it floats.
     """
 
     field: int
@@ -57,45 +57,45 @@ class Circuit:
 
     @property
     def fields(self) -> int:
-        """How many fields are solved for."""
+        """Number of fields that are solved for."""
         return len(self.conductance)
 
     @property
     def conductors(self) -> list[int]:
-        """The terminals that have no sheet."""
+        """Terminals that have no sheet."""
         return [k for k, each in enumerate(self.terminals) if each.faces is not None]
 
     @property
     def description(self) -> str:
-        """How many fields, in words."""
+        """Number of fields in words."""
         return "one field" if self.fields == 1 else "two fields"
 
     @property
     def contacts(self) -> list[Contact]:
-        """All foils, of one terminal after the other."""
+        """All foils, ordered by terminal."""
         return [contact for terminal in self.terminals for contact in terminal.contacts]
 
     def foils(self, field: int) -> list[str]:
-        """The names of the foils of one field."""
+        """Names of the foils of one field."""
         own = [terminal for terminal in self.terminals if terminal.field == field]
         return [contact.name for terminal in own for contact in terminal.contacts]
 
     def read(self, interfaces: Sequence[Interface]) -> Circuit:
-        """The same circuit, which is of two fields, driven by other interfaces."""
+        """Same circuit with the excitations of other interfaces; it must have two fields."""
         return replace(self, excitations=_excitations(self.terminals, interfaces, self.low))
 
     @property
     def combination(self) -> Combination:
-        """How the excitations combine to interfaces."""
+        """Combination of the excitations to interfaces."""
         return combination(self.excitations)
 
     def field_alone(self, field: int) -> NDArray[np.float64]:
-        """What picks one field of all, shape (field, field)."""
+        """Diagonal matrix that selects one field, shape (field, field)."""
         return np.diag(np.eye(self.fields)[field])
 
 
 def two_fields(scene: Scene) -> Circuit:
-    """The circuit of both sheets' potentials, and of the conductors beside them: always right."""
+    """Circuit of both sheets' potentials and of the conductors near them; always exact."""
     first = conductor_groups(scene.contacts, scene.skin)
     leaders = sorted(set(first))
     terminal_of = {
@@ -120,7 +120,7 @@ def two_fields(scene: Scene) -> Circuit:
 
 
 def one_field(scene: Scene) -> Circuit | None:
-    """The circuit of the potential difference, or None where it would not be exact."""
+    """Circuit of the potential difference, or None where it would not be exact."""
     if scene.surroundings is not None:
         return None
     both = two_fields(scene)
@@ -144,7 +144,7 @@ def one_field(scene: Scene) -> Circuit | None:
 
 
 def _conductors(around: Surroundings | None) -> list[Terminal]:
-    """Bodies that are not at earth's potential."""
+    """Terminals of the bodies that are not at earth."""
     found = []
     for body in around.body if around else ():
         if around and not around.at_earth(body):
@@ -154,7 +154,7 @@ def _conductors(around: Surroundings | None) -> list[Terminal]:
 
 
 def _low(around: Surroundings | None) -> Low:
-    """As of `Circuit`: a meter that floats where nothing reaches earth is none that has one."""
+    """Low terminal as of `Circuit`; None if the meter floats and nothing reaches earth."""
     if around is None or (around.low == "floating" and not around.reaches_earth):
         return None
     return around.low
@@ -201,7 +201,8 @@ def _partner(top: int, terminals: Sequence[Terminal], scene: Scene) -> int | Non
 
 
 def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
-    """Same places, and contact resistances in the ratio of the sheet resistances."""
+    """True if both have the same places, and contact resistances in the ratio of the sheet
+    resistances."""
     ratio = scene.skin.bottom.sheet_resistance / scene.skin.top.sheet_resistance
     return (
         len(top.contacts) == len(bottom.contacts) > 0
@@ -219,7 +220,8 @@ def _places(terminal: Terminal) -> list[tuple[str, tuple[float, ...]]]:
 def _pair_excitation(
     excitation: Excitation, tops: list[int], pairs: dict[int, int | None]
 ) -> Excitation | None:
-    """The excitation of the pairs, where `high` and `low` hold the two halves of the same pairs."""
+    """Excitation of the pairs, if `high` and `low` hold the two halves of the same pairs; else
+    None."""
     upper = excitation.high if set(excitation.high) <= set(tops) else excitation.low
     lower = excitation.low if upper is excitation.high else excitation.high
     if not set(upper) <= set(tops) or {pairs[top] for top in upper} != set(lower):

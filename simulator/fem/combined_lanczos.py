@@ -1,7 +1,7 @@
-"""Lanczos' method for the excitations of one interface together: as closely as their sum needs.
+"""Lanczos' method for all excitations of one interface, to the accuracy that their sum needs.
 
-What one of them is off by is measured at the interface: the part of earth may be next to nothing
-there, and is then told by a few steps.
+The error is measured at the interface. The part of earth may be next to nothing there, and then
+takes few steps.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ def respond_together(
     rtol: float,
     kept: Sequence[Steps] | None = None,
 ) -> Swept:
-    """Forms in S at each s in rad/s, shape (pencil, s), and the error of the interface in Rs and
-    Cp, relatively, shape (s,), as of `lanczos.respond`. combined: of one interface.
+    """Forms in S at each s in rad/s, shape (pencil, s), and the relative error of Rs and Cp of the
+    interface, shape (s,), as in `lanczos.respond`.
 
-    kept: take the steps.
+    combined: of one interface. kept: the steps are added to these.
     """
     steps = kept or [Steps() for _ in pencils]
     found = [_Fraction(pencil, own, s) for pencil, own in zip(pencils, steps, strict=True)]
@@ -48,21 +48,21 @@ def respond_together(
 
 
 class _Fraction:
-    """The continued fraction of one pencil, step by step, see `lanczos`."""
+    """Continued fraction of one pencil, extended step by step; see `lanczos`."""
 
     def __init__(self, pencil: Pencil, steps: Steps, s: NDArray[np.complex128]) -> None:
         self._t, self._steps, self._going = s - pencil.shift, steps, coefficients(pencil)
         self._at_once = pencil.admittance + self._t * pencil.capacitance
 
     def advance(self) -> bool:
-        """One step more; False where the space is exhausted."""
+        """Take one more step; False if the Krylov space is exhausted."""
         step = next(self._going, None)
         if step is not None:
             self._steps.add(*step)
         return step is not None
 
     def form(self) -> NDArray[np.complex128]:
-        """Q in S by the steps so far, shape (s,)."""
+        """Q in S after the steps so far, shape (s,)."""
         t, value = self._t, np.zeros_like(self._t)
         for squared, diagonal in reversed(self._steps.coefficients):
             value = squared / (1 + t * diagonal - t**2 * value)

@@ -1,3 +1,3 @@
-"""The index of a pair or an unknown that is left out of a matrix."""
+"""Index of a pair or an unknown that is left out of a matrix."""
 
 DROPPED = -1

@@ -1,4 +1,4 @@
-"""How far two impedances lie apart in Rs and Cp, and what that says of the error of one."""
+"""Differences of two impedances in Rs and Cp, and the error estimates that follow from them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ LOST_SUSCEPTANCE = 1e-9
 ROUNDINGS = 1000
 WINDOW = 2**0.5
 KRYLOV_SHARE = 1e-2
-"""Of the tolerance: what the real solves of a sweep may leave."""
+"""Share of the tolerance that the real solves of a sweep may use."""
 Swept = tuple[NDArray[np.complex128], NDArray[np.float64]]
-"""Forms Q in S of the excitations, shape (excitation, frequency), and what the solves leave of
-relative error of the interfaces, shape (interface, frequency)."""
+"""Forms Q in S of the excitations, shape (excitation, frequency), and the relative errors of the
+interfaces that the solves leave, shape (interface, frequency)."""
 
 
 def relative_difference(
@@ -23,7 +23,7 @@ def relative_difference(
 ) -> NDArray[np.float64]:
     """|Rs / Rs_true - 1| and |Cp / Cp_true - 1|, shape (2, ...). Z, truth: ohm.
 
-    The difference of Cp is told as a fraction of `reference_susceptance`.
+    The difference of Cp is a fraction of `reference_susceptance`.
     """
     Y, Y_true = 1 / Z, 1 / truth
     B = reference_susceptance(Y_true)
@@ -31,15 +31,15 @@ def relative_difference(
 
 
 def reference_susceptance(Y: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """What relative errors of Cp are fractions of, in S: |B|, but LOST_SUSCEPTANCE of |Y| at least.
+    """Reference of relative errors of Cp, in S: |B|, but at least LOST_SUSCEPTANCE of |Y|.
 
-    Less than that is rounding: between foils of one sheet Cp may be nothing at all. Y: S.
+    Less than that is rounding: between foils of one sheet Cp may be zero. Y: S.
     """
     return np.maximum(np.abs(Y.imag), LOST_SUSCEPTANCE * np.abs(Y))
 
 
 def certified(Y: NDArray[np.complex128], power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bound on the relative errors of Rs and Cp, shape (2, s); inf where it says nothing.
+    """Bound on the relative errors of Rs and Cp, shape (2, s); inf where it bounds nothing.
 
     |Y - Y_r| <= sqrt(2) power, with power = r*(K + omega M)^-1 r of the residual r; all in S, shape
     (s,).
@@ -52,39 +52,43 @@ def certified(Y: NDArray[np.complex128], power: NDArray[np.float64]) -> NDArray[
 
 
 def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Relative rounding error of Rs and Cp at most, of Y = at_once - delayed, all in S.
+    """Upper estimate of the relative rounding error of Rs and Cp for Y = at_once - delayed, all in
+    S.
 
-    Far above cut-off both are much larger than Y: at once every cell charges, but what is far lags.
-    ROUNDINGS: a few for each step of Lanczos' method; some hundred were seen. inf where nothing is
-    left of one of them.
+    Far above cut-off both terms are much larger than Y: every cell charges at once, but distant
+    cells lag. ROUNDINGS: a few for each step of Lanczos' method; some hundred were observed. inf
+    where no digits of Rs or Cp are left.
     """
     return rounded(Y, np.abs(at_once - Y))
 
 
 def rounded(Y: NDArray[np.complex128], delayed: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The same of Y whose delayed parts are so large in all, S."""
+    """Rounding error as of `lost_digits`, given the total size of the delayed parts in S."""
     rounding = ROUNDINGS * np.finfo(float).eps * delayed
     known = np.minimum(np.abs(Y.real), reference_susceptance(Y))
     return np.divide(rounding, known, out=np.full(known.shape, np.inf), where=known > 0)
 
 
 def frequencies_around(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The frequencies, then all of them a factor WINDOW lower, then higher; Hz, shape (3 * f,)."""
+    """The frequencies, then all of them divided by WINDOW, then multiplied by it; Hz, shape (3 *
+    f,)."""
     return np.concatenate([frequency, frequency / WINDOW, frequency * WINDOW])
 
 
 def estimated_error(difference: NDArray[np.float64]) -> NDArray[np.float64]:
     """Relative error of the coarser of two results, at the first third of `frequencies_around`.
 
-    difference: of the two, shape (..., 3 * f). Returns shape (..., f). Where error and difference
-    change sign they vanish at frequencies that are not quite the same; the geometric mean with the
-    largest difference nearby covers that. UNIFORM: what the finer one still lacks.
+    difference: between the two, shape (..., 3 * f). Returns shape (..., f). Where error and
+    difference change sign they vanish at slightly different frequencies; the geometric mean with
+    the largest difference nearby covers that. UNIFORM covers the error of the finer result.
     """
     at_three = difference.reshape(*difference.shape[:-1], 3, -1)
     return UNIFORM * np.sqrt(at_three[..., 0, :] * at_three.max(axis=-2))
 
 
 def both(off: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of errors of Rs and Cp, shape (2, ...): parts may cancel in one of them alone, which the
-    geometric mean with the larger one covers."""
+    """Errors of Rs and Cp, shape (2, ...), each at least its geometric mean with the larger one.
+
+    Parts of the error may cancel in one of them alone.
+    """
     return np.sqrt(off * off.max(axis=0))

@@ -1,11 +1,11 @@
-"""Excitations: what is solved for, and the ONE place where they combine to what a meter reads.
+"""Excitations, and the ONE place where they combine to what a meter reads.
 
 An excitation fixes the potentials of the meter's two terminals and has a symmetric quadratic form
-Q(s) of them, so each is solved, bounded and differentiated in the same way. Without earth the
-excitation of 1 V between high and low is the interface itself: Y = Q. Where the low terminal is a
-virtual earth, the meter reads the current that high drives into low and nothing of what reaches
-earth otherwise: Z = -1 / Y12. By polarisation that is the difference of two forms,
--Y12 = Q(+1/2 V, -1/2 V) - Q(+1/2 V, +1/2 V), all other terminals floating in both.
+Q(s), so each is solved, bounded and differentiated in the same way. Without earth the excitation of
+1 V between high and low is the interface itself: Y = Q. Where the low terminal is a virtual earth,
+the meter reads the current that high drives into low, and no current that reaches earth elsewhere:
+Z = -1 / Y12. By polarisation that is the difference of two forms, -Y12 = Q(+1/2 V, -1/2 V) - Q(+1/2
+V, +1/2 V), all other terminals floating in both.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from .safety_factors import MOST_GAINED
 
 @dataclass(frozen=True)
 class Excitation:
-    """An excitation: the terminals it connects; an empty `low` is the zero of the one field.
+    """Terminals at high and low, and their potentials; an empty `low` is the zero of the one field.
 
-    potentials: of high and low, V. raised: whether both may rise above earth together, by as much
-    as lets no current flow to earth. weight: of the form in the interface's admittance; one that is
-    negative belongs to the interface of the excitation before.
+    potentials: of high and low, V. raised: True if both may rise above earth together, until no net
+    current flows to earth. weight: of the form in the interface's admittance; an excitation with a
+    negative weight belongs to the interface of the excitation before it.
     """
 
     high: tuple[int, ...]
@@ -46,7 +46,7 @@ class Excitation:
     weight: float = 1.0
 
     def stored(self) -> dict[str, Any]:
-        """As a file of a model holds it: without what all share where there is no earth."""
+        """Dictionary for a model file, without the fields that keep their defaults."""
         own = asdict(self)
         return {
             each.name: own[each.name] for each in fields(self) if own[each.name] != each.default
@@ -54,12 +54,12 @@ class Excitation:
 
     @classmethod
     def read(cls, told: dict[str, Any]) -> Excitation:
-        """The same of a file."""
+        """Excitation from the dictionary of a model file."""
         return cls(**{name: _tuples(own) for name, own in told.items()})
 
 
 def through_virtual_earth(high: tuple[int, ...], low: tuple[int, ...]) -> tuple[Excitation, ...]:
-    """The excitations of an interface whose low terminal is a virtual earth."""
+    """Excitations of an interface whose low terminal is a virtual earth."""
     return (
         Excitation(high, low, (0.5, -0.5)),
         Excitation(high, low, (0.5, 0.5), weight=-1.0),
@@ -78,20 +78,21 @@ class Combination:
 
     @property
     def one_to_one(self) -> bool:
-        """Whether every excitation is an interface."""
+        """True if every excitation is an interface."""
         return len(self.weights) == self.weights.shape[1]
 
     @cached_property
     def groups(self) -> list[NDArray[np.int64]]:
-        """The excitations of each interface."""
+        """Indices of the excitations of each interface."""
         return [np.flatnonzero(row) for row in self.weights]
 
     def admittance(self, Q: NDArray) -> NDArray:
-        """Y in S, or any other form's sum, shape (interface, ...)."""
+        """Y in S, or the same sum of other forms, shape (interface, ...)."""
         return Q if self.one_to_one else np.tensordot(self.weights, Q, axes=1)
 
     def bound(self, dQ: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What admittances are off by where forms are by so much, S, shape (interface, ...)."""
+        """Bound on errors of admittances from bounds on errors of forms, S, shape (interface,
+        ...)."""
         return dQ if self.one_to_one else np.tensordot(np.abs(self.weights), dQ, axes=1)
 
     def impedance(self, Q: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -101,7 +102,7 @@ class Combination:
     def relative_change(
         self, Q: NDArray[np.complex128], truth: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
-        """As `relative_difference` of impedances, the excitations' parts added without signs.
+        """`relative_difference` of impedances, with the excitations' parts added without signs.
 
         Shape (2, interface, ...). 1/Y - 1/Y' = (Y' - Y) / (Y Y') is exact.
         """
@@ -119,7 +120,7 @@ def _tuples(own: Any) -> Any:
 
 
 def combination(excitations: Sequence[Excitation]) -> Combination:
-    """That of these excitations."""
+    """Combination of these excitations to interfaces."""
     weight = np.array([excitation.weight for excitation in excitations])
     interface = np.cumsum(weight > 0) - 1
     weights = np.zeros((int((weight > 0).sum()), len(excitations)))
@@ -133,11 +134,11 @@ def impedance_with_error(
     frequency: NDArray[np.float64],
     rtol: float,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Z in ohm, shape (interface, frequency), and its relative errors, shape (2, ...).
+    """Z in ohm, shape (interface, frequency), and its estimated relative errors, shape (2, ...).
 
-    sweep: from frequencies in Hz and a tolerance of the solves to the forms of the excitations
-    `excitations`, to finer ones and perhaps to coarser ones. frequency: Hz. rtol: the tolerance
-    asked of Rs and Cp.
+    sweep: called with frequencies in Hz and a tolerance of the solves; returns the forms of the
+    `excitations`, then finer ones, then optionally coarser ones. frequency: Hz. rtol: tolerance of
+    Rs and Cp.
     """
     around, combined = frequencies_around(frequency), combination(excitations)
     (Q, change), (finer, _), *coarser = sweep(around, KRYLOV_SHARE * rtol)

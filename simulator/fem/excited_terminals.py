@@ -1,7 +1,7 @@
 """One excitation of a skin: the driven potentials, and the floating terminals among the unknowns.
 
-Floating terminals carry no current. Their potentials U_f join the inner unknowns through the lift F
-of each: K F = 0 inside, so K falls apart into the conductance between them and the inner block.
+Floating terminals carry no net current. Their potentials U_f join the inner unknowns through the
+lift F of each: K F = 0 inside, so K splits into the conductance between them and the inner block.
 Potentials that a whole sheet floats at cost no current at all; the sheet then keeps its charge,
 which at zero frequency determines them.
 """
@@ -22,16 +22,16 @@ from .low_rank import Bordered, Mass
 from .terminal_network import allowed_potentials
 
 Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""From currents inside, shape (unknown, side), to potentials."""
+"""Maps currents inside, shape (unknown, side), to potentials."""
 
 
 @dataclass(frozen=True)
 class ExcitedTerminals:
-    """What drives and what floats, in the unknowns of a space: inner ones, then terminals.
+    """Driven and floating terminals, in the unknowns of a space: inner ones, then terminals.
 
-    conductance: between high and low at zero frequency, S. potential: g in V, shape (unknown,), the
-    floating terminals where they carry no direct current. floating: F, shape (unknown, floating).
-    floating_conductance: in S, zero for those that are `common`: potentials of a whole sheet.
+    conductance: between high and low at zero frequency, S. potential: g in V, shape (unknown,); the
+    floating terminals carry no direct current in it. floating: F, shape (unknown, floating).
+    floating_conductance: S, zero for those that are `common`, the potentials of a whole sheet.
     """
 
     conductance: float
@@ -47,7 +47,7 @@ def excited_terminals(
     conductance: NDArray[np.float64],
     lift: NDArray[np.float64],
 ) -> ExcitedTerminals:
-    """Potentials and floating terminals of one excitation.
+    """Driven potentials and floating terminals of one excitation.
 
     conductance: between terminals, S. lift: shape (unknown, terminal).
     """
@@ -73,7 +73,7 @@ def excited_terminals(
 class Unshifted:
     """One excitation at sigma = 0 with one M, in F, of the space.
 
-    K^-1 is that of the inner block, `completed` by what floats.
+    K^-1 is that of the inner block, `completed` by the floating terminals.
     """
 
     driven: ExcitedTerminals
@@ -81,16 +81,17 @@ class Unshifted:
 
     @cached_property
     def potential(self) -> NDArray[np.float64]:
-        """What is driven at s = 0, V."""
+        """Driven potentials at s = 0, V."""
         return self._neutral(self.driven.potential)
 
     @cached_property
     def start(self) -> NDArray[np.float64]:
-        """The charge of that, C."""
+        """Charge of the driven potentials, C."""
         return self.mass @ self.potential
 
     def completed(self, y: NDArray[np.float64], inside: NDArray[np.float64]) -> NDArray[np.float64]:
-        """K^-1 y with the floating terminals among the unknowns. inside: of the inner block."""
+        """K^-1 y with the floating terminals among the unknowns. inside: K^-1 y of the inner
+        block."""
         v = np.zeros_like(y)
         v[: len(inside)] = inside
         tied, conductance = self._tied
@@ -99,7 +100,7 @@ class Unshifted:
         return self._neutral(v)
 
     def pencil(self, K: SuperLU) -> Pencil:
-        """For Lanczos' method. K: factors of the inner block."""
+        """Pencil for Lanczos' method. K: factors of the inner block."""
         inner, start = K.shape[0], self.start
         return Pencil(
             start,
@@ -116,14 +117,16 @@ class Unshifted:
 
     @cached_property
     def _tied(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Of terminals that currents tie to others: potentials, and the conductance between."""
+        """Potentials of floating terminals that currents tie to others, and the conductance between
+        them."""
         tied = ~self.driven.common
         conductance = self.driven.floating_conductance[np.ix_(tied, tied)]
         return self.driven.floating[:, tied], conductance
 
     @cached_property
     def _sheets(self) -> tuple[NDArray[np.float64], ...]:
-        """Of sheets that float as a whole: potentials, their charges, and those between them."""
+        """Potentials of sheets that float as a whole, their charges, and the capacitance between
+        them."""
         sheets = self.driven.floating[:, self.driven.common]
         charge = self.mass @ sheets
         return sheets, charge, sheets.T @ charge
@@ -140,8 +143,8 @@ def unshifted_pencils(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pe
 
     def inverse(y: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
         inside = solve(y[:, :inner].T).T
-        told = zip(which, y, inside, strict=True)
-        return np.stack([each[k].completed(own, found) for k, own, found in told])
+        parts = zip(which, y, inside, strict=True)
+        return np.stack([each[k].completed(own, inner_part) for k, own, inner_part in parts])
 
     return Pencils(np.stack([one.start for one in each]), mass, inverse)
 
@@ -153,7 +156,7 @@ def shifted(
     shift: float,
     power: Callable[[NDArray[np.float64]], float],
 ) -> Pencil:
-    """The pencil for sigma > 0, in 1/s. A: factors of the inner block of K + sigma M.
+    """Pencil for sigma > 0, in 1/s. A: factors of the inner block of K + sigma M.
 
     mass: M in F. power: v'Kv in W of potentials v. The driven potentials are those of s = sigma.
     """
@@ -166,7 +169,7 @@ def shifted(
 
 
 def potentials(driven: ExcitedTerminals, mass: Mass, A: SuperLU | Bordered, s: complex) -> NDArray:
-    """V of all unknowns for 1 V between high and low, shape (unknown,).
+    """Potentials of all unknowns for 1 V between high and low, V, shape (unknown,).
 
     A: factors of the inner block of K + s M. s: rad/s, real or complex. mass: M in F.
     """
@@ -177,7 +180,7 @@ def potentials(driven: ExcitedTerminals, mass: Mass, A: SuperLU | Bordered, s: c
 def _inverse(
     driven: ExcitedTerminals, mass: Mass, A: SuperLU | Bordered, s: complex
 ) -> Callable[[NDArray], NDArray]:
-    """y to (K + s M)^-1 y, the floating terminals among the unknowns, the driven ones at 0 V."""
+    """Map from y to (K + s M)^-1 y with floating terminals as unknowns and driven ones at 0 V."""
     inner, floating = A.shape[0], driven.floating
     charge = s * np.asarray(mass @ floating)
     coupling = charge[:inner]

@@ -1,4 +1,4 @@
-"""Sparse factors: of what SuperLU factorised, many right-hand sides in one pass."""
+"""Sparse factors that solve many right-hand sides in one pass."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from threadpoolctl import ThreadpoolController
 from ..sweeps import ToleranceError
 
 FEWEST_SIDES = 3
-"""Right-hand sides from which on one pass pays."""
+"""Number of right-hand sides from which on one pass pays."""
 
 
 def factorised(matrix: csc_matrix) -> SuperLU:
@@ -41,21 +41,22 @@ def factorised(matrix: csc_matrix) -> SuperLU:
 
 
 def without_zeros(matrix: csc_matrix) -> csc_matrix:
-    """The same in a pattern of its own: that of a system holds what K has not, between fields."""
+    """Copy of a matrix without stored zeros; the pattern of a system has entries between fields
+    that K lacks."""
     own = matrix.copy()
     own.eliminate_zeros()
     return own
 
 
 class Factors:
-    """What SuperLU has factorised; its own `solve` is the readable twin."""
+    """Factors of SuperLU; SuperLU's own `solve` is the readable twin."""
 
     def __init__(self, lu: SuperLU) -> None:
         self._lu = lu
 
     @cached_property
     def _both(self) -> list[tuple[NDArray, NDArray, NDArray]]:
-        """L and U by columns, as the kernel takes them."""
+        """L and U by columns, in the form that the kernel takes."""
         both: tuple[Any, Any] = self._lu.L, self._lu.U
         ordered = (each.sorted_indices() for each in both)
         return [(each.indptr, each.indices, each.data) for each in ordered]
@@ -74,7 +75,7 @@ class Factors:
 
 
 def one_blas_thread() -> AbstractContextManager:
-    """Blocks of sparse factors are too small to share: a second thread would only wait and spin."""
+    """Limit BLAS to one thread: blocks of sparse factors are too small to share."""
     return _blas().limit(limits=1, user_api="blas")
 
 

@@ -1,11 +1,11 @@
-"""Galerkin's method in one space of trial functions: what does not depend on the press, and Y.
+"""Galerkin's method in one space of trial functions: all that does not depend on the press, and Y.
 
 With the lift G (each terminal at 1 V in turn, the others at 0 V, no capacitance: K G = 0 inside)
 the potentials are G U + d, and the deviation d solves (K + s M) d = -s M G U. The terminals'
-admittance is then Y = G'KG + s G'MG - s² (MG)' (K + s M)^-1 (MG): the variational form, whose error
-is the square of the field's, and which keeps all digits at low frequency. Under a foil with contact
-resistance the unknown is lifted to the foil's potential first, so that a small resistance is a
-stiff film on a small deviation, and no small difference of large numbers.
+admittance is then Y = G'KG + s G'MG - s² (MG)' (K + s M)^-1 (MG). This is the variational form: its
+error is the square of the field's error, and it keeps all digits at low frequency. Under a foil
+with contact resistance the unknown is lifted to the foil's potential first. A small resistance is
+then a stiff film on a small deviation, and no small difference of large numbers.
 """
 
 from __future__ import annotations
@@ -42,11 +42,12 @@ class Galerkin:
     """A system restricted to the trial functions of elements up to some order.
 
     K: of the inner unknowns, S, sparse. lift: shape (inner + terminals, terminals). conductance:
-    between terminals at zero frequency, S. entries: of the system's pattern, that are this space's.
+    between terminals at zero frequency, S. entries: indices of this space's entries in the system's
+    pattern.
     """
 
     def __init__(self, system: System, circuit: Circuit, order: int) -> None:
-        """order: that of the system, or from 2 on a lower one."""
+        """order: that of the system, or a lower one from 2 on."""
         self.circuit, self.order = circuit, order
         self.terminal_field = np.array([terminal.field for terminal in circuit.terminals])
         terminals = len(self.terminal_field)
@@ -77,11 +78,12 @@ class Galerkin:
         return self.matrix(matrix.data[self.entries])
 
     def own(self, values: NDArray) -> NDArray:
-        """Those of this space and the terminals, along the first axis, among the system's."""
+        """Values of this space and the terminals, along the first axis, from those of the
+        system."""
         return values[self._rows]
 
     def matrix(self, values: NDArray) -> csc_matrix:
-        """A matrix of this space and the terminals from its values at `entries`."""
+        """Matrix of this space and the terminals from its values at `entries`."""
         return self._whole.matrix(values)
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -92,7 +94,7 @@ class Galerkin:
         return self._block.matrix(whole.data[self._block_entries])
 
     def network(self, mass: csc_matrix, s: NDArray[np.complex128]) -> Network:
-        """The N-terminal network at each s in rad/s: one complex system for each. mass: M in F."""
+        """N-terminal network at each s in rad/s: one complex system for each s. mass: M in F."""
         mass = self.restricted(mass)
         charge = mass @ self.lift
         at_once = self.lift.T @ charge
@@ -131,8 +133,8 @@ class Galerkin:
         return shifted(driven, mass, self._shifted(shift, mass), shift, self._power)
 
     def pencils(self, masses: Sequence[Mass], excitations: Sequence[Excitation]) -> Pencils:
-        """K + s M of each excitation with each M, of this space in F, those of one M side by
-        side."""
+        """K + s M of each excitation with each M, of this space in F; those of one M are
+        adjacent."""
         each = [
             Unshifted(self.driven(excitation), mass)
             for mass in masses
@@ -141,9 +143,9 @@ class Galerkin:
         return unshifted_pencils(each, self.solve, self.inner)
 
     def potentials(self, mass: Mass, excitation: Excitation, s: complex) -> NDArray:
-        """V of 1 V between high and low at s in rad/s, real or complex.
+        """Potentials for 1 V between high and low at s in rad/s, real or complex; V.
 
-        Of all unknowns of the system, 0 where this space has none. mass: M in F.
+        For all unknowns of the system, 0 where this space has none. mass: M in F.
         """
         mass = self.restricted(mass)
         return self.spread(potentials(self.driven(excitation), mass, self._shifted(s, mass), s))
@@ -151,12 +153,13 @@ class Galerkin:
     def potentials_by(
         self, steps: Steps, mass: Mass, excitation: Excitation, s: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """The same at real s >= 0, by the steps of a sweep that reached as far; shape (..., s)."""
+        """Potentials at real s >= 0 from the Lanczos steps of a sweep; shape (..., s)."""
         at_zero = Unshifted(self.driven(excitation), self.restricted(mass)).potential
         return self.spread(at_zero[:, None] + steps.potentials(s))
 
     def spread(self, u: NDArray) -> NDArray:
-        """Values of this space, along the first axis, among all of the system; 0 elsewhere."""
+        """Values of this space, along the first axis, among those of the whole system; 0
+        elsewhere."""
         whole = np.zeros((self._system.pattern.size, *u.shape[1:]), dtype=u.dtype)
         whole[self._rows] = u
         return whole
@@ -172,11 +175,12 @@ class Galerkin:
         return in_sheets + in_films[: self.inner]
 
     def sheet_energy(self, W: NDArray[np.float64], sheets: csc_matrix) -> NDArray[np.float64]:
-        """W'KW in W of sheets alone. W: V, shape (inner + terminals, k). sheets: of the system."""
+        """W'KW in W of the sheets alone. W: V, shape (inner + terminals, k). sheets: of the
+        system."""
         return W.T @ (self.restricted(sheets) @ W)
 
     def film_energy(self, W: NDArray[np.float64], films: Films) -> NDArray[np.float64]:
-        """W'KW in W of films of contact resistance alone."""
+        """W'KW in W of the films of contact resistance alone."""
         U = W[self.inner :]
         current = films.current[self._rows] @ U
         V = W - self._system.unknowns.at_foils[self._rows] @ U
@@ -218,7 +222,8 @@ class Galerkin:
     def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
 
-        The columns of a field add up to 1 V, which costs no current: that gives its first terminal.
+        The columns of a field add up to 1 V, which costs no current; that gives the column of its
+        first terminal.
         """
         system, terminals = self._system, len(self.terminal_field)
         first_of_field = [
@@ -252,7 +257,7 @@ class Galerkin:
 
 REACH = 10.0
 KEPT_NUMBERS = 2_000_000
-"""Of the vectors of a sweep, at most."""
+"""Maximum count of numbers in the cached vectors of a sweep."""
 
 
 def swept(
@@ -263,8 +268,10 @@ def swept(
     rtol: float,
     kept: CachedSteps | None = None,
 ) -> Swept:
-    """Forms of excitations at each s in rad/s, and relative errors of the interfaces that they
-    combine to, see `excitation.combination`. mass: M in F."""
+    """Forms of excitations at each s in rad/s, and relative errors of the interfaces.
+
+    The excitations combine to interfaces as in `excitation.combination`. mass: M in F.
+    """
     fits = MOST_STEPS * space.inner * len(excitations) <= KEPT_NUMBERS
     own, combined = kept if fits else None, combination(excitations)
     Q, error = np.empty((len(excitations), len(s)), dtype=np.complex128), []
@@ -284,8 +291,10 @@ def _interface(
     rtol: float,
     kept: CachedSteps | None,
 ) -> Swept:
-    """Forms of one interface and its relative error: real solves about zero, then about shifts for
-    what those leave."""
+    """Forms of one interface and its relative error.
+
+    Real solves about zero come first, then about shifts for the frequencies that those leave.
+    """
     steps = None if kept is None else [Steps() for _ in excitations]
 
     def about(shift: float, s: NDArray[np.complex128], steps: list[Steps] | None = None) -> Swept:

@@ -1,6 +1,6 @@
-"""The compiled kernels of the elements; each has a readable twin beside its callers.
+"""Compiled kernels of the elements; each has a readable twin next to its callers.
 
-Imported by `warming` where the work is worth it, and by other kernels.
+Imported by `lazy_kernel` where the work is worth it, and by other kernels.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def compressed(
 def _counted(
     keys: NDArray, pairs: NDArray, others: NDArray, size: int
 ) -> NDArray:  # pragma: no cover
-    """The pairs in order of their key, equal ones as they came; without those that are left out."""
+    """Pairs sorted by key, stable; pairs that are left out do not appear."""
     start = np.zeros(size + 1, np.int64)
     for pair in pairs:
         if keys[pair] >= 0 and others[pair] >= 0:
@@ -65,7 +65,7 @@ def _counted(
 def block(
     indices: NDArray, indptr: NDArray, kept: NDArray, number: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Indices, column pointers and places in the whole of the block of kept rows and columns.
+    """Indices, column pointers and positions in the whole of the block of kept rows and columns.
 
     number: of each row in the block, negative where it is not kept.
     """
@@ -87,7 +87,7 @@ def block(
 def continued_fraction(
     t: complex, diagonal: NDArray, squared: NDArray, steps: int
 ) -> complex:  # pragma: no cover
-    """1 / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)) to so many steps.
+    """1 / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)) after that many steps.
 
     diagonal: a_1, a_2, ... squared: b_0², b_1², ...
     """
@@ -101,7 +101,7 @@ def continued_fraction(
 def continued_fractions(
     t: NDArray, diagonal: NDArray, squared: NDArray, steps: int, value: NDArray
 ) -> None:  # pragma: no cover
-    """`continued_fraction` of every t to rounding, all of them side by side, into `value`.
+    """`continued_fraction` of every t, equal up to rounding, written into `value`.
 
     t: real and imaginary parts of t, then of t², shape (4, n). value: both parts, shape (2, n).
     """
@@ -128,10 +128,10 @@ Convergent = tuple[complex, complex, complex, complex]
 def next_convergent(
     convergent: Convergent, t: complex, a: float, b_squared: float, step: int
 ) -> Convergent:  # pragma: no cover
-    """Numerator and denominator of `continued_fraction` to one step more, and those before.
+    """Numerator and denominator of `continued_fraction` after one more step, and those before.
 
-    They are scaled so that the denominator is of modulus 1. step: how many there are already, from
-    the convergent (0, 1, 0, 0) on; a and b_squared: of the new one.
+    They are scaled so that the denominator is of modulus 1. step: number of steps so far, from the
+    convergent (0, 1, 0, 0) on; a and b_squared: coefficients of the new step.
     """
     P, Q, P_before, Q_before = convergent
     if step == 0:
@@ -147,7 +147,7 @@ def next_convergent(
 def last_change(
     s: NDArray, shift: float, at_once: NDArray, diagonal: NDArray, squared: NDArray, steps: int
 ) -> tuple[NDArray, NDArray]:  # pragma: no cover
-    """Y(s) in S after so many steps, and how much the last one changed Rs or Cp, relatively.
+    """Y(s) in S after that many steps, and the relative change of Rs or Cp by the last one.
 
     at_once: Y(sigma) + t g'Mg in S. A susceptance below LOST_SUSCEPTANCE of |Y| counts as that.
     """
@@ -169,7 +169,7 @@ def last_change(
 def fill(
     values: NDArray, slots: NDArray, weights: NDArray, reference: NDArray
 ) -> None:  # pragma: no cover
-    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], leaving out dropped slots."""
+    """values[slots[e, k]] += sum_m weights[e, m] reference[m, k], without dropped slots."""
     total = np.empty(slots.shape[1])
     for element in range(slots.shape[0]):
         total[:] = 0.0
@@ -188,7 +188,7 @@ Columns = tuple[NDArray, NDArray, NDArray]
 
 @compiled(fastmath={"contract"})
 def substitute(lower: Columns, upper: Columns, x: NDArray) -> None:  # pragma: no cover
-    """x to U^-1 L^-1 x, in place. lower: L, of unit diagonal. x: shape (unknown, right side)."""
+    """Replace x by U^-1 L^-1 x. lower: L, of unit diagonal. x: shape (unknown, right side)."""
     unknowns, count = x.shape
     starts, rows, values = lower
     for column in range(unknowns):

@@ -31,7 +31,7 @@ def last_change_readable(
     squared: NDArray[np.float64],
     steps: int,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """What `last_change` does, in the numbers of Python, which divides as numba does."""
+    """Do what `last_change` does with Python's numbers, which divide as numba does."""
     a, b = diagonal[:steps].tolist(), squared[:steps].tolist()
 
     def fraction(t: complex, steps: int) -> complex:
@@ -83,11 +83,12 @@ def respond(
     most_steps: int = MOST_STEPS,
     kept: Steps | None = None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,). kept: takes the steps.
+    """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,). kept: the steps are added
+    to it.
 
-    The error is what the last steps changed, and rounding. Ends when the change is within rtol
+    The error is the change by the last steps, plus rounding. Ends when the change is within rtol
     everywhere, when the space is exhausted, or after most_steps. While the frequency farthest from
-    the shift still changes more, the others are not looked at.
+    the shift still changes more, the others are not evaluated.
     """
     at_once = pencil.admittance + (s - pencil.shift) * pencil.capacitance
     diagonal, squared = np.empty(most_steps), np.empty(most_steps)
@@ -126,9 +127,9 @@ def respond(
 def potentials(
     pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
 ) -> NDArray[np.float64]:
-    """u(s) in V at real s >= 0 of an unshifted pencil, less those at s = 0; shape (unknown, s).
+    """u(s) - u(0) in V at real s >= 0 of an unshifted pencil, shape (unknown, s).
 
-    Ends when the last step adds less than rtol to any, in the norm of K.
+    Ends when the last step adds less than rtol at every s, in the norm of K.
     """
     found = _Spanned(shifts)
     for step in itertools.islice(coefficients(pencil), most_steps):
@@ -139,10 +140,10 @@ def potentials(
 
 @dataclass(frozen=True)
 class Pencils:
-    """Unshifted pencils of one K, whose solves are made together.
+    """Unshifted pencils of one K that are solved together.
 
-    start: M g of each, shape (pencil, unknown). mass, inverse: from vectors, shape (some,
-    unknown), and the pencils that they are of to M v and to K^-1 y.
+    start: M g of each, shape (pencil, unknown). mass, inverse: called with vectors, shape (some,
+    unknown), and the indices of their pencils; return M v and K^-1 y.
     """
 
     start: NDArray[np.float64]
@@ -153,7 +154,7 @@ class Pencils:
 def potentials_of_all(
     pencils: Pencils, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
 ) -> list[NDArray[np.float64]]:
-    """What `potentials` gives of each, step by step together."""
+    """`potentials` of each pencil, all advanced step by step together."""
     found = [_Spanned(shifts) for _ in pencils.start]
     going, residual = np.arange(len(found)), pencils.start
     beside, w = np.zeros(len(found)), np.zeros_like(residual)
@@ -180,7 +181,8 @@ def potentials_of_all(
 
 
 class Steps:
-    """Steps of Lanczos' method for one unshifted pencil, and what they make of its potentials."""
+    """Steps of Lanczos' method for one unshifted pencil, and the potentials that follow from
+    them."""
 
     def __init__(self) -> None:
         self.basis: list[NDArray[np.float64]] = []
@@ -188,7 +190,7 @@ class Steps:
         self._diagonal: list[float] = []
 
     def add(self, squared: float, diagonal: float, q: NDArray[np.float64]) -> None:
-        """One step more."""
+        """Append one step."""
         self.squared.append(squared)
         self._diagonal.append(diagonal)
         self.basis.append(q)
@@ -203,7 +205,7 @@ class Steps:
         return np.array(self.basis).T @ self.parts(shifts)
 
     def parts(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of each step, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
+        """Coefficient of each basis vector, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
         beside = np.sqrt(self.squared[1:])
         T = np.diag(self._diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
         start = np.eye(len(T), 1) * np.sqrt(self.squared[0])
@@ -212,20 +214,20 @@ class Steps:
 
 
 class CachedSteps:
-    """The steps about zero of a sweep's excitations, and up to which |s| in rad/s they are
-    close."""
+    """Lanczos steps about zero of a sweep's excitations, and the |s| in rad/s up to which they are
+    accurate."""
 
     def __init__(self) -> None:
         self.steps = dict[Excitation, tuple[Steps, float]]()
 
     def of(self, excitation: Excitation, s: NDArray[np.float64]) -> Steps | None:
-        """Those of an excitation if they are close at all s."""
+        """Steps of an excitation, or None unless they are accurate at all s."""
         steps, reach = self.steps.get(excitation, (None, 0.0))
         return steps if s.max() <= reach else None
 
 
 class _Spanned:
-    """Steps for one pencil until they make its potentials at shifts closely enough."""
+    """Lanczos steps for one pencil, until its potentials at the shifts are accurate."""
 
     def __init__(self, shifts: NDArray[np.float64]) -> None:
         self.shifts = shifts
@@ -233,9 +235,9 @@ class _Spanned:
         self._pivot = self._last = np.ones(len(shifts))
 
     def settled(self, squared: float, diagonal: float, q: NDArray[np.float64], rtol: float) -> bool:
-        """Take one step; whether it adds less than rtol to any, in the norm of K.
+        """Take one step; True if it adds less than rtol at every s, in the norm of K.
 
-        That norm is |s| b_0 at most, by which most steps are known to matter.
+        That norm is at most |s| b_0, which shows without a solve that most steps still matter.
         """
         t = self.shifts
         self._pivot = 1 + t * diagonal - (t**2 * squared / self._pivot if self.steps.basis else 0.0)

@@ -1,7 +1,7 @@
-"""Kernels that Python reads until their work is worth loading numba: a few presses never are.
+"""Kernels that run as plain Python until their work is worth loading numba.
 
-To import numba and load what it compiled takes as long as some hundred sweeps of a small skin. Both
-ways give the same bits.
+A few presses never are: importing numba and loading the compiled code takes as long as some hundred
+sweeps of a small skin. Both ways give the same bits.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 WORTH = 0.3
-"""s of a kernel's readable twin, altogether, that loading numba is worth."""
+"""Total time of readable twins, s, from which on loading numba pays."""
 
 
 class LazyKernel:
     """A kernel and its readable twin.
 
-    kernel: gives it, of the module `fem.kernels`, which is imported at need. cost: s that the twin
-    takes for such arguments, about.
+    kernel: returns it from the module `fem.kernels`, which is imported on demand. cost: approximate
+    time of the twin for these arguments, s.
     """
 
     spent = 0.0
@@ -34,7 +34,7 @@ class LazyKernel:
         self._kernel, self._twin, self._cost = kernel, twin, cost
 
     def __call__(self, *arguments: Any) -> Any:
-        """What the kernel returns."""
+        """Call the kernel or its twin."""
         if "numba" in sys.modules:
             return self._kernel(_kernels())(*map(_in_c_order, arguments))
         LazyKernel.spent += self._cost(*arguments)
@@ -50,7 +50,8 @@ def _kernels() -> Any:
 
 
 def _in_c_order(argument: Any) -> Any:
-    """The same or its copy: for another order of axes a kernel would be compiled anew.
+    """The argument or a copy in C order: a kernel would be compiled again for another order of
+    axes.
 
     Arrays of one axis, which kernels write into, are never copied.
     """

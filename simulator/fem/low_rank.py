@@ -1,4 +1,4 @@
-"""M with charges that potentials far away make: a sparse matrix, and a dense one of low rank."""
+"""Mass matrix with charges by distant potentials: a sparse and a dense low-rank part."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class LowRankMass:
     far: NDArray[np.float64]
 
     def dot(self, v: NDArray) -> NDArray:
-        """M v."""
+        """Return M v."""
         return self.near @ v + self.far @ (self.far.T @ v)
 
     __matmul__ = dot
@@ -31,8 +31,10 @@ Mass = csc_matrix | LowRankMass
 
 
 class Bordered:
-    """Factors of A + s F F', from those of a sparse A: M. A. Woodbury, Inverting Modified Matrices,
-    1950."""
+    """Factors of A + s F F' from those of a sparse A.
+
+    Source: M. A. Woodbury, Inverting Modified Matrices, 1950.
+    """
 
     def __init__(self, sparse: SuperLU, far: NDArray[np.float64], s: complex) -> None:
         """far: F, shape (unknown, rank)."""
@@ -42,6 +44,6 @@ class Bordered:
         self._own = np.eye(far.shape[1]) + far.T @ self._followed
 
     def solve(self, y: NDArray) -> NDArray:
-        """(A + s F F')^-1 y."""
+        """Return (A + s F F')^-1 y."""
         x = self._sparse.solve(y)
         return x - self._followed @ np.linalg.solve(self._own, self._far.T @ x)

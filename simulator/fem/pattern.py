@@ -14,7 +14,8 @@ from .dropped import DROPPED
 from .lazy_kernel import LazyKernel
 
 TABLE = 32
-"""Times the keys: how many may be in a table, which then takes less time than to sort the keys."""
+"""Largest size of a lookup table over the number of keys; below it a table is faster than sorting.
+"""
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Pattern:
         return matrix
 
     def within(self, kept: NDArray[np.int64]) -> tuple[Pattern, NDArray[np.int64]]:
-        """The pattern of the block of some rows and columns, and where its values are in the whole.
+        """Pattern of the block of some rows and columns, and the positions of its values in the
+        whole.
 
         kept: their indices, ascending.
         """
@@ -55,9 +57,9 @@ class Pattern:
 def pattern_of_pairs(
     rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
 ) -> tuple[Pattern, NDArray[np.int64]]:
-    """The pattern that holds every pair (row, column), and where in its values each pair goes.
+    """Pattern that holds every pair (row, column), and the slot of each pair in its values.
 
-    Pairs with a negative index are left out: they go to DROPPED. Both are of one shape.
+    Pairs with a negative index get the slot DROPPED. rows and columns have the same shape.
     """
     row, column = (each.ravel().astype(np.int64, copy=False) for each in (rows, columns))
     indices, indptr, slots = compressed(row, column, int(size))
@@ -67,8 +69,8 @@ def pattern_of_pairs(
 def compressed_readable(
     rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
-    """What `compressed` does: a table of all keys finds those of a small matrix, numpy's
-    search the distinct ones of others."""
+    """Do what `compressed` does: by a table of all keys for small matrices, by sorting for
+    others."""
     kept = (rows >= 0) & (columns >= 0)
     keys = columns[kept] * size + rows[kept]
     if size**2 <= TABLE * keys.size:
@@ -93,7 +95,7 @@ def block_readable(
     kept: NDArray[np.int64],
     number: NDArray[np.int32],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
-    """What `block` does, entry by entry at once."""
+    """Do what `block` does, for all entries at once."""
     column = number[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
     entries = np.flatnonzero((number[indices] >= 0) & (column >= 0))
     counts = np.bincount(column[entries], minlength=len(kept))

@@ -1,10 +1,10 @@
 """Element matrices of coefficients that vary within cells of any shape, on quads and triangles.
 
 An integral over a cell is a sum over the points of a rule. The products of basis functions at a
-point are the same in every cell; what differs is the coefficient there, the cell's area and its
-slant. So they are reference matrices like any others, one a point for c u v and three a point for
-grad u . S grad v, and the kernel that adds up weighted reference matrices adds them up too. What is
-the same at all points of each cell is integrated once: one matrix, and three.
+point are the same in every cell; the coefficient there, the cell's area and its slant differ. So
+they are reference matrices like any others, one a point for c u v and three a point for grad u . S
+grad v, and the kernel that adds weighted reference matrices adds them too. Coefficients that are
+constant in each cell are integrated once: one matrix, and three.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from skfem.refdom import RefQuad, RefTri
 from ..mesh.rings import Cells
 
 ROUNDING = 1e-14
-"""Of the largest integral: what is smaller is 0. Factors of sparse matrices are the smaller."""
+"""Fraction of the largest integral below which integrals are set to 0, so that factors stay sparse.
+"""
 BLOCK = 4_000_000
 ONE_FIELD = np.ones((1, 1))
 
@@ -51,13 +52,15 @@ class Rule:
 
     @cached_property
     def stiffness(self) -> NDArray[np.float64]:
-        """Of d/da d/da, d/db d/db and d/da d/db + d/db d/da, shape (3, function, function)."""
+        """Integrals of d/da d/da, d/db d/db and d/da d/db + d/db d/da, shape (3, function,
+        function)."""
         a, b = self.slopes
         both = 2 * self._products(a, b)
         return np.stack([self._products(a, a), self._products(b, b), both])
 
     def _products(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where rounding is left."""
+        """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where only rounding is
+        left."""
         one_way = (u * self.weights) @ v.T
         found = (one_way + one_way.T) / 2
         return np.where(np.abs(found) > ROUNDING * np.abs(found).max(), found, 0.0)
@@ -65,10 +68,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class CellGeometry:
-    """Where the points of a rule lie in each cell, and how x runs with a and b there.
+    """Positions of a rule's points in each cell, and the derivatives of x by a and b there.
 
     x: m. along: dx/da in m. across: dx/db in m. All of shape (2, cell, point). On a surface in
-    space x holds the first two coordinates, along and across are in a frame of the cell's own.
+    space x holds the first two coordinates; along and across are in each cell's own frame.
     """
 
     x: NDArray[np.float64]
@@ -77,29 +80,30 @@ class CellGeometry:
 
     @property
     def area(self) -> NDArray[np.float64]:
-        """Of the parallelogram that the cell is at each point, m², shape (cell, point)."""
+        """Area of the parallelogram of along and across at each point, m², shape (cell, point)."""
         along, across = self.along, self.across
         return np.abs(along[0] * across[1] - along[1] * across[0])
 
     def some(self, cells: NDArray[np.int64] | slice) -> CellGeometry:
-        """Of some of the cells."""
+        """Geometry of some of the cells."""
         return CellGeometry(self.x[:, cells], self.along[:, cells], self.across[:, cells])
 
 
 def gauss_rule(element: Element, degree: int) -> Rule:
-    """The product rule that is exact for polynomials of that degree in a and in b."""
+    """Product rule that is exact for polynomials of that degree in a and in b."""
     nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
     points = np.stack([each.ravel() for each in np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2)])
     return rule_at(element, points, np.outer(weights, weights).ravel() / 4)
 
 
 def triangle_rule(element: Element, degree: int) -> Rule:
-    """A rule that is exact for polynomials of that total degree."""
+    """Rule that is exact for polynomials of that total degree."""
     return rule_at(element, *get_quadrature(RefTri, degree))
 
 
 def divided(element: Element, rule: Rule) -> Rule:
-    """A rule on each of the four triangles that the reference triangle is halved into."""
+    """The rule applied to each of the four triangles that the reference triangle is divided
+    into."""
     half = rule.points / 2
     turned = 0.5 - half
     corners = [half, half + [[0.5], [0.0]], half + [[0.0], [0.5]]]
@@ -107,7 +111,7 @@ def divided(element: Element, rule: Rule) -> Rule:
 
 
 def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.float64]) -> Rule:
-    """The element's functions at these points of its reference cell, shape (2, point)."""
+    """Basis functions of an element at these points of its reference cell, shape (2, point)."""
     basis = Basis(_reference_mesh(element), element, quadrature=(points, weights)).basis
     functions = [each for each, *_ in basis]
     return Rule(
@@ -119,7 +123,8 @@ def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.f
 
 
 def edge_rule(element: Element, edge: int, count: int) -> tuple[Rule, NDArray[np.float64]]:
-    """So many points along one edge of the reference cell, and the direction of that edge."""
+    """Rule with `count` points along one edge of the reference cell, and the direction of that
+    edge."""
     corners = np.asarray(element.refdom.p)
     start, end = (corners[:, k] for k in np.asarray(element.refdom.facets)[edge])
     nodes, weights = np.polynomial.legendre.leggauss(count)
@@ -134,7 +139,7 @@ def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
 
 
 def surface(cells: Cells, rule: Rule) -> CellGeometry:
-    """Of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
+    """Geometry of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
     a, b = rule.points
     vectors = (cells.p[:, cells.t[0]], cells.along, cells.across, cells.twist)
     origin, along, across, twist = (each[:, :, None] for each in vectors)
@@ -149,9 +154,9 @@ def mass_terms(
     c: NDArray[np.float64],
     fields: NDArray[np.float64] = ONE_FIELD,
 ) -> Iterator[Terms]:
-    """Of the form c u v. c: F/m², shape (cell, point). fields: how it enters between fields.
+    """Terms of the form c u v. c: F/m², shape (cell, point). fields: its coupling between fields.
 
-    In blocks of a few points, of which none takes more than BLOCK numbers.
+    Yields blocks of a few points; none takes more than BLOCK numbers.
     """
     density = surface.area * c
     if _even(density):
@@ -169,10 +174,11 @@ def stiffness_terms(
     conductance: NDArray[np.float64],
     fields: NDArray[np.float64] = ONE_FIELD,
 ) -> Iterator[Terms]:
-    """Of the form grad u . S grad v. conductance: S in S, a scalar of shape (cell, point) or a
-    tensor by its xx, yy and xy of shape (3, cell, point).
+    """Terms of the form grad u . S grad v.
 
-    With J = [along, across] the weights are |J| J^-1 S J^-T, of da da, db db and da db + db da.
+    conductance: S in S, a scalar of shape (cell, point) or a tensor by its xx, yy and xy of shape
+    (3, cell, point). With J = [along, across] the weights are |J| J^-1 S J^-T, of da da, db db and
+    da db + db da.
     """
     density = _pulled_back(surface, conductance)
     if _even(density):
@@ -202,14 +208,14 @@ def _pulled_back(surface: CellGeometry, conductance: NDArray[np.float64]) -> NDA
 
 
 def _even(density: NDArray[np.float64]) -> bool:
-    """Whether a density is the same at all points of each cell."""
+    """True if a density is constant in each cell."""
     return bool((density == density[..., :1]).all())
 
 
 def interpolated(rule: Rule, surface: CellGeometry, u: NDArray) -> tuple[NDArray, NDArray]:
     """A function and its gradient, per m, from its coefficients u, shape (function, cell).
 
-    Of shapes (cell, point) and (2, cell, point).
+    Returns shapes (cell, point) and (2, cell, point).
     """
     along, across = surface.along, surface.across
     determinant = along[0] * across[1] - along[1] * across[0]

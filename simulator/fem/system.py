@@ -22,7 +22,8 @@ from .pattern import Pattern
 from .unknowns import Unknowns, number_unknowns, quadrilateral_trial
 
 BYTES_FOR_UNKNOWN = 5e3
-"""Of factors and all else: 100 x 100 and 200 x 200 pixels took 5.7 and 5.0 kB for each."""
+"""Memory per unknown for factors and all else: 100 x 100 and 200 x 200 pixels took 5.7 and 5.0 kB.
+"""
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Films:
 
     @property
     def any(self) -> bool:
-        """Whether there is any film at all."""
+        """True if there is any film."""
         return bool(self.stiffness.data.any() or self.current.any())
 
 
@@ -52,7 +53,7 @@ class System:
     """(K + B + s M) u = b, with each terminal's potential as one unknown.
 
     sheets: K in S, the sheets' conductance, shape (inner + terminals, inner + terminals).
-    fields_decoupled: whether K is factorised without the zeros between fields that its pattern has.
+    fields_decoupled: True if K is factorised without the zeros between fields that its pattern has.
     """
 
     fields_decoupled: ClassVar[bool] = False
@@ -62,12 +63,12 @@ class System:
 
     @property
     def pattern(self) -> Pattern:
-        """Of all matrices."""
+        """Sparsity pattern of all matrices."""
         return self.unknowns.pattern
 
     @property
     def slots(self) -> NDArray[np.int64]:
-        """Where in the pattern's values each pair of a cell's coefficients goes."""
+        """Slot in the pattern's values of each pair of a cell's coefficients."""
         return self.unknowns.slots
 
     @cached_property
@@ -104,7 +105,7 @@ FEWEST_ALONG = 2
 
 
 def check_grid_fits(scene: Scene, circuit: Circuit, along: int = FEWEST_ALONG) -> None:
-    """Raises InputError where elements on a scene's grid of pixels would not fit in memory.
+    """Raise InputError if elements on a scene's grid of pixels would not fit in memory.
 
     along: unknowns along each side of a pixel.
     """
@@ -117,9 +118,9 @@ def check_grid_fits(scene: Scene, circuit: Circuit, along: int = FEWEST_ALONG) -
 
 
 def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> PixelSystem:
-    """The system of a scene's circuit at a resolution: all that does not depend on the press.
+    """System of a scene's circuit at a resolution: all that does not depend on the press.
 
-    Raises InputError where its factors would not fit in memory.
+    Raises InputError if its factors would not fit in memory.
     """
     check_grid_fits(scene, circuit, resolution.cells * resolution.order)
     pixels = pixel_mesh(scene, circuit.contacts, resolution)
@@ -139,7 +140,7 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Pixe
 def conducting(
     conductance: Sequence[float], pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
 ) -> csc_matrix:
-    """K in S of sheets of such conductances in S, one for each field."""
+    """K in S of sheets with these conductances in S, one for each field."""
     values = np.zeros(len(pattern.indices))
     for group in cells:
         reference = _both(np.diag(conductance), *group.stiffness)
@@ -148,7 +149,8 @@ def conducting(
 
 
 def films(circuit: Circuit, unknowns: Unknowns, film: Callable[[Terminal], csc_matrix]) -> Films:
-    """What contact resistance adds. film: the form of (V - U)² / r_c of one terminal's foils."""
+    """Contributions of contact resistance. film: the form of (V - U)² / r_c of one terminal's
+    foils."""
     under, at_foils = unknowns.under, unknowns.at_foils
     stiffness = np.zeros(len(unknowns.pattern.indices))
     current, conductance = np.zeros_like(at_foils), np.zeros((at_foils.shape[1],) * 2)
@@ -171,7 +173,8 @@ def pixel_films(
     order: int,
     only: Contact | None = None,
 ) -> Films:
-    """What contact resistance adds on a mesh of pixels; only: that of this foil alone."""
+    """Contributions of contact resistance on a mesh of pixels. only: restricts them to this
+    foil."""
     edge_mass = edge_masses(order)
 
     def film(terminal: Terminal) -> csc_matrix:

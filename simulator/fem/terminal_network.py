@@ -1,8 +1,8 @@
-"""The N-terminal network of a skin, and what a meter sees between some of its terminals.
+"""N-terminal network of a skin, and the impedance that a meter sees between some of its terminals.
 
-Every sheet alone is at one potential at zero frequency, so a network has potentials that cost no
-current. They are kept apart as modes of their own and their conductance is zero by construction:
-a capacitance of femtofarads beside a conductance of siemens then loses no digits.
+Each sheet alone is at one potential at zero frequency, so a network has potentials that cost no
+current. They are kept as separate modes whose conductance is zero by construction. A capacitance of
+femtofarads in parallel with a conductance of siemens then loses no digits.
 """
 
 from __future__ import annotations
@@ -50,17 +50,17 @@ class Network:
 def allowed_potentials(
     field: tuple[int, ...], excitation: Excitation
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Terminal potentials that the excitation allows, as columns; which of them cost no current at
-    DC.
+    """Terminal potentials that an excitation allows, as columns, and which of them cost no direct
+    current.
 
-    field: the sheet that each terminal is on. The first potential is the driven one, high and low
-    at the excitation's own potentials; in the others both are at 0 V, but for the last one of an
+    field: the sheet that each terminal is on. The first column is the driven one, with high and low
+    at the excitation's own potentials. In the others both are at 0 V, except the last one of an
     excitation that is `raised`: there all that is connected to them is at 1 V.
     """
     nodes, count = _nodes(len(field), excitation), len(field)
     high, low = nodes[0], nodes[1] if excitation.low else None
     of_high, of_low = excitation.potentials
-    driven, at_rest = np.zeros(count), True
+    driven, currentless = np.zeros(count), True
     columns: list[NDArray[np.float64]] = []
     common: list[bool] = []
     connected: list[tuple[int, ...]] = []
@@ -75,13 +75,13 @@ def allowed_potentials(
             driven += (of_low if low in island else of_high) * whole
         if high in island and low in island:
             driven += (of_high - of_low) * _indicator([high], count)
-            at_rest = of_high == of_low
+            currentless = of_high == of_low
         columns += [_indicator([node], count) for node in floating]
         common += [False] * len(floating)
     if excitation.raised:
         columns.append(_indicator(connected, count))
         common.append(True)
-    return np.stack([driven, *columns]).T, np.array([at_rest, *common])
+    return np.stack([driven, *columns]).T, np.array([currentless, *common])
 
 
 def _nodes(count: int, excitation: Excitation) -> list[tuple[int, ...]]:
@@ -92,7 +92,7 @@ def _nodes(count: int, excitation: Excitation) -> list[tuple[int, ...]]:
 
 
 def _islands(nodes: list[tuple[int, ...]], field: tuple[int, ...]) -> list[list[tuple[int, ...]]]:
-    """Nodes that sheets connect at zero frequency."""
+    """Groups of nodes that sheets connect at zero frequency."""
     islands: list[list[tuple[int, ...]]] = []
     for node in nodes:
         sheets = {field[terminal] for terminal in node}

@@ -1,7 +1,7 @@
-"""Which coefficient of which field is an unknown of its own, which is a terminal's, which is none.
+"""Numbering of the degrees of freedom: free, tied to a terminal, or eliminated.
 
-Under an ideal foil the trace is constant: coefficients of 1 are the terminal's unknown, the others
-vanish and are dropped.
+Under an ideal foil the trace is constant: coefficients of the function 1 become the terminal's
+unknown, the others vanish and are dropped.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ TRIANGLES = (ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)
 
 @dataclass(frozen=True)
 class TrialSpace:
-    """The trial functions of one field.
+    """Trial functions of one field.
 
-    one: coefficients of the function 1, shape (coefficient,). degree: the order from which on
-    elements have each coefficient, shape (coefficient,); bases of one order alone have 1 all over.
+    one: coefficients of the function 1, shape (coefficient,). degree: the lowest order whose
+    elements have each coefficient, shape (coefficient,); 1 everywhere for bases of a single order.
     """
 
     dofs: Dofs
@@ -41,7 +41,7 @@ class TrialSpace:
         return np.asarray(self.dofs.nodal_dofs).ravel()
 
     def on(self, facets: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Coefficients that are not zero on some of the facets."""
+        """Coefficients whose functions are not zero on some of the facets."""
         return self.dofs.get_facet_dofs(facets).flatten()
 
 
@@ -51,12 +51,12 @@ class Unknowns:
 
     number: DROPPED for none, shape (field, coefficient). degree: of each inner one, shape (inner,).
     one: inner coefficients of 1 V all over a field, shape (inner, field). under: 1 V under the
-    resistive foils of each terminal, whosever unknown that is there; at_foils: coefficients of 1 V
+    resistive foils of each terminal, whichever unknown is there; at_foils: coefficients of 1 V
     under the foils of each terminal, 0 V elsewhere; both of shape (inner + terminals, terminals).
-    pattern: of matrices of all unknowns. slots: where in its values each pair of a cell's
-    coefficients goes, shape (cell, pair). facing: where those of each conductor go with a cell's
-    coefficients of the field that it faces and back, shape (conductor, 2, cell, local), and with
-    itself, (conductor,).
+    pattern: of matrices of all unknowns. slots: slot in its values of each pair of a cell's
+    coefficients, shape (cell, pair). facing: slots that couple each conductor with a cell's
+    coefficients of the field in front of it and back, shape (conductor, 2, cell, local), and its
+    own diagonal slot, (conductor,).
     """
 
     inner: int
@@ -71,7 +71,8 @@ class Unknowns:
 
 
 def quadrilateral_trial(mesh: MeshQuad, order: int) -> TrialSpace:
-    """Nodal up to order 2, hierarchical from order 3: those bases are nested."""
+    """Trial functions on quadrilaterals: nodal up to order 2, hierarchical (nested) from order
+    3."""
     dofs = Dofs(mesh, quadrilateral(order))
     one = np.ones(dofs.N)
     if order > 2:
@@ -81,7 +82,7 @@ def quadrilateral_trial(mesh: MeshQuad, order: int) -> TrialSpace:
 
 
 def triangle_trial(mesh: MeshTri, order: int) -> TrialSpace:
-    """Nodal, of orders 1 to 4."""
+    """Nodal trial functions on triangles, of orders 1 to 4."""
     dofs = Dofs(mesh, TRIANGLES[order - 1]())
     return TrialSpace(dofs, np.ones(dofs.N), np.ones(dofs.N, dtype=np.int64))
 
@@ -92,8 +93,11 @@ def number_unknowns(
     facets: Callable[[Contact], NDArray[np.int64]],
     inside: Callable[[Contact], NDArray[np.int64]] | None = None,
 ) -> Unknowns:
-    """The unknowns of a circuit. facets: those under a foil. inside: the cells under one that has
-    a width; without it there is none."""
+    """Number the unknowns of a circuit.
+
+    facets: those under a foil. inside: the cells under a foil that has a width; without it no foil
+    has one.
+    """
 
     def under_all(contacts: Sequence[Contact]) -> NDArray[np.int64]:
         if not contacts:
@@ -133,8 +137,8 @@ def on_cells(unknowns: Unknowns, trial: TrialSpace, u: NDArray) -> NDArray:
 
     u: of the unknowns, shape (inner + terminals,).
     """
-    held = np.append(u, 0.0)
-    return held[unknowns.number][:, trial.dofs.element_dofs]
+    values = np.append(u, 0.0)
+    return values[unknowns.number][:, trial.dofs.element_dofs]
 
 
 def _degree(dofs: Dofs) -> NDArray[np.int64]:
@@ -150,7 +154,7 @@ def _degree(dofs: Dofs) -> NDArray[np.int64]:
 def _numbers(
     circuit: Circuit, trial: TrialSpace, under_all: Callable[[Sequence[Contact]], NDArray[np.int64]]
 ) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
-    """The unknown of each field's coefficients; how many are inner, and the degree of those."""
+    """Unknown of each field's coefficients, the number of inner ones, and the degree of those."""
     free = DROPPED - 1
     number = np.full((circuit.fields, len(trial.one)), free, dtype=np.int64)
     owner = np.full_like(number, DROPPED)
@@ -170,7 +174,8 @@ def _numbers(
 def _facing(
     circuit: Circuit, trial: TrialSpace, number: NDArray[np.int64], inner: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Rows and columns in which conductors meet the fields that they face, then themselves."""
+    """Rows and columns that couple conductors with the fields in front of them, then their
+    diagonals."""
     rows, columns = [], []
     for conductor in circuit.conductors:
         faces = circuit.terminals[conductor].faces
@@ -220,7 +225,8 @@ def _under_terminals(
 
 
 def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
-    """Where foils meet the sheet is lifted to the first of them; terminals are at their own 1 V."""
+    """Lift of the sheet at foils: where foils meet, to the first of them; terminals at their own 1
+    V."""
     first = np.cumsum(under != 0, axis=1) == 1
     at_foils = np.where(first, under, 0.0)
     at_foils[inner:] = np.eye(under.shape[1])

@@ -1,4 +1,4 @@
-"""What surrounds a skin as parameters: a body near it, the rim, and the finger that presses it."""
+"""Parameters of a skin's surroundings: a body near it, the rim, and the finger that presses it."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from ..scene.surroundings import Body, Rim
 from ..surroundings.rim import rim_densities
 
 EFFECTS = ("body", "rim", "finger")
-"""Logarithms of factors on the capacitance of all bodies and of the rim; and what every touch has
-more to earth than its press says, F. A scene has those of what it has around it."""
+"""Logarithms of factors on the capacitance of all bodies and of the rim; and the capacitance to
+earth of every touch in addition to its press, F. A scene has those that its surroundings allow."""
 
 NEEDED = {
     "body": "it needs [surroundings.body], not solved",
     "rim": "it needs `rim` of [surroundings]",
     "finger": "it needs [surroundings] without a body in front of the sheet that fingers touch",
 }
-"""What a scene needs to have each of EFFECTS."""
+"""Requirements of each of EFFECTS on a scene."""
 
 
 def effects_of(scene: Scene) -> tuple[str, ...]:
     """Those of EFFECTS that change a scene.
 
-    What `surroundings.solved` computes is of one geometry: neither body nor rim is a factor there.
+    `surroundings.solved` is computed for one geometry: neither body nor rim is a factor there.
     """
     around = scene.surroundings
     if around is None:
@@ -41,11 +41,10 @@ def effects_of(scene: Scene) -> tuple[str, ...]:
 
 
 def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
-    """What changes of a scene with these of EFFECTS, for its `model_copy`; nothing where they are
-    its own.
+    """Update of a scene's `model_copy` for these values of EFFECTS; empty if they change nothing.
 
-    A rim that is computed is given then as it was: it would follow a body that is nearer. Raises
-    InputError where it cannot be computed.
+    A computed rim is then given by its values, because it would follow a body that is nearer.
+    Raises InputError if it cannot be computed.
     """
     around, changed = scene.surroundings, {n: values[n] for n in EFFECTS if values.get(n)}
     if around is None or not changed:
@@ -63,14 +62,14 @@ def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _nearer(body: Body, factor: float) -> Body:
-    """The body with so many times the capacitance."""
+    """Body with its capacitance multiplied by a factor."""
     if body.distance is None:
         return body.model_copy(update={"capacitance_per_area": body.per_area * factor})
     return body.model_copy(update={"distance": body.distance / factor})
 
 
 def _stronger(scene: Scene, factor: float) -> Rim | bool:
-    """The rim with so many times the capacitance; none where there is none."""
+    """Rim with its capacitance multiplied by a factor; False without a rim."""
     if "rim" not in effects_of(scene):
         return False
     rim = rim_densities(scene)

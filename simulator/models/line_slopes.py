@@ -1,7 +1,7 @@
-"""The exact line as a differentiable function: what `Forward` is to sheets, without any training.
+"""The exact line as a differentiable function with the interface of `Forward`, without training.
 
-The chain of `models.line` is differentiated segment by segment. Of the resistance no slope is
-needed beside: Z(a R, s) = a Z(R, a s), so that R dZ/dR = Z + s dZ/ds.
+The chain of `models.line` is differentiated segment by segment. The slope by resistance follows
+from the others: Z(a R, s) = a Z(R, a s), so that R dZ/dR = Z + s dZ/ds.
 """
 
 from __future__ import annotations
@@ -24,14 +24,15 @@ from .response import Response, at_meter
 
 SMALL = 1e-2
 TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)
-"""Of d(tanh q / q)/dz about z = q² = 0, highest power first."""
+"""Coefficients of d(tanh q / q)/dz about z = q² = 0, highest power first."""
 
 
 class LineModel:
-    """A scene that is a line of pixels, as a function of parameters and presses, exact anywhere."""
+    """A scene that is a line of pixels, as a function of parameters and presses, exact
+    everywhere."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises InputError, saying why, where the scene is no line or has pixels across it."""
+        """Raises InputError, with the reason, if the scene is no line or has pixels across it."""
         c, lengths = Line(scene).profile(Press())
         skin, pixels, edge = scene.skin, scene.pixels, scene.contacts[0].edge
         along_x = edge in ("left", "right")
@@ -50,13 +51,13 @@ class LineModel:
         return tuple(n for n in own_values(self.scene) if n != "contact_resistance" or self._film)
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Pixels that a press touches, from 0, and by how much of c at rest each rises.
+        """Pixels that a press touches, from 0, and the rise of each relative to the unpressed c.
 
         Raises InputError for touches that are not whole pixels.
         """
         touches = [touch for touch in press.touches if isinstance(touch, Touch)]
         if len(touches) < len(press.touches):
-            raise InputError(f"press {press}: all touches must be whole pixels here")
+            raise InputError(f"press {press}: all touches of a line must be whole pixels")
         raised = [touch for touch in touches if touch.factor != 1]
         cells = [max(touch.row, touch.column) - 1 for touch in raised]
         return np.array(cells, dtype=np.int64), np.array([touch.factor - 1 for touch in raised])
@@ -67,15 +68,15 @@ class LineModel:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> float:
-        """Nothing is left out of an exact line."""
+        """Bound on the relative error: 0, because the line is exact."""
         return 0.0
 
     def alike(self, given: Mapping[str, float] | None = None) -> bool:
-        """Whether `respond_together` takes presses, see `Forward.alike`."""
+        """True if `respond_together` takes presses, see `Forward.alike`."""
         return True
 
     def factors_at_rest(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:
-        """c of each cell at rest over that of the scene."""
+        """c of each unpressed cell over that of the scene."""
         factor = math.exp(all_values(self.scene, given)["capacitance"])
         return np.full(len(self._C), factor)
 
@@ -85,7 +86,7 @@ class LineModel:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> Response:
-        """Of one press, with exact derivatives; see `Forward.respond`."""
+        """Response to one press, with exact derivatives; see `Forward.respond`."""
         found = self._responses(cells[None], rises[None], given)
         by_parameter = {name: slope[0] for name, slope in found.by_parameter.items()}
         return Response(found.Z[0], by_parameter, found.by_cell[0], found.by_term[0])
@@ -96,7 +97,7 @@ class LineModel:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> Response:
-        """Of presses that touch as many cells each; see `Forward.respond_together`."""
+        """Responses to presses that touch as many cells each; see `Forward.respond_together`."""
         found = self._responses(cells, rises, given)
         of_touched = np.take_along_axis(found.by_cell, cells[:, None, None], axis=-1)
         return replace(found, by_cell=of_touched)
@@ -107,7 +108,7 @@ class LineModel:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None,
     ) -> Response:
-        """Of presses, shape (press, touch): all of it has an axis (press,) first."""
+        """Responses to presses, shape (press, touch): all arrays have an axis (press,) first."""
         values = all_values(self.scene, given)
         s = laplace_variable(self.scene.frequencies, loss_of(values))
         sheets = self._both_sheets(values)
@@ -148,11 +149,11 @@ class LineModel:
 def chain(
     R: NDArray[np.float64], C: NDArray[np.float64], s: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Y in S of segments in series, open at the far end, and its slopes to each segment's s C.
+    """Y in S of segments in series, open at the far end, and its slopes by each segment's s C.
 
     R in ohm, shape (segment,), and C in F, (..., segment), from the fed end on; s in rad/s. Shapes
-    (..., s) and (..., segment, s). A segment shows Y = (Y' + p T) / (1 + Y' R T), p = s C,
-    T = tanh(q)/q, q² = R p.
+    (..., s) and (..., segment, s). The admittance at the start of a segment is Y = (Y' + p T) / (1
+    + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
     """
     p = C[..., None] * s
     Y, slopes = np.zeros((*C.shape[:-1], len(s)), dtype=complex), np.zeros_like(p)

@@ -32,12 +32,12 @@ class Series:
 
 
 class Lumped:
-    """A scene as one R and one C at each interface, with a bound of what that leaves out."""
+    """A scene as one R and one C at each interface, with a bound on the truncation error."""
 
     def __init__(self, sheet: SheetModel, space: Galerkin | None = None) -> None:
-        """space: that of the sheet which gives R and C, its finest one by default.
+        """space: space of the sheet that gives R and C, by default its finest one.
 
-        `series` raises InputError where an interface is no capacitor at zero frequency.
+        `series` raises InputError if an interface is no capacitor at zero frequency.
         """
         self.scene, self._sheet, self._space = sheet.scene, sheet, space or sheet.space
         self._series: dict[Press, list[Series]] = {}
@@ -50,22 +50,22 @@ class Lumped:
     def bounds(
         self, press: Press, frequency: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Largest possible error of Rs in ohm and Cp in F, shapes (interface, frequency).
+        """Bounds on the error of Rs in ohm and Cp in F, shapes (interface, frequency).
 
-        Of the truncation; the discretisation of R and C is not part of it.
+        They cover the truncation; the discretisation of R and C is not part of them.
         """
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
     def left_out(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
+        """Bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
         Z = self.impedance(press, frequency)
         Rs, Cp = self.bounds(press, frequency)
         return np.stack([Rs / Z.real, Cp / parallel_capacitance(Z, frequency)])
 
     def series(self, press: Press) -> list[Series]:
-        """The expansion at low frequency, one for each interface."""
+        """Expansion at low frequency, one for each interface."""
         if press not in self._series:
             moments = self._space.moments(self._sheet.mass(press), 4)
             field, excitations = self._space.terminal_field, self._sheet.circuit.excitations
@@ -76,10 +76,11 @@ class Lumped:
 
 
 def least_left_out(scene: Scene, frequency: float) -> float:
-    """What one R and one C leave out of Cp at a frequency in Hz, where they do it least.
+    """Lower bound of the relative error of Cp by one R and one C, at a frequency in Hz.
 
-    That is a skin fed at both ends of its shorter side: two lines of u = omega R c (side / 2)².
-    Of such a line Cp = C (1 - 2 u² / 15), and of R = R_line / 3 and C in series C (1 - u² / 9).
+    It is the error of a skin fed at both ends of its shorter side: two lines of u = omega R c (side
+    / 2)². Such a line has Cp = C (1 - 2 u² / 15), and R = R_line / 3 and C in series C (1 - u² /
+    9).
     """
     skin = scene.skin
     u = 2 * (min(skin.sides) / 2 / skin.depth(frequency)) ** 2
@@ -89,7 +90,7 @@ def least_left_out(scene: Scene, frequency: float) -> float:
 def _bounds(
     term: Series, s: NDArray[np.complex128], frequency: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Next terms of the series, or the range that Rs in [0, R] and Cp in [0, C] leave."""
+    """Next terms of the series, or the range of Rs in [0, R] and Cp in [0, C]."""
     size = np.abs(s)
     Z = 1 / (s * term.C) + term.R
     Rs_error = np.minimum(abs(term.first) * s.real + term.second * size**2, term.R)

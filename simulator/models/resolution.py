@@ -1,4 +1,4 @@
-"""Resolutions of increasing accuracy for a scene, a press and the highest frequency asked."""
+"""Resolutions of increasing accuracy for a scene, a press and the highest frequency."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from ..scene.planar import Lines, distinct
 from ..scene.scene import Scene
 
 ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
-"""Not 8 and 10: within a pixel most fields are nearly even, so the next order hardly gains on them,
-and their difference, 1.3 times smaller than the error at 10, tells too little of it."""
+"""Orders with one cell in a pixel. 8 and 10 are left out: within a pixel most fields are nearly
+uniform, so the next order hardly gains on them, and the difference underestimates the error at 10
+by a factor of 1.3."""
 SMOOTH = [*ONE_CELL, (6, 2), (8, 2), (10, 2), (8, 3), (10, 3)]
 SINGULAR = [*ONE_CELL, (8, 2), (10, 2)]
 RINGS_PER_ORDER, RINGS_AT_LEAST = 1.2, 3
 FAINTEST = 1e-3
 HARDER = 1e-3
-"""From which tolerance down ends of foils take an order more."""
+"""Tolerance from which on ends of foils need one order more."""
 LAYER_SHARE = 0.3
-"""Of the tolerance: what cells in layers may take."""
+"""Share of the tolerance for the error of cells in layers."""
 LAYER_TAKES, GAINED = 2.6, 90.0
-"""Of Rs and Cp, over `GAINED`^order: what cells as wide as a layer is deep take at that order."""
+"""Relative error of Rs and Cp by cells as wide as a layer is deep, over `GAINED`^-order."""
 
 
 class ResolutionHierarchy:
-    """The levels of one scene: elements of growing order, then smaller cells.
+    """Levels of resolution of one scene: elements of growing order, then smaller cells.
 
     The rings at ends of foils shrink as fast as the order gains: they add 0.2^rings to the error,
     and elements of order p leave 0.15^p in each of them. Cells at contacted edges grow with the
@@ -37,8 +38,8 @@ class ResolutionHierarchy:
     """
 
     def __init__(self, scene: Scene, circuit: Circuit, own: float | None = None) -> None:
-        """own: the tolerance of one press that shares no mesh with others: cells are as wide as
-        that allows, and do not narrow with the order: the next one has the error to gain on."""
+        """own: tolerance of one press that shares no mesh with others. Its cells are as wide as
+        that allows, and do not narrow with the order, so that the next order gains on the error."""
         self.scene = scene
         contacts = circuit.contacts
         self.singular = bool(singular_ends(contacts, scene.skin))
@@ -49,17 +50,17 @@ class ResolutionHierarchy:
             self._widths = (LAYER_SHARE * own / LAYER_TAKES * GAINED**order) ** (1 / (2 * order))
 
     def first(self, rtol: float) -> int:
-        """The level to begin at: one that often serves."""
+        """First level to try: one that often suffices."""
         return max(0, min(round(-0.45 * math.log10(rtol) - 1.05), 4))
 
     def lowest(self, rtol: float) -> int:
-        """As `first`, of a press that is solved on one mesh after the other."""
+        """First level, as of `first`, for a press that is solved on one mesh after the other."""
         return self.first(rtol) + (self.singular and rtol <= HARDER)
 
     def resolution(self, level: int, press: Press, frequency: float) -> Resolution:
-        """The mesh and order of a level, up to a frequency in Hz.
+        """Mesh and order of a level, up to a frequency in Hz.
 
-        The order is one more than the level's: the answer's own, and one to check it by.
+        The order is one more than the level's: one for the answer, and one to estimate its error.
         """
         order, cells = self.levels[level]
         factor = strongest(press, self.scene)
@@ -84,19 +85,22 @@ class ResolutionHierarchy:
         return max(skin.length / pixels.columns, skin.width / pixels.rows)
 
     def _no_plane_of_symmetry(self, cells: int) -> int:
-        """No element spans the whole skin, of which a plane of symmetry leaves every second order
-        without effect."""
+        """Number of cells so that no element spans the whole skin.
+
+        Otherwise a plane of symmetry leaves every second order without effect.
+        """
         pixels = self.scene.pixels
         return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
 
     def followed(self, order: int) -> float:
-        """Widths of a cell, of the depth of a layer that elements of that order follow."""
+        """Width of a cell over the depth of a layer that elements of that order represent."""
         return self._widths or max(1.0, order / 4)
 
     def halved(self, width: float) -> float:
-        """No wider, and one of few widths, so that presses and frequencies share meshes.
+        """Largest of a few fixed widths that is no larger, so that presses and frequencies share
+        meshes.
 
-        The same where they share none.
+        The same width if they share none.
         """
         if self._widths:
             return width
@@ -107,7 +111,7 @@ class ResolutionHierarchy:
         return longest * 2.0 ** math.floor(math.log2(width / longest))
 
     def _reached(self, press: Press, depth: float) -> Press:
-        """The touches near enough to a foil for the field to come back from them."""
+        """Touches near enough to a foil for the field to return from them."""
         return Press(
             tuple(
                 touch
@@ -118,8 +122,10 @@ class ResolutionHierarchy:
 
 
 def depth_of(scene: Scene, frequency: float) -> float:
-    """How far from a foil the field reaches at a frequency in Hz, m, where bodies charge the sheets
-    as well: at least, since s G^-1 C of both sheets has no eigenvalue above its trace."""
+    """Lower bound of the depth to which the field reaches from a foil at a frequency in Hz, m.
+
+    Bodies charge the sheets as well: s G^-1 C of both sheets has no eigenvalue above its trace.
+    """
     skin, around = scene.skin, scene.surroundings
     if around is None or not around.body:
         return skin.depth(frequency)
@@ -130,19 +136,19 @@ def depth_of(scene: Scene, frequency: float) -> float:
 
 
 def reached_by_field(touch: AnyTouch, scene: Scene, depth: float) -> bool:
-    """Whether a touch is near enough to a foil for a field of that depth in m to come back."""
+    """True if a touch is near enough to a foil for a field of that depth in m to return from it."""
     return math.exp(-2 * _distance(touch, scene) / depth) > FAINTEST
 
 
 def all_lines(press: Press, scene: Scene) -> Lines:
-    """Lines that c jumps at by these touches, ascending."""
+    """Lines at which c jumps by these touches, ascending."""
     patches = [patch(scene, touch) for touch in press.touches]
     x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
     return tuple(sorted(x)), tuple(sorted(y))
 
 
 def strongest(press: Press, scene: Scene) -> float:
-    """The largest factor anywhere, where touches lie over each other their product."""
+    """Largest factor anywhere; where touches overlap, their product."""
     if all(isinstance(touch, Touch) for touch in press.touches):
         return max((touch.factor for touch in press.touches), default=1.0)
     x, y = (distinct(each) for each in all_lines(press, scene))
@@ -150,7 +156,7 @@ def strongest(press: Press, scene: Scene) -> float:
 
 
 def _distance(touch: AnyTouch, scene: Scene) -> float:
-    """From a touch to the nearest foil, m."""
+    """Distance from a touch to the nearest foil, m."""
     box, skin = touched_box(scene, touch), scene.skin
 
     def gap(touched: tuple[float, float], contact: Contact, axis: int) -> float:

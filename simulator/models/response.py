@@ -1,4 +1,4 @@
-"""What the meter sees of one press, and how that changes with the press and the skin."""
+"""Impedance of one press at the meter, and its derivatives by the press and the skin."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 from ..scene.meter import Leads
 
 NONE = np.zeros(0, dtype=np.complex128)
-"""Of no cells and no terms."""
+"""Empty array, for no cells and no terms."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """What the meter sees of one press, and its exact derivatives.
+    """Impedance of one press at the meter, and its exact derivatives.
 
     Z: ohm, shape (interface, frequency). by_parameter: ohm for each unit of a parameter of skin,
-    leads or touch, of the same shape. by_cell: ohm, to c of each cell over that at rest in the
-    scene, shape (interface, frequency, cell). by_term: ohm, to the weight of each term beside K's
-    own, shape (interface, frequency, term). by_gauge: ohm, to what a touch multiplies c of a cell
-    by, as far as that changes the sheets; of by_cell's shape, or nothing.
+    leads or touch, of the same shape. by_cell: ohm, by c of each cell over the scene's unpressed c,
+    shape (interface, frequency, cell). by_term: ohm, by the weight of each term over that of K,
+    shape (interface, frequency, term). by_gauge: ohm, by the factor of a touch on c of a cell, as
+    far as that changes the sheets; of by_cell's shape, or 0.
     """
 
     Z: NDArray[np.complex128]
@@ -41,12 +41,14 @@ def at_meter(
     by_term: NDArray[np.complex128] = NONE,
     by_gauge: NDArray[np.complex128] | float = 0.0,
 ) -> Response:
-    """Behind the leads. Z: at the skin, ohm; the others: derivatives of its admittance, S, of the
-    shapes that `Response` has."""
+    """Response at the meter's end of the leads.
+
+    Z: at the skin, ohm; the others: derivatives of its admittance, S, of the shapes in `Response`.
+    """
     by_skin, by_leads = leads.slopes(Z, frequency)
-    seen = (-(Z**2) * by_skin).astype(np.complex128)
+    by_Y = (-(Z**2) * by_skin).astype(np.complex128)
     return Response(
         leads.at_meter(Z, frequency).astype(np.complex128),
-        {name: seen * slope for name, slope in by_parameter.items()} | by_leads,
-        *(seen[..., None] * each for each in (by_cell, by_term, by_gauge)),
+        {name: by_Y * slope for name, slope in by_parameter.items()} | by_leads,
+        *(by_Y[..., None] * each for each in (by_cell, by_term, by_gauge)),
     )

@@ -34,7 +34,7 @@ class SheetModel:
 
     @cached_property
     def nested(self) -> Galerkin:
-        """The same mesh with elements of one order less."""
+        """Galerkin space on the same mesh with elements of one order less."""
         return Galerkin(self.system, self.circuit, self.resolution.order - 1)
 
     @property
@@ -45,23 +45,23 @@ class SheetModel:
     def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm at every interface, shape (interface, frequency). frequency: Hz.
 
-        One complex system for each frequency: the reference that faster ways are held against.
+        One complex system for each frequency: the reference for faster methods.
         """
         network = self.network(press, frequency)
         return np.stack([network.impedance(excitation) for excitation in self.circuit.excitations])
 
     def network(self, press: Press, frequency: NDArray[np.float64]) -> Network:
-        """The N-terminal network at these frequencies in Hz."""
+        """N-terminal network at these frequencies in Hz."""
         with one_blas_thread():
             return self.space.network(self.mass(press), self._s(frequency))
 
     def sweep(
         self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.float64]]]:
-        """Z in ohm and what few real solves may leave of relative error in Rs and Cp.
+        """Z in ohm and the relative error in Rs and Cp of its real solves.
 
         One pair for each of `spaces`, or for the whole space; of shape (interface, frequency).
-        frequency: Hz. rtol: the error to end at.
+        frequency: Hz. rtol: tolerance of the solves.
         """
         found, combined = self.forms(press, frequency, rtol, *spaces), self.circuit.combination
         return [(combined.impedance(Q), error) for Q, error in found]
@@ -69,7 +69,7 @@ class SheetModel:
     def forms(
         self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
     ) -> list[Swept]:
-        """The same by the forms of the excitations in S."""
+        """Forms of the excitations in S, in place of Z; see `sweep`."""
         mass, s = self.mass(press), self._s(frequency)
         with one_blas_thread():
             return [
@@ -80,14 +80,14 @@ class SheetModel:
     def mass(self, press: Press) -> csc_matrix:
         """M in F of a press, in the system's pattern.
 
-        Raises InputError where a touch ends within the cells between the mesh's lines.
+        Raises InputError if a touch ends within the cells between the mesh's lines.
         """
         if self._filled is None or self._filled[0] != press:
             self._filled = press, self.system.mass(self._capacitance(press))
         return self._filled[1]
 
     def _capacitance(self, press: Press) -> NDArray[np.float64]:
-        """c in F/m² between the lines that the mesh conforms to, shape (row, column)."""
+        """c in F/m² between the lines of the mesh, shape (row, column)."""
         if self.resolution.lines == NO_LINES:
             return capacitance_map(self.scene, press)
         for own, of_touches in zip(self.resolution.lines, lines(self.scene, press), strict=True):

@@ -1,4 +1,4 @@
-"""Rungs offered for one press, and the answer gathered from those that keep the tolerance."""
+"""Results of models for one press, and the solution gathered from those that keep the tolerance."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..scene.meter import Leads
 
 @dataclass(frozen=True)
 class ModelResult:
-    """What one model says of one press at some frequencies.
+    """Result of one model for one press at some frequencies.
 
     Z: ohm, shape (interface, frequency). error: estimated relative errors of Rs and Cp, shape (2,
     interface, frequency). unknowns: of the system solved, 0 for a formula.
@@ -32,8 +32,8 @@ class ModelResult:
 class Solution:
     """Z of one press with the estimated errors of Rs and Cp; all of shape (interface, frequency).
 
-    frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the rung that answered
-    each frequency. rejected: what did not serve, and why.
+    frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the result at each
+    frequency. rejected: models that did not keep the tolerance, and why.
     """
 
     frequency: NDArray[np.float64]
@@ -46,20 +46,21 @@ class Solution:
 
     @property
     def model(self) -> str:
-        """The models that answered, from the lowest frequency up."""
+        """Names of the models, from the lowest frequency up."""
         return "; ".join(dict.fromkeys(self.models))
 
     @property
     def relative_errors(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Estimated errors of Rs and Cp as fractions of their values, see `told_capacitance`."""
+        """Estimated errors of Rs and Cp as fractions of their values, see
+        `reference_capacitance`."""
         Cp = reference_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
     def at_meter(self, leads: Leads) -> Solution:
-        """The same at the meter's end of the leads.
+        """Solution at the meter's end of the leads.
 
-        The error of Z is taken to be UNIFORM times as large as that of Rs or of Cp tells: near a
-        phase of -45 degrees Cp does not tell X.
+        The error of Z is taken as UNIFORM times the larger one that those of Rs and of Cp imply:
+        near a phase of -45 degrees Cp does not determine X.
         """
         if leads.ideal:
             return self
@@ -69,7 +70,8 @@ class Solution:
         return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
 
     def lines(self) -> list[str]:
-        """For people: each model with its frequencies and errors, then what was rejected."""
+        """Lines for people: each model with its frequencies and errors, then the rejected
+        models."""
         Rs, Cp = (error.max(axis=0) for error in self.relative_errors)
         lines = []
         served = zip(self.models, self.unknowns, strict=True)
@@ -86,7 +88,7 @@ class Solution:
 def reference_capacitance(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """What relative errors of Cp are fractions of, in F: |Cp|, or what of it can be told at all.
+    """Reference of relative errors of Cp, in F: |Cp|, but at least its part that is not rounding.
 
     Z: ohm, shape (..., frequency). frequency: Hz.
     """
@@ -94,9 +96,9 @@ def reference_capacitance(
 
 
 class SolutionProgress:
-    """The frequencies of one press that are answered, and those that are left.
+    """Frequencies of one press that have a result, and those that are left.
 
-    on_error: callback that takes the largest error of each rung.
+    on_error: called with the largest error of each result.
     """
 
     def __init__(
@@ -115,18 +117,18 @@ class SolutionProgress:
 
     @property
     def done(self) -> bool:
-        """Whether every frequency is answered."""
+        """True if every frequency has a result."""
         return not self._left.size
 
     @property
     def frequency(self) -> NDArray[np.float64]:
-        """Those that are left, Hz."""
+        """Frequencies that are left, Hz."""
         return self._all[self._left]
 
     def offer(self, rung: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
-        """Take what keeps the tolerance of a rung for the frequencies that are left.
+        """Take the part of a result that keeps the tolerance, for the frequencies that are left.
 
-        among: those of them that the rung is of; all for None.
+        among: those of them that the result covers; all for None.
         """
         left = np.ones(len(self._left), dtype=bool)
         among = left if among is None else among
@@ -144,11 +146,11 @@ class SolutionProgress:
         self._on_error(float(rung.error.max()))
 
     def reject(self, reason: str) -> None:
-        """Note why a rung did not serve."""
+        """Note why a model was not used."""
         self.rejected.append(reason)
 
     def answer(self) -> Solution:
-        """The gathered answer, once done."""
+        """Gathered solution, once done."""
         Cp = reference_capacitance(self._Z, self._all)
         models, unknowns = zip(*self._served, strict=True)
         return Solution(
@@ -166,5 +168,5 @@ class SolutionProgress:
         Rs, Cp = (int(np.argmax(each)) for each in error)
         return (
             f"{rung.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
-            f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, asked {self.rtol:g}"
+            f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, tolerance {self.rtol:g}"
         )

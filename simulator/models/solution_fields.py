@@ -1,4 +1,4 @@
-"""The fields of a skin at an interface: potentials, currents, power and sensitivities."""
+"""Fields of a skin at an interface: potentials, currents, power and sensitivities."""
 
 from __future__ import annotations
 
@@ -24,17 +24,15 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class SolutionFields:
-    """What a press does at one interface, with 1 V (amplitude) between high and low.
+    """Fields of a press at one interface, with 1 V (amplitude) between high and low.
 
-    x: flat places in m, shape (2, point). position: the same in space, m, (3, point). cells:
-    numbers of points, (3, cell) of triangles or (4, cell) of quadrilaterals, counter-clockwise.
-    frequency: Hz, (frequency,). Z: ohm, (frequency,).
-    potential: V, (2, frequency, point), top and bottom sheet.
-    current: A/m in a sheet along flat x and y, (2, frequency, 2, point).
-    power: W/m² dissipated in both sheets, mean over time, (frequency, point).
-    by_rise_Rs, by_rise_Cp: change of ln Rs and ln Cp per m² whose capacitance is doubled,
-    (frequency, point).
-    capacitance: F/m², (point,). factor: that over the one at rest. deflection: m, (point,).
+    x: flat positions in m, shape (2, point). position: in space, m, (3, point). cells: numbers of
+    points, (3, cell) of triangles or (4, cell) of quadrilaterals, counter-clockwise. frequency: Hz,
+    (frequency,). Z: ohm, (frequency,). potential: V, (2, frequency, point), top and bottom sheet.
+    current: A/m in a sheet along flat x and y, (2, frequency, 2, point). power: W/m² dissipated in
+    both sheets, mean over time, (frequency, point). by_rise_Rs, by_rise_Cp: change of ln Rs and ln
+    Cp per m² whose capacitance is doubled, (frequency, point). capacitance: F/m², (point,). factor:
+    over the unpressed one. deflection: m, (point,).
     """
 
     x: Real
@@ -60,12 +58,11 @@ def fields(
     rtol: float = 1e-3,
     progress: ProgressCallback = silent,
 ) -> SolutionFields:
-    """Those of a press at frequencies in Hz.
+    """Fields of a press at frequencies in Hz.
 
-    Solved on the flat skin at rest, on a mesh that keeps the tolerance of Rs and Cp; currents and
-    power are those per length and area of the flat skin. progress: as of `ProgressCallback`. Raises
-    InputError where the interface is none of the scene's, ToleranceError where the tolerance is not
-    reached.
+    Solved on the flat, unpressed skin, on a mesh that keeps the tolerance of Rs and Cp; currents
+    and power are per length and area of the flat skin. progress: as of `ProgressCallback`. Raises
+    InputError for an unknown interface, ToleranceError if the tolerance is not reached.
     """
     check_fingers(press, scene)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
@@ -101,7 +98,7 @@ def fields(
 def _resolved(
     scene: Scene, press: Press, frequency: Real, rtol: float, progress: ProgressCallback
 ) -> tuple[Discretised, Complex]:
-    """A mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
+    """Mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
     touched = deformed(scene, press, rtol, progress)
     solving, remaining = f"solving, frequencies: {frequency.size}", RemainingTime(rtol)
     progress(solving)
@@ -117,7 +114,7 @@ def _resolved(
 def _at(
     discretised: Discretised, sampler: Sampler, interface: int, s: complex
 ) -> tuple[Complex, Complex, Real, Complex]:
-    """Potential, current, power; and the change of Y in S per m² of doubled capacitance.
+    """Potential, current, power, and the change of Y in S per m² of doubled capacitance.
 
     The excitations of an interface add up to high at 1 V, and the low terminal at 0 V.
     """
@@ -143,13 +140,13 @@ def _at(
 def _relative(scene: Scene, by_rise: Complex, Z: Complex, frequency: Real) -> tuple[Real, Real]:
     """Changes of ln Rs and ln Cp at the meter's end from those of Y at the skin."""
     along = np.s_[:, None, None]
-    seen = scene.leads.at_meter(Z, frequency)
+    measured = scene.leads.at_meter(Z, frequency)
     through = (1 + 2j * np.pi * frequency * scene.leads.unguarded * Z) ** -2
     change = (-(Z**2) * through)[along] * by_rise
-    of_Y = -change / (seen**2)[along]
-    return change.real / seen.real[along], of_Y.imag / (1 / seen).imag[along]
+    of_Y = -change / (measured**2)[along]
+    return change.real / measured.real[along], of_Y.imag / (1 / measured).imag[along]
 
 
 def _flat(values: NDArray) -> NDArray:
-    """Cells and their corners as points one after the other."""
+    """Values of cells and their corners as one axis of points."""
     return values.reshape(*values.shape[:-2], -1)

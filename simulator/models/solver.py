@@ -1,9 +1,9 @@
-"""The cheapest rung of the ladder that keeps the asked tolerance of Rs and Cp, and why.
+"""The cheapest model that keeps the tolerance of Rs and Cp, and why.
 
-Rungs: the exact line, one R and one C, two-dimensional elements for one field or for two, of
-growing order. Each answers the frequencies at which it keeps the tolerance and leaves the others to
-the next. An answer of elements is checked by elements of one order more on the same mesh: the
-output error is the square of the field's, so their difference is the error.
+The sequence of models: the exact line, one R and one C, two-dimensional elements for one field or
+for two, of growing order. Each answers the frequencies at which it keeps the tolerance and leaves
+the others to the next. The error of elements is estimated by elements of one order more on the same
+mesh: the output error is the square of the field's, so their difference is the error.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
 
 
 def checked_model(name: str) -> ModelName:
-    """The same name, if it is one of a model; raises InputError."""
+    """Name of a model, checked; raises InputError for any other."""
     for known in get_args(ModelName):
         if name == known:
             return known
@@ -59,7 +59,7 @@ def checked_model(name: str) -> ModelName:
 
 
 class Solver:
-    """A scene at a tolerance: answers any press, refining as far as the tolerance needs."""
+    """A scene at a tolerance: answers any press, refined as far as the tolerance needs."""
 
     def __init__(
         self,
@@ -68,10 +68,10 @@ class Solver:
         model: ModelName = "auto",
         frequency: ArrayLike | None = None,
     ) -> None:
-        """rtol: largest relative error of Rs and of Cp. frequency: Hz, ascending, of a press where
-        no other is asked for; those of the scene's sweep for None.
+        """rtol: largest relative error of Rs and of Cp. frequency: Hz, ascending, the default of
+        `solve`; that of the scene's sweep for None.
 
-        Raises InputError where rtol is not > 0, and for frequencies that are none.
+        Raises InputError if rtol is not > 0, and for invalid frequencies.
         """
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
@@ -84,7 +84,8 @@ class Solver:
 
     @cached_property
     def _without_earth(self) -> Solver | None:
-        """Of presses by rods, where earth makes no difference to them; None where it does."""
+        """Solver without surroundings for presses by rods, where earth makes no difference; else
+        None."""
         around = self.scene.surroundings
         if around is None or not around.without_effect:
             return None
@@ -96,12 +97,12 @@ class Solver:
         return self._ladder.first(self.rtol)
 
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
-        """The answer, at each frequency, of the cheapest rung that keeps the tolerance.
+        """Solution by the cheapest model that keeps the tolerance, at each frequency.
 
-        frequency: Hz, ascending; the solver's own without. Behind leads the skin is
-        solved as much closer as they need for it. Raises ToleranceError where no rung keeps it,
-        InputError where a model asked for by name does not apply to the scene or the press, and for
-        frequencies that are none.
+        frequency: Hz, ascending; by default the solver's own. Behind leads the skin is solved to
+        the smaller tolerance that they need. Raises ToleranceError if no model keeps the tolerance,
+        InputError if a model chosen by name does not apply to the scene or the press, and for
+        invalid frequencies.
         """
         asked = self.frequency if frequency is None else checked_frequencies(frequency)
         self._check_depth(press, float(asked[-1]))
@@ -113,7 +114,7 @@ class Solver:
             solver = solver._closer
 
     def _check_depth(self, press: Press, frequency: float) -> None:
-        """Raises InputError where the field under the strongest touch is too shallow to resolve."""
+        """Raise InputError if the field under the strongest touch is too shallow to resolve."""
         strongest = max((each.factor for each in press.sharp.touches), default=1.0)
         try:
             self.scene.skin.check_depth(frequency, max(strongest, 1.0))
@@ -125,7 +126,7 @@ class Solver:
         return Solver(self.scene, CLOSER * self.rtol, self.model, self.frequency)
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Solution:
-        """The answer at the skin's own contacts."""
+        """Solution at the skin's own contacts."""
         check_fingers(press, self.scene)
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
@@ -174,9 +175,10 @@ class Solver:
         progress: SolutionProgress,
         place: PressPlace | None,
     ) -> None:
-        """Elements for what is not plain; a reduced model leaves touches of other shapes to them.
+        """Solve with elements what is not uniform; a reduced model leaves touches of other shapes
+        to them.
 
-        place: where `pressed` presses. Raises InputError where another model is asked for.
+        place: cache of the place of `pressed`. Raises InputError if another model was chosen.
         """
         from .heterogeneous.mesh_choice import meshes
 
@@ -197,7 +199,7 @@ class Solver:
     def _reduced_first(
         self, press: Press, pressed: Deformation | None, progress: SolutionProgress
     ) -> None:
-        """What a reduced model answers of what is not plain."""
+        """Offer the results of a reduced model for what is not uniform."""
         if pressed:
             return None
         if not press.boxes:
@@ -215,7 +217,7 @@ class Solver:
         return spreads(self.scene)
 
     def _under_applicators(self, press: Press, progress: SolutionProgress) -> None:
-        """What a reduced model answers of pixels pressed by depth and force."""
+        """Offer the results of a reduced model for pixels pressed by depth and force."""
         try:
             return self._within_sweep(self._applied, press, progress)
         except (InputError, ToleranceError) as reason:
@@ -228,8 +230,8 @@ class Solver:
         return Applied(self.scene, self.rtol, self.frequency)
 
     def explain(self, press: Press, answer: Solution) -> str:
-        """What answered a press at each frequency, its own estimated error, and what did not."""
-        lines = [f"press {press}, asked {self.rtol:g}", *answer.lines()]
+        """Text: the model of each frequency, its estimated error, and the rejected models."""
+        lines = [f"press {press}, tolerance {self.rtol:g}", *answer.lines()]
         return "\n  ".join(lines)
 
     def _line(self, press: Press, progress: SolutionProgress) -> None:
@@ -240,7 +242,7 @@ class Solver:
 
     @cached_property
     def _exact_line(self) -> Line | str:
-        """The line that the scene is, or why it is none."""
+        """Exact line model of the scene, or the reason why there is none."""
         try:
             return Line(self._even)
         except InputError as no_line:
@@ -248,10 +250,10 @@ class Solver:
 
     def _lumped(self, press: Press, progress: SolutionProgress) -> None:
         frequency = progress.frequency
-        at_rest = self._left_out_at_rest(tuple(frequency)) if self.model == "auto" else 0.0
-        if at_rest > self.rtol:
+        unpressed = self._left_out_unpressed(tuple(frequency)) if self.model == "auto" else 0.0
+        if unpressed > self.rtol:
             return progress.reject(
-                f"{LUMPED}: at rest leaves out {at_rest:.1e} of Rs or Cp or more"
+                f"{LUMPED}: error of the unpressed skin is {unpressed:.1e} of Rs or Cp or more"
             )
         sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
         lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
@@ -261,10 +263,12 @@ class Solver:
         return progress.offer(ModelResult(LUMPED, sheet.nested.inner, Z, error))
 
     @cached_method(GRIDS_KEPT)
-    def _left_out_at_rest(self, frequency: tuple[float, ...]) -> float:
-        """Relative error of Rs and Cp by one R and one C, at the worst of the frequencies.
+    def _left_out_unpressed(self, frequency: tuple[float, ...]) -> float:
+        """Relative error of Rs and Cp by one R and one C for the unpressed skin, largest of all
+        frequencies.
 
-        Where even the short line that leaves out least loses too much, the skin is not solved.
+        If even the short line with the smallest error exceeds the tolerance, the skin is not
+        solved.
         """
         least = least_left_out(self._even, frequency[-1])
         if least > self.rtol:
@@ -281,7 +285,7 @@ class Solver:
             level += self._levels_ahead(float(rung.error.max()))
 
     def _levels_ahead(self, error: float) -> int:
-        """How many levels on the tolerance is likely to be kept, if each gains GAIN."""
+        """Number of levels after which the tolerance is likely to be kept, if each gains GAIN."""
         if not math.isfinite(error):
             return 1
         return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
@@ -306,9 +310,9 @@ class Solver:
     def _within_sweep(
         self, model: OfPixels | Applied, press: Press, progress: SolutionProgress
     ) -> None:
-        """A reduced model at all frequencies that it is certified for: between the solver's own.
+        """Offer the results of a reduced model at all frequencies that it is certified for.
 
-        Raises InputError naming those that are left.
+        Those lie between the solver's own. Raises InputError with the frequencies that are left.
         """
         asked, (low, high) = progress.frequency, self.frequency[[0, -1]]
         within = (low <= asked) & (asked <= high)
@@ -317,8 +321,7 @@ class Solver:
         if not within.all():
             beyond = ", ".join(f"{f:g}" for f in asked[~within])
             raise InputError(
-                f"answers frequencies from {low:g} to {high:g} Hz, those it is trained for, "
-                f"got {beyond}"
+                f"the model is trained for frequencies from {low:g} to {high:g} Hz, got {beyond}"
             )
 
     @cached_property
@@ -328,7 +331,7 @@ class Solver:
         return OfPixels(self._even, self.rtol, self.frequency)
 
     def _sheet(self, resolution: Resolution) -> SheetModel:
-        """Discretised at a resolution; the oldest are forgotten, for they are large."""
+        """Sheet model at a resolution; the oldest ones are dropped, because they are large."""
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
@@ -345,7 +348,7 @@ class Solver:
 
 
 def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
-    """The same as an array, shape (frequency,). Raises InputError where they are none."""
+    """Frequencies as an array, shape (frequency,). Raises InputError if they are invalid."""
     asked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     finite = np.isfinite(asked).all() and (asked > 0).all()
     if asked.ndim > 1 or not asked.size or not finite or (np.diff(asked) <= 0).any():

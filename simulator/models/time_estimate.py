@@ -1,4 +1,4 @@
-"""What a tolerance will need, told from the first answers: how many cells, and how long."""
+"""Estimates from the first answers: cells that a tolerance needs, and the remaining time."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from ..sweeps import ToleranceError
 LOG = logging.getLogger(__name__)
 
 MOST_PARTS = 64.0
-"""Of one cell: where more were needed, the answer is singular, and graded cells do with less."""
+"""Largest number of parts of one cell: where more were needed, the answer is singular, and graded
+cells need fewer."""
 WORTH_A_WORD = 60.0
-"""s."""
+"""Shortest remaining time that is reported, s."""
 SURE_AFTER = 5.0
-"""s: before, times are mostly of preparation."""
+"""Time before the first report, s; earlier times are mostly preparation."""
 STEEPEST = 0.6
-"""Power of the error that the time of elements of order 3 grows with, at the worst."""
+"""Largest power of the error by which the time of elements of order 3 grows."""
 
 
 def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
-    """The fewest cells that may keep a tolerance; in the end there are about twice as many.
+    """Minimum count of cells that may keep a tolerance; in the end there are about twice as many.
 
-    parts: of each cell in the relative error, which is their sum, shape (cell,). Divided into n a
-    cell keeps n^-order of its part, where all is smooth, and the fewest cells in all have n ~
-    part^(1 / (order + 1)).
+    parts: share of each cell in the relative error, which is their sum, shape (cell,). Divided into
+    n, a cell keeps n^-order of its share where the field is smooth, and the minimum has n ~ part^(1
+    / (order + 1)).
     """
     from scipy.optimize import brentq
 
@@ -50,9 +51,9 @@ def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
 
 
 def check_within_reach(needed: float, most: int, order: float, what: str) -> None:
-    """Raises ToleranceError where a tolerance needs more than `most` cells.
+    """Raise ToleranceError if a tolerance needs more than `most` cells.
 
-    needed: at least. order: of the error in the number of cells. what: cells, in plural.
+    needed: lower bound. order: of the error in the number of cells. what: cells, in plural.
     """
     if needed > most:
         times = (2 * needed / most) ** order
@@ -60,7 +61,7 @@ def check_within_reach(needed: float, most: int, order: float, what: str) -> Non
 
 
 class RemainingTime:
-    """How long it still takes until errors are within a tolerance, by those of the answers so far.
+    """Time until errors are within a tolerance, from the errors of the answers so far.
 
     clock: s.
     """
@@ -71,18 +72,18 @@ class RemainingTime:
         self._known = list[tuple[float, float]]()
 
     def after(self, error: float) -> tuple[float, float]:
-        """Since the start and still to come, s, told the largest error of one more answer."""
+        """Elapsed and remaining time, s, after one more answer with this largest error."""
         elapsed = self._clock() - self._start
         self._known.append((elapsed, error))
         return elapsed, self._left(self._known[-3:])
 
     def share(self, error: float) -> float:
-        """Of all the work, what is done; told as `after`."""
+        """Done share of all the work after one more answer; see `after`."""
         elapsed, left = self.after(error)
         return elapsed / (elapsed + left) if left > 0 else 1.0
 
     def _left(self, known: list[tuple[float, float]]) -> float:
-        """By the power of the error that the time has grown with, s."""
+        """Remaining time, s, from the power of the error by which the time has grown."""
         (then, larger), (now, error) = known[0], known[-1]
         if not error > self._rtol:
             return 0.0
@@ -93,24 +94,24 @@ class RemainingTime:
 
 
 class TimeEstimate:
-    """Tells once how long a press will still take, where that is a minute or more.
+    """Logs once how long a press will still take, if that is a minute or more.
 
     clock: s.
     """
 
     def __init__(self, rtol: float, clock: Callable[[], float] = perf_counter) -> None:
         self._rtol, self._clock = rtol, clock
-        self._told = False
+        self._reported = False
 
     def of(self, press: str) -> Callable[[float], None]:
-        """A callback that takes the largest error of each answer to a press, from now on."""
+        """Callback for a press that takes the largest error of each answer from now on."""
         remaining = RemainingTime(self._rtol, self._clock)
 
         def on_error(error: float) -> None:
             elapsed, left = remaining.after(error)
-            if not self._told and elapsed >= SURE_AFTER and left >= WORTH_A_WORD:
-                self._told = True
-                told = f"error {error:.0e} after {elapsed:.0f} s, asked {self._rtol:g}"
-                LOG.info("press %s: %s: will take about %s more", press, told, duration(left))
+            if not self._reported and elapsed >= SURE_AFTER and left >= WORTH_A_WORD:
+                self._reported = True
+                so_far = f"error {error:.0e} after {elapsed:.0f} s, tolerance {self._rtol:g}"
+                LOG.info("press %s: %s; about %s remaining", press, so_far, duration(left))
 
         return on_error

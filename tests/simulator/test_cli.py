@@ -133,7 +133,7 @@ def test_explain_tells_what_was_chosen_and_what_was_rejected(run, tmp_path):
     assert len([each for each in out.splitlines() if "estimated error" in each]) == 3
     _, out, _ = run("sweep", "sheet-3x3", "--press", "1,2", "--explain", "-o", tmp_path / "b.csv")
     assert "rejected  line" in out
-    assert "rejected  one R and one C: at rest leaves out" in out
+    assert "rejected  one R and one C: error of the unpressed skin is" in out
     assert "2-D elements, one field" in out
 
 

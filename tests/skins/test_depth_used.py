@@ -101,7 +101,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     with caplog.at_level(logging.INFO):
         depth = forces_as_depths(scene).press.depth
     assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
-    assert "4 N take pixels" in caplog.text
+    assert "4 N press pixels" in caplog.text
     assert forces_as_depths(strip(tension=20.0, force=4.0)).press.depth < depth
 
 

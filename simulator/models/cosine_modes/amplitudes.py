@@ -1,4 +1,4 @@
-"""Slow waves over the skin: of which parts, their sizes, and maps of them."""
+"""Cosine modes over the skin: which are fitted, their amplitudes, and maps of them."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from ...scene.scene import Scene
 from ..parameters import FOAM_MODES, HALF_WAVES, SHEET_MODES, mode_values
 
 MAX_AMPLITUDE = 0.3
-"""Of an amplitude over the mean: three at most leave it above zero."""
+"""Largest amplitude over the mean: three of that size leave the value above zero."""
 NODES, POINTS = 9, 257
-"""Of a map of the waves, along each side: it is off by 1 % of an amplitude at most, and by nothing
-in the mean. Places along each side at which it is fitted."""
+"""Nodes of a map of the modes along each side (error at most 1 % of an amplitude, none in the
+mean), and points along each side at which it is fitted."""
 
 
 class FittedModes(NamedTuple):
-    """Whether slow waves of the foam, and of both sheets, are among a skin's parameters."""
+    """Flags: modes of the foam, and of both sheets, are among a skin's parameters."""
 
     foam: bool = False
     sheets: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the amplitudes."""
+        """Names of the amplitudes."""
         return (*(FOAM_MODES if self.foam else ()), *(SHEET_MODES if self.sheets else ()))
 
     @property
     def modes(self) -> int:
-        """Of each sheet's conductance, with its mean."""
+        """Number of modes of each sheet's conductance, with its mean."""
         return len(HALF_WAVES) if self.sheets else 1
 
 
@@ -40,14 +40,14 @@ NO_MODES = FittedModes()
 
 
 def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.float64]:
-    """Of the mean, 1, and of each wave over it, shape (wave,)."""
+    """Amplitude of the mean, 1, and of each mode over it, shape (mode,)."""
     return np.array([1.0, *(values.get(name, 0.0) for name in names)])
 
 
 def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
-    """The bilinear map that is nearest to a smooth function over both sides, by least squares.
+    """Bilinear map that is nearest to a smooth function over both sides, by least squares.
 
-    of_place: from places in m, shape (2, ...), to values of that shape without its first axis.
+    of_place: maps positions in m, shape (2, ...), to values of that shape without its first axis.
     """
     axes = [np.linspace(0.0, side, POINTS) for side in scene.skin.sides]
     along, across = (
@@ -60,13 +60,13 @@ def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
 def modes_at(
     scene: Scene, values: Mapping[str, float], names: Iterable[str], x: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """1 and the waves among the values at places x in m, shape (2, ...), over the mean."""
+    """1 plus the modes among the values at positions x in m, shape (2, ...), over the mean."""
     waves = mode_values(scene, x, len(HALF_WAVES))
     return np.asarray(np.tensordot(amplitudes(values, names), waves, axes=1), dtype=np.float64)
 
 
 def _onto_nodes(at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From values at places within 0 to 1 to those at nodes of the nearest polygon."""
+    """Matrix from values at positions within 0 to 1 to nodes of the nearest polygon."""
     nodes = np.linspace(0.0, 1.0, NODES)
     hats = np.stack([np.interp(at, nodes, hat) for hat in np.eye(NODES)], axis=1)
     return np.asarray(np.linalg.pinv(hats), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Slow unevenness of the sheets: half waves over the skin that each one's conductance goes with."""
+"""Cosine modes of the sheets: slow variation of each sheet's conductance over the skin."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_MODES, "bottom": BOTTO
 
 
 def variation_with_modes(even: Variation, values: Mapping[str, float], modes: int) -> Variation:
-    """The skin with the waves among the values on its sheets, so many modes of each."""
+    """Variation with the modes among the values on its sheets, up to `modes` of each."""
     sizes = {name: amplitudes(values, waves)[:modes] for name, waves in OF_SHEETS.items()}
     return replace(even, top=even.top[0] * sizes["top"], bottom=even.bottom[0] * sizes["bottom"])
 
 
 def random_amplitudes(random: np.random.Generator) -> dict[str, float]:
-    """Amplitudes of all waves, as large as any may be."""
+    """Random amplitudes of all modes, up to the largest that is allowed."""
     drawn = random.uniform(-MAX_AMPLITUDE, MAX_AMPLITUDE, len(SHEET_MODES))
     return dict(zip(SHEET_MODES, drawn.tolist(), strict=True))
 
 
 @dataclass(frozen=True)
 class StiffnessTerms:
-    """How the terms of K are counted: of each field, of each mode, of each part of the foam that
-    changes a sheet (one for all where none does); then those of the films."""
+    """Order of the terms of K: by field, by mode, by part of the foam that changes a sheet (one for
+    all if none does); then those of the films."""
 
     fields: int
     modes: int
     parts: int
 
     def split(self, of_terms: NDArray) -> tuple[NDArray, NDArray]:
-        """Of the sheets, shape (..., field, mode, part), and of the films, (..., film)."""
+        """Values of the sheets, shape (..., field, mode, part), and of the films, (..., film)."""
         shape = self.fields, self.modes, self.parts
         sheets, films = np.split(of_terms, [self.fields * self.modes * self.parts], axis=-1)
         return sheets.reshape(*of_terms.shape[:-1], *shape), films
@@ -64,7 +64,7 @@ class StiffnessTerms:
 
 
 def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with the waves among the values as maps of its sheets."""
+    """Scene with the modes among the values as maps of its sheets."""
     if not any(values.get(name) for name in SHEET_MODES):
         return scene
     sheets = {
@@ -75,15 +75,15 @@ def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 
 def map_of_sheet(scene: Scene, values: Mapping[str, float], waves: tuple[str, ...]) -> Grid:
-    """Waves of a sheet's conductance as a map of its resistance."""
+    """Modes of a sheet's conductance as a map of its resistance."""
     return nearest_map(scene, lambda x: 1 / modes_at(scene, values, waves, x))
 
 
 def check_uniform_sheets(scene: Scene) -> None:
-    """Raises InputError where waves of a sheet cannot be told apart from what the scene has."""
+    """Raise InputError if modes of a sheet cannot be identified because the sheet has a map."""
     for name in OF_SHEETS:
         if scene.skin.sheet(name).map is not None:
             raise InputError(
-                f"{scene.name}: slow waves of the sheets are fitted to sheets without maps alone, "
+                f"{scene.name}: cosine modes of the sheets are fitted only to sheets without maps, "
                 f"got `skin.{name}.map`"
             )

@@ -19,9 +19,10 @@ from .materials import strain_of
 
 
 def jumping(press: Press, scene: Scene) -> Press:
-    """The press as one of factors alone: a finger charges its sheet as a larger one would.
+    """The press with factors alone: each finger becomes a larger factor that charges its sheet as
+    much.
 
-    Meshes are made for it; what is solved on them has the finger apart.
+    Meshes are made for it; the finger stays separate in what is solved on them.
     """
     if not press.fingers:
         return press
@@ -38,11 +39,11 @@ def jumping(press: Press, scene: Scene) -> Press:
 def layered(
     ladder: ResolutionHierarchy, resolution: Resolution, press: Press, frequency: float
 ) -> Resolution:
-    """The same, as narrow at all jumps that the field reaches as layers at a frequency in Hz are.
+    """Resolution with cells as narrow as layers are, at all jumps that the field reaches.
 
-    Foils in pairs, one on each sheet, are reached from as far as the field goes. Any others drive a
-    current along the sheets at any frequency, and where it passes from one sheet to the other, at
-    each change of what a sheet carries, the foam charges.
+    frequency: Hz. Foils in pairs, one on each sheet, are reached from as far as the field goes.
+    Other foils drive a current along the sheets at any frequency. Where it passes from one sheet to
+    the other, at each change of what a sheet carries, the foam charges.
     """
     scene, depth = ladder.scene, depth_of(ladder.scene, frequency)
     in_pairs = one_field(equivalent_scene(scene)) is not None
@@ -66,7 +67,7 @@ def layered(
 
 
 def beside_foils(scene: Scene, lines: Lines = NO_LINES) -> Lines:
-    """Lines in m across x and y, and the sides of foils that have a width."""
+    """Lines in m across x and y, with the sides of foils that have a width."""
     found = [list(each) for each in lines]
     for contact in scene.contacts:
         if contact.width:
@@ -76,7 +77,7 @@ def beside_foils(scene: Scene, lines: Lines = NO_LINES) -> Lines:
 
 
 def _inner(lines: Lines, scene: Scene) -> Lines:
-    """Those that are no edge of the skin."""
+    """Lines that are not edges of the skin."""
     length, width = scene.skin.sides
     x, y = lines
     return (
@@ -86,7 +87,7 @@ def _inner(lines: Lines, scene: Scene) -> Lines:
 
 
 def _thinner(scene: Scene, press: Press) -> float:
-    """The largest c (R_t + R_b) under a press, over that at rest."""
+    """Largest c (R_t + R_b) under a press, over its unpressed value."""
     factor = max(1.0, strongest(press, scene))
     gauge = max(scene.skin.top.piezoresistance, scene.skin.bottom.piezoresistance, 0.0)
     return factor * (1 + gauge * float(strain_of(factor)))

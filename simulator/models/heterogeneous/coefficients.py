@@ -1,4 +1,4 @@
-"""What a pressed skin is made of at the points of one mesh: conductance of sheets, capacitance."""
+"""Coefficients of a pressed skin at the points of one mesh: conductance of sheets, capacitance."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
 Located = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""Places in m and strain there."""
+"""Positions in m and the strain there."""
 Fingers = tuple[tuple[float, NDArray[np.float64]], ...]
 ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 
 
 @dataclass(frozen=True)
 class PressCoefficients:
-    """Of one press on one mesh; x stands for points of all its cells, m, shape (2, cell, point).
+    """Coefficients of one press on one mesh; x: points of all its cells, m, shape (2, cell, point).
 
-    factors: c over that at rest by touches with sharp edges, shape (cell,). pressed: by what
-    mechanics spreads, None for nothing of that kind. fields: 1 where both sheets are one. fingers:
-    capacitance to earth in F of what touches the skin, and the share of each cell that it covers.
+    factors: c over its unpressed value by touches with sharp edges, shape (cell,). pressed:
+    deformation by a tension, None without one. fields: 1 if both sheets are one field. fingers:
+    capacitance to earth in F of each finger, and the share of each cell that it covers.
     """
 
     materials: Materials
@@ -42,15 +42,16 @@ class PressCoefficients:
         return S * self._share if self.fields == 1 else S
 
     def conductance_of(self, electrode: Electrode, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same of one sheet."""
+        """Conductance of one sheet, as of `conductance`."""
         if not self.materials.scene.skin.sheet(electrode).piezoresistance:
             return self.materials.conductance(electrode, x)
         return self.materials.conductance(electrode, x, self.strain(x))
 
     def of_both_sheets(self, potential: NDArray) -> NDArray:
-        """Top and bottom sheet's from those of the fields, shape (field, ...) to (2, ...).
+        """Potentials of top and bottom sheet from those of the fields, shape (field, ...) to (2,
+        ...).
 
-        The difference of both falls to each sheet as its resistance is of both in series.
+        The one field is the difference of both; each sheet has the share of its resistance.
         """
         if self.fields == 2:
             return potential
@@ -61,9 +62,9 @@ class PressCoefficients:
         return self.materials.capacitance(x) * self.factor(x)
 
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """eps d of the foam where it is, in F, shape (cell, point): c d².
+        """eps d of the foam in F, shape (cell, point): c d².
 
-        Without mechanics a factor thins it at constant permittivity.
+        Without mechanics a factor compresses it at constant permittivity.
         """
         materials, mechanics = self.materials, self.materials.scene.skin.foam.mechanics
         thinned = 1 / self.factor(x) if mechanics is None else 1 - self.strain(x)
@@ -71,20 +72,21 @@ class PressCoefficients:
 
     @property
     def thinned(self) -> NDArray[np.float64]:
-        """Thickness of the foam under touches with sharp edges over that at rest, shape (cell,)."""
+        """Thickness of the foam under touches with sharp edges over the unpressed one, shape
+        (cell,)."""
         mechanics = self.materials.scene.skin.foam.mechanics
         return 1 / self.factors if mechanics is None else 1 - mechanics.strain_at(self.factors)
 
     def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c over that at rest, shape (cell, point)."""
+        """c over its unpressed value, shape (cell, point)."""
         whole = self.factors[:, None] * np.ones(x.shape[1:])
         mechanics = self.pressed.mechanics if self.pressed else None
         return whole * mechanics.factor(self._spread_strain(x)) if mechanics else whole
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far the foam is compressed, of its thickness at rest, shape (cell, point).
+        """Compression of the foam over its unpressed thickness, shape (cell, point).
 
-        Where only a factor is given it is what brings it about, without mechanics at constant
+        Where only a factor is given, the strain that causes it; without mechanics at constant
         permittivity.
         """
         mechanics = self.materials.scene.skin.foam.mechanics
@@ -92,17 +94,17 @@ class PressCoefficients:
         return np.maximum(sharp, self._spread_strain(x))
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far the skin is pushed in where mechanics tells, m, shape (cell, point)."""
+        """Deflection of the skin by mechanics, m, shape (cell, point)."""
         return self.pressed.deflection(x) if self.pressed else np.zeros(x.shape[1:])
 
     def line_stretch(
         self, x: NDArray[np.float64], direction: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Length along an edge over that of the flat skin at rest."""
+        """Length along an edge over that on the flat, unpressed skin."""
         return self.materials.line_stretch(x, direction)
 
     def _spread_strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """By mechanics, kept for places that are asked for again."""
+        """Strain by mechanics, cached for positions that are requested again."""
         known = self._spread.get(id(x))
         if known is None or known[0] is not x:
             found = self.pressed.strain(x) if self.pressed else np.zeros(x.shape[1:])
@@ -111,12 +113,12 @@ class PressCoefficients:
 
     @property
     def gauged(self) -> bool:
-        """Whether a press changes conductance at all."""
+        """True if a press changes conductance."""
         return gauged(self.materials.scene.skin)
 
     @property
     def _share(self) -> float:
-        """Of the top sheet's conductance, of both in series: the sheets vary alike."""
+        """Share of the top sheet's resistance in both sheets' in series; the sheets vary alike."""
         corner = np.zeros((2, 1))
         top, bottom = (self.materials.conductance(each, corner)[0, 0] for each in ELECTRODES)
         return float(bottom / (top + bottom))

@@ -1,4 +1,4 @@
-"""The sheets of a press as the corners of a mesh of triangles see them."""
+"""The sheets under a press as seen from the corners of a mesh of triangles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> list[Sheet]:
-    """Of each field. A film is none where it resists less than the sheet within an edge does."""
+    """One sheet for each field. A film that resists less than the sheet within one edge is left
+    out."""
     found = []
     for field in range(circuit.fields):
         own = [t for t in circuit.terminals if t.field == field]
@@ -42,7 +43,7 @@ def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> l
 
 
 def crossed(coefficients: PressCoefficients) -> bool:
-    """Whether a sheet's conductance jumps, or is larger along one direction than along another."""
+    """True if a sheet's conductance jumps, or is larger along one direction than along another."""
     return any(_jumps_or_turns(field, coefficients) for field in range(coefficients.fields))
 
 
@@ -53,7 +54,7 @@ def _resists(contact: Contact, mesh: Domain, conductance: float) -> bool:
 
 
 def _jumps_or_turns(field: int, coefficients: PressCoefficients) -> bool:
-    """Whether a sheet is gauged and touched with sharp edges, or conducts along a direction."""
+    """True if a sheet is piezoresistive and touched with sharp edges, or is anisotropic."""
     materials, electrode = coefficients.materials, ELECTRODES[field]
     gauge = materials.scene.skin.sheet(electrode).piezoresistance
     return bool(gauge and np.ptp(coefficients.factors) > 0) or materials.directed(electrode)

@@ -1,9 +1,9 @@
-"""Corners at which the potential of a sheet goes like a broken power of the distance.
+"""Corners at which the potential of a sheet goes like a fractional power of the distance.
 
-There what elements lack falls slowly, whatever their order, unless cells shrink towards the
-corner. Where conductance jumps, under a gauge that is touched, and where a sheet that conducts
-along a direction meets a foil at the skin's corner, that power follows from the quadrants there:
-stretched so that it conducts alike along all directions, each is a wedge of one conductance.
+There the error falls slowly with the order unless cells shrink towards the corner. Such corners
+occur where conductance jumps (under a touch on a piezoresistive sheet) and where an anisotropic
+sheet meets a foil at the skin's corner. The power follows from the quadrants there: stretched so
+that it conducts equally along all directions, each is a wedge of one conductance.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from .coefficients import ELECTRODES
 from .materials import Materials, gauged, gauges
 
 STRENGTH = 1e-2
-"""Over (1 - p)²: of Rs and Cp, at most what a corner takes of elements of low order."""
+"""Largest error of Rs and Cp by a corner in elements of low order, over (1 - p)²."""
 SHARE = 0.03
-"""Of the tolerance: what a corner may take."""
+"""Share of the tolerance that one corner may use."""
 BESIDE = 1e-6
-"""Of a side: how far from a corner it is looked at."""
+"""Distance from a corner at which coefficients are evaluated, over a side."""
 QUADRANTS = np.array([[1, -1, -1, 1], [1, 1, -1, -1]])
 TOWARDS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
-"""Where quadrants begin, anticlockwise."""
+"""Directions at which the quadrants begin, anticlockwise."""
 Corner = tuple[float, float, int]
-"""x and y in m, and how many rings of cells shrink towards it."""
+"""x and y in m, and the number of rings of cells that shrink towards it."""
 
 
 def ringed_corners(
     materials: Materials, contacts: Sequence[Contact], press: Press, rtol: float
 ) -> tuple[Corner, ...]:
-    """Those that take more of Rs and Cp than a part of a tolerance. press: of rectangles."""
+    """Corners whose error exceeds a share of the tolerance. press: of rectangles."""
     found = []
     if not (gauged(materials.scene.skin) or any(map(materials.directed, ELECTRODES))):
         return ()
@@ -57,10 +57,10 @@ def ringed_corners(
 def power_at(
     materials: Materials, contacts: Sequence[Contact], press: Press, place: tuple[float, float]
 ) -> float:
-    """The power of the distance from a place in m that a sheet's potential goes by.
+    """Power of the distance from a position in m by which a sheet's potential goes.
 
-    1 where all is smooth; of both sheets the one that is farther from that. It may exceed 1 where a
-    foil meets the skin's corner alone: elsewhere the field is weak then.
+    It is 1 where the field is smooth; of both sheets the power farther from 1 counts. It may exceed
+    1 where a foil meets the skin's corner alone: the field is weak there.
     """
     scene, at = materials.scene, np.array(place)
     away = BESIDE * np.array(scene.skin.sides)
@@ -92,7 +92,7 @@ def power_at(
 
 
 def _places(scene: Scene, press: Press) -> list[tuple[float, float]]:
-    """Corners of the skin and of touches, and where their lines meet."""
+    """Corners of the skin and of touches, and intersections of their lines."""
     lines = all_lines(press, scene)
     x, y = (
         distinct([0.0, side, *each]).tolist()
@@ -102,7 +102,7 @@ def _places(scene: Scene, press: Press) -> list[tuple[float, float]]:
 
 
 def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """c over that at rest at places in m, shape (2, place)."""
+    """c over its unpressed value at positions in m, shape (2, place)."""
     found = np.ones(x.shape[1])
     for each in patches:
         inside = (each.x[0] < x[0]) & (x[0] < each.x[1]) & (each.y[0] < x[1]) & (x[1] < each.y[1])
@@ -113,7 +113,8 @@ def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.flo
 def _held(
     contacts: Sequence[Contact], sheet: Electrode, place: NDArray[np.float64], scene: Scene
 ) -> bool:
-    """Whether a foil without contact resistance holds that sheet at a place of the edge, m."""
+    """True if a foil without contact resistance fixes that sheet's potential at a position of the
+    edge, m."""
     ends = [
         np.array(each.ends(scene.skin))
         for each in contacts

@@ -1,7 +1,7 @@
-"""How little coefficients are known, and what that does to Rs and Cp at each frequency.
+"""Coefficients raised by their own error, to find the error of Rs and Cp that they cause.
 
-At real s the admittance rises with capacitance and with conductance at any place. So nothing
-cancels where all of them are raised by what they may be off by.
+At real s the admittance rises with capacitance and with conductance anywhere. So nothing cancels
+where all of them are raised by their possible error.
 """
 
 from __future__ import annotations
@@ -20,32 +20,32 @@ if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
 NEGLIGIBLE = 1e-2
-"""Of the tolerance: what a coefficient may be off by unasked."""
+"""Share of the tolerance below which the error of a coefficient is ignored."""
 TWICE = 2.0
-"""What a rule misses, over what it differs by from one of a quarter of the cells."""
+"""Error of a rule over its difference from the rule on cells of a quarter of the size."""
 
 
 @dataclass(frozen=True)
 class Raised(PressCoefficients):
-    """With the deflection at its largest for the capacitance, at its least for gauges.
+    """Coefficients with the largest deflection for capacitance, and the smallest for conductance.
 
-    share: by which capacitance, and conductance of gauges, are raised besides, shape (cell,).
+    share: relative rise of capacitance, and of conductance of piezoresistive sheets, shape (cell,).
     """
 
     least: Deformation | None = None
     share: NDArray[np.float64] | None = None
 
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of `Coefficients`."""
+        """Raised capacitance; see `PressCoefficients`."""
         return super().capacitance(x) * self._raise
 
     def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of `Coefficients`."""
+        """Raised conductance; see `PressCoefficients`."""
         S = super().conductance(field, x)
         return S * self._raise if self.gauged else S
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of `Coefficients`."""
+        """Smallest strain; see `PressCoefficients`."""
         return PressCoefficients(self.materials, self.factors, self.least, self.fields).strain(x)
 
     @property
@@ -54,7 +54,7 @@ class Raised(PressCoefficients):
 
 
 def raised_by_deflection(known: PressCoefficients) -> Raised | None:
-    """By what mechanics leaves of error; None where there is none."""
+    """Coefficients raised by the error of mechanics; None if it has none."""
     pressed = known.pressed
     if pressed is None or pressed.unsure is None:
         return None
@@ -69,7 +69,7 @@ def raised_by_deflection(known: PressCoefficients) -> Raised | None:
 
 
 def raised_by_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Raised:
-    """By what a rule misses of each cell, shape (cell,)."""
+    """Coefficients raised by the quadrature error of each cell, shape (cell,)."""
     return Raised(
         known.materials,
         known.factors,
@@ -82,9 +82,9 @@ def raised_by_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Rai
 
 
 def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
-    """Part of each cell's capacitance that a rule is off by, shape (cell,): against finer ones.
+    """Relative quadrature error of each cell's capacitance, shape (cell,), from a finer rule.
 
-    Only where mechanics spreads a press: what else varies within cells varies slowly there.
+    Only where mechanics spreads a press: other coefficients vary slowly within cells.
     """
     if known.pressed is None:
         return np.zeros(elements.cells)
@@ -93,5 +93,5 @@ def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
 
 
 def _integrated(rule: Rule, at: CellGeometry, known: PressCoefficients) -> NDArray[np.float64]:
-    """Capacitance of each cell in F by a rule, shape (cell,). at: where its points lie."""
+    """Capacitance of each cell in F by a rule, shape (cell,). at: geometry at its points."""
     return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -1,4 +1,4 @@
-"""One press on one mesh, in trial functions of two orders: the answer, and what checks it."""
+"""One press on one mesh, in trial functions of two orders: the answer and its error estimate."""
 
 from __future__ import annotations
 
@@ -47,7 +47,8 @@ class SolvedLevel:
     kept: CachedSteps = dataclasses.field(default_factory=CachedSteps)
 
     def under(self, circuit: Circuit, coefficients: PressCoefficients) -> SolvedLevel:
-        """Of another press on the same mesh: but for gauges only the capacitance is another."""
+        """Level of another press on the same mesh; only the capacitance changes unless sheets are
+        piezoresistive."""
         if coefficients.gauged:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
             space = Galerkin(system, circuit, self.elements.order)
@@ -58,11 +59,12 @@ class SolvedLevel:
 
 @dataclass(frozen=True)
 class Discretised:
-    """told: the mesh in words. error: relative, of Rs and Cp, by what is not quite as asked.
+    """One press on one mesh with the levels that give its answer and error.
 
-    lower: of one and of two orders less than `coarse`, where they tell how much `fine` shows.
-    course: of the meshes before. felt: what Rs and Cp feel of the error of mechanics, relative,
-    shape (2, interface, frequency).
+    told: the mesh in words. error: relative error of Rs and Cp by approximated geometry. lower:
+    levels of one and of two orders less than `coarse`, where they are needed to estimate the error
+    that `fine` does not show. course: errors of the meshes before. deflection_error: relative error
+    of Rs and Cp by the error of mechanics, shape (2, interface, frequency).
     """
 
     circuit: Circuit
@@ -77,7 +79,7 @@ class Discretised:
     deflection_error: NDArray[np.float64] | float = 0.0
 
     def result(self, frequency: NDArray[np.float64], rtol: float) -> ModelResult:
-        """The answer at these frequencies in Hz, and its error."""
+        """Impedance at these frequencies in Hz, and its estimated error."""
         around = frequencies_around(frequency)
         (Q, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
         combined = self.circuit.combination
@@ -112,7 +114,7 @@ class Discretised:
     def changes(
         self, raised: Raised, frequency: NDArray[np.float64], rtol: float
     ) -> NDArray[np.float64]:
-        """Of Rs and Cp, relatively, by raised coefficients, shape (2, interface, frequency)."""
+        """Relative changes of Rs and Cp by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
         s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
         other = own.under(self.circuit, raised)
@@ -125,7 +127,7 @@ class Discretised:
 
     @cached_property
     def missed(self) -> NDArray[np.float64]:
-        """Part of each cell's capacitance that the rule is off by, shape (cell,)."""
+        """Relative error of each cell's capacitance by the quadrature rule, shape (cell,)."""
         return missed(self.coarse.elements, self.coefficients)
 
     def coefficients_of(self, solved: SolvedLevel, excitation: int, s: complex) -> NDArray:
@@ -138,7 +140,8 @@ class Discretised:
     def coefficients_at(
         self, solved: SolvedLevel, excitation: int, s: NDArray[np.float64]
     ) -> list[NDArray[np.float64]]:
-        """The same at real s >= 0 as closely as the sweep was solved, if it was; else exactly."""
+        """Potentials at real s >= 0, from the steps of a sweep if it reached as far, else
+        exactly."""
         own, mass = self.circuit.excitations[excitation], solved.system.mass
         steps = solved.kept.of(own, s)
         if steps is None:
@@ -149,17 +152,19 @@ class Discretised:
 
 
 LEAST_LEFT = 0.1
-"""Of the energy of all excitations of an interface: what meshes are refined for at least."""
+"""Smallest energy that meshes are refined for, over the energy of all excitations of an interface.
+"""
 KEPT = 0.7
-"""Of the whole error: what lies in the cells that are marked."""
+"""Share of the whole error that the marked cells hold."""
 
 
 def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part of each cell in the error of Rs and Cp at frequencies in Hz, shape (frequency, cell).
+    """Share of each cell in the error of Rs and Cp at frequencies in Hz, shape (frequency, cell).
 
-    At s = omega instead of j omega potentials are real and reach as far. There the energy of what
-    the next order adds is what it takes off Y. Beside the heat in the sheets it tells on Rs, beside
-    the energy in the foam on Cp, and so does what is missed of the foam.
+    At s = omega instead of j omega potentials are real and reach as far. There the energy of the
+    part that the next order adds is the change of Y. Relative to the heat in the sheets it gives
+    the error of Rs, relative to the energy in the foam that of Cp; quadrature errors of the foam
+    count as well.
     """
     parts = np.zeros((len(frequency), discretised.fine.elements.cells))
     combined, s = discretised.circuit.combination, 2 * np.pi * frequency
@@ -178,7 +183,7 @@ def _of_interface(
     weights: NDArray[np.float64],
     of_drives: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> NDArray[np.float64]:
-    """Part of each cell in the error of one interface, whose excitations' errors add."""
+    """Share of each cell in the error of one interface; the errors of its excitations add."""
     added = [np.add(*_energies(discretised, s, added_w)) for _, added_w in of_drives]
     heat, stored = zip(*(_energies(discretised, s, w) for w, _ in of_drives), strict=True)
     missed = [each + discretised.missed * own for each, own in zip(added, stored, strict=True)]
@@ -190,10 +195,11 @@ def _over_all(
     part: Sequence[NDArray[np.float64]],
     whole: Sequence[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Over the sum of the whole; 0 where that is 0: behind foils that insulate no sheet is heated
-    by as much as double precision holds, and what is there is none of the error.
+    """Parts over the sum of the whole; 0 where that sum is 0.
 
-    All of each excitation; LEAST_LEFT of the whole is what their difference is at least.
+    The sum is 0 behind foils that insulate, where heat in the sheet is below double precision. The
+    parts of all excitations add; the whole counts as at least LEAST_LEFT of its absolute sum,
+    though excitations are subtracted.
     """
     parts, signed, unsigned = (
         sum(w * each for w, each in zip(signs, of_each, strict=True))
@@ -204,16 +210,16 @@ def _over_all(
 
 
 def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The fewest cells that hold KEPT of the whole. Source: W. Doerfler, SINUM 33 (1996) 1106."""
+    """Fewest cells that hold KEPT of the whole. Source: W. Doerfler, SINUM 33 (1996) 1106."""
     return fewest(parts, KEPT * float(parts.sum()))
 
 
 def _potentials(
     discretised: Discretised, excitation: int, s: NDArray[np.float64]
 ) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Of the finer order, and what it adds, by its coefficients, shape (field, function, cell).
+    """Potentials of the finer order, and the part that it adds, at each s.
 
-    At each s.
+    As coefficients, shape (field, function, cell).
     """
     coarse, fine = (
         discretised.coefficients_at(each, excitation, s)
@@ -226,7 +232,7 @@ def _potentials(
 def _energies(
     discretised: Discretised, s: float, of_fields: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of potentials at s: in the sheets and in the foam, W, both of shape (cell,).
+    """Energies of potentials at s in the sheets and in the foam, W, both of shape (cell,).
 
     of_fields: coefficients of the finer order, shape (field, function, cell).
     """

@@ -1,4 +1,4 @@
-"""Elements of a varied skin, and the matrices that coefficients at their points give."""
+"""Elements of a heterogeneous skin: trial functions, rules and geometry on one mesh."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ from ...scene.skin import Skin
 from ...scene.wiring_checks import under_foil
 
 MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
-"""Degrees of the rules beyond twice the order: for the coefficients."""
+"""Degree of the rules above twice the order, for the coefficients."""
 
 
 @dataclass(frozen=True)
 class Elements:
     """Trial functions on a mesh.
 
-    surface_at: where points of a rule lie, in some of the cells. beside: the cell at each facet
-    and which of its edges that is, shapes (facet,). facets: those under a foil. inside: the cells
-    that a foil with a width covers. mesh: as scikit-fem numbers it, seen along z. groups: the cells
-    that are straight, and those that are bent. in_space: of triangles in space their first corners
-    and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
+    surface_at: geometry at the points of a rule, in some of the cells. cells_beside: a cell at each
+    facet and which of its edges the facet is, shapes (facet,). facets: those under a foil. inside:
+    the cells that a foil with a width covers. mesh: as scikit-fem numbers it, seen along z. groups:
+    the straight cells, and the curved ones. in_space: of triangles in space their first corners and
+    the two edges from there, m, each of shape (3, cell, 1); None in the plane.
     """
 
     element: Element
@@ -64,18 +64,18 @@ class Elements:
 
     @property
     def cells(self) -> int:
-        """How many there are."""
+        """Number of cells."""
         return self.trial.dofs.element_dofs.shape[1]
 
     @property
     def outline(self) -> NDArray[np.int64]:
-        """The facets along the skin's edges, holes included."""
+        """Facets along the skin's edges, holes included."""
         return self.mesh.boundary_facets()
 
     def across(self, of_cell: NDArray) -> tuple[NDArray[np.int64], NDArray, NDArray]:
-        """Facets at which something of each cell jumps, and what it is on either side.
+        """Facets at which a value per cell jumps, and its values on either side.
 
-        of_cell: shape (cell,). The others are of shape (facet,).
+        of_cell: shape (cell,). Returns three arrays of shape (facet,).
         """
         one, other = np.asarray(self.mesh.f2t, dtype=np.int64)
         facets = np.flatnonzero((other >= 0) & (of_cell[one] != of_cell[other]))
@@ -83,17 +83,17 @@ class Elements:
 
     @cached_property
     def surface(self) -> CellGeometry:
-        """Where the rule's points lie in all cells."""
+        """Geometry at the rule's points in all cells."""
         return self.surface_at(self.rule, slice(None))
 
     @cached_property
     def divided(self) -> tuple[Rule, CellGeometry]:
-        """The rule on each quarter of every triangle, and where its points lie."""
+        """The rule on each quarter of every triangle, and the geometry at its points."""
         rule = divided(self.element, self.rule)
         return rule, self.surface_at(rule, slice(None))
 
     def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
-        """A rule along one edge of the reference cell, and the direction of that edge."""
+        """Rule along one edge of the reference cell, and the direction of that edge."""
         return edge_rule(self.element, edge, self.order + 1 + MORE_ON_TRIANGLES // 2)
 
 
@@ -121,7 +121,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
 def _covered(
     contact: Contact, skin: Skin | None, middles: NDArray[np.float64]
 ) -> NDArray[np.int64]:
-    """The cells of these middles that a foil with a width covers."""
+    """Cells with these middles that a foil with a width covers."""
     if not contact.width:
         return np.empty(0, dtype=np.int64)
     assert skin is not None
@@ -134,8 +134,10 @@ def _rule_on_squares(order: int) -> Rule:
 
 
 def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
-    """Triangles of a domain in the plane or in space, orders 1 to 4. skin: what it is a domain of,
-    for foils with a width."""
+    """Triangles of a domain in the plane or in space, orders 1 to 4.
+
+    skin: the skin of the domain, for foils with a width.
+    """
     element, rule = _triangle(order)
     mesh = domain.flat
 
@@ -165,7 +167,7 @@ def _triangle(order: int) -> tuple[Element, Rule]:
 
 @cache
 def raising(order: int) -> NDArray[np.float64]:
-    """From the coefficients of a function on triangles of an order to those of the next order.
+    """Matrix from coefficients on triangles of an order to those of the next order.
 
     Shape (function of the next order, function).
     """
@@ -174,7 +176,7 @@ def raising(order: int) -> NDArray[np.float64]:
 
 
 def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]:
-    """Where points of a rule lie in some of the triangles."""
+    """Function that gives the geometry at the points of a rule in some of the triangles."""
     curvature = domain.curvature
 
     def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> CellGeometry:
@@ -192,7 +194,8 @@ def _straight_and_bent(domain: Domain) -> Sequence[NDArray[np.int64] | slice]:
 
 
 def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> CellGeometry:
-    """Of triangles, x = x0 + a along + b across; in space each has a frame of its own."""
+    """Geometry of straight triangles, x = x0 + a along + b across; in space each has its own
+    frame."""
     origin, along, across = _edges(p, t)
     a, b = rule.points
     x = (origin + a * along + b * across)[:2]
@@ -225,7 +228,7 @@ def _beside(mesh: Mesh2D, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64],
 def _in_their_plane(
     along: NDArray[np.float64], across: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The same two edges by lengths and angle alone: the first one runs along the frame's first."""
+    """Both edges in a frame of their plane whose first axis is the first edge."""
     length = np.linalg.norm(along, axis=0)
     shared = (along * across).sum(axis=0) / length
     height = np.sqrt((across**2).sum(axis=0) - shared**2)

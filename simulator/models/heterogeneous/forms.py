@@ -1,4 +1,4 @@
-"""Quadratic forms on the elements of a varied skin, added up in a system's pattern."""
+"""Quadratic forms on the elements of a heterogeneous skin, added to the values of a pattern."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from ...fem.unknowns import Unknowns
 from .elements import Elements
 
 Density = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
-"""Per m of the flat skin, from places on a line and its direction there, both of shape (2, ...)."""
+"""Density per m of the flat skin, from positions on a line and its direction there, both (2, ...).
+"""
 
 
 def add_sheet(
@@ -27,9 +28,9 @@ def add_sheet(
     S: NDArray[np.float64],
     within: NDArray[np.bool_] | None = None,
 ) -> None:
-    """K of one field, in the pattern. S: by its xx, yy and xy in S, shape (3, cell, point).
+    """Add K of one field. S: by its xx, yy and xy in S, shape (3, cell, point).
 
-    alone: what picks the field, shape (field, field). within: the cells that are meant.
+    alone: selects the field, shape (field, field). within: restricts the form to these cells.
     """
     for cells in _groups(elements, within):
         terms = stiffness_terms(elements.rule, elements.surface.some(cells), S[:, cells])
@@ -44,7 +45,7 @@ def add_foam(
     c: NDArray[np.float64],
     within: NDArray[np.bool_] | None = None,
 ) -> None:
-    """M in the pattern. c: F/m², shape (cell, point). within: the cells that are meant."""
+    """Add M. c: F/m², shape (cell, point). within: restricts the form to these cells."""
     for cells in _groups(elements, within):
         terms = mass_terms(elements.rule, elements.surface.some(cells), c[cells])
         _add_between_fields(values, unknowns.slots[cells], coupling, terms)
@@ -56,7 +57,7 @@ def _add_between_fields(
     fields: NDArray[np.float64],
     terms: Iterable[Terms],
 ) -> None:
-    """Matrices of cells in one field, in the pattern wherever `fields` are not zero, as often.
+    """Add matrices of cells in one field to all pairs of fields, times the entry of `fields`.
 
     slots: shape (cell, pair). fields: shape (field, field).
     """
@@ -74,7 +75,7 @@ def _add_between_fields(
 def _groups(
     elements: Elements, within: NDArray[np.bool_] | None
 ) -> Iterable[NDArray[np.int64] | slice]:
-    """Straight cells, then bent ones; those that are meant."""
+    """Straight cells, then curved ones; restricted to `within`."""
     if within is None:
         return elements.groups
     every = np.arange(elements.cells)
@@ -90,7 +91,7 @@ def add_along(
     facets: NDArray[np.int64],
     density: Density,
 ) -> None:
-    """The form density u v along facets, in the pattern, between `fields`, shape (field, field)."""
+    """Add the form density u v along facets, between `fields`, shape (field, field)."""
     cells, edges = elements.cells_beside(facets)
     for edge in np.unique(edges):
         own = cells[edges == edge]
@@ -105,7 +106,7 @@ def add_along(
 def add_at(
     values: NDArray[np.float64], slots: NDArray[np.int64], added: NDArray[np.float64]
 ) -> None:
-    """Numbers in the pattern, each at its slot; those of slots that are DROPPED nowhere."""
+    """Add numbers to the values at their slots; numbers of DROPPED slots are ignored."""
     found = np.bincount(slots.ravel() - DROPPED, added.ravel(), len(values) - DROPPED)
     values += found[-DROPPED:]
 
@@ -113,6 +114,6 @@ def add_at(
 def _edge_terms(
     u: NDArray[np.float64], weights: NDArray[np.float64], fields: NDArray[np.float64]
 ) -> Terms:
-    """Of the form u v along an edge. u: functions at points of it; weights: (cell, point)."""
+    """Terms of the form u v along an edge. u: functions at its points; weights: (cell, point)."""
     matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
     return weights, matrices.reshape(len(matrices), -1)

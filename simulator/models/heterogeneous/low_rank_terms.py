@@ -1,8 +1,8 @@
-"""Charges of the sheets by potentials elsewhere on them, for the unknowns of elements.
+"""Low-rank part of M by solved surroundings, in the unknowns of elements.
 
-Of potentials in coefficients u, those of the smooth basis of `SurroundingsMatrix` come nearest to
-them that G^-1 B u picks, G and B the integrals of products of basis functions, and of them with
-trial functions. What is left of potentials has no such charges.
+It holds the charges of the sheets by potentials elsewhere on them. For potentials with coefficients
+u, the nearest ones in the smooth basis of `SurroundingsMatrix` are G^-1 B u: G has the integrals of
+products of basis functions, B those with trial functions. The remainder has no such charges.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .materials import Materials
 def low_rank_charges(
     elements: Elements, materials: Materials, unknowns: Unknowns
 ) -> NDArray[np.float64] | None:
-    """F of `Charged`, shape (unknown, rank); None where surroundings are not solved for."""
+    """F of `LowRankMass`, shape (unknown, rank); None if surroundings are not solved."""
     around = materials.scene.surroundings
     if around is None or not around.solved:
         return None
@@ -41,7 +41,7 @@ def low_rank_charges(
 
 
 def describe_accuracy(materials: Materials) -> str:
-    """How closely surroundings were solved for, to be told with an answer."""
+    """Words for an answer: the accuracy that surroundings were solved to."""
     around = materials.scene.surroundings
     if around is None or not around.solved:
         return ""

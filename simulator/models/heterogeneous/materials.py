@@ -1,4 +1,7 @@
-"""Symmetric 2x2 tensors as (xx, yy, xy), shape (3, ...)."""
+"""Materials of a skin at any position: conductance, capacitance, stretch.
+
+Symmetric 2x2 tensors are given as (xx, yy, xy), shape (3, ...).
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ from ...scene.skin import Electrode, Sheet, Skin
 class Metric:
     """G = F'F of the tangents F = d(position)/d(flat x), as (xx, yy, xy), shape (3, ...).
 
-    area: J = sqrt(det G), area over that at rest, shape (...).
+    area: J = sqrt(det G), area over that of the flat, unstretched skin, shape (...).
     """
 
     G: NDArray[np.float64]
@@ -27,7 +30,8 @@ class Metric:
 
 
 def position(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """In space, m, of places x in m of the flat skin at rest, shape (2, ...) to (3, ...)."""
+    """Position in space, m, of points x in m of the flat, unstretched skin, shape (2, ...) to (3,
+    ...)."""
     skin = scene.skin
     stretched = _ratios(skin, x) * np.asarray(x)
     if skin.shape is None:
@@ -36,7 +40,7 @@ def position(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def tangents(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of `position` by x, shape (3, 2, ...)."""
+    """Derivative of `position` by x, shape (3, 2, ...)."""
     skin, ratios = scene.skin, _ratios(scene.skin, x)
     if skin.shape is None:
         flat = np.eye(3, 2).reshape((3, 2) + (1,) * (np.ndim(x) - 1))
@@ -45,7 +49,7 @@ def tangents(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def metric(scene: Scene, x: NDArray[np.float64]) -> Metric:
-    """At places x in m of the flat skin at rest, shape (2, ...)."""
+    """Metric at points x in m of the flat, unstretched skin, shape (2, ...)."""
     F = tangents(scene, x)
     xx, yy, xy = (
         np.einsum("i...,i...->...", F[:, i], F[:, j]) for i, j in ((0, 0), (1, 1), (0, 1))
@@ -54,7 +58,7 @@ def metric(scene: Scene, x: NDArray[np.float64]) -> Metric:
 
 
 def isometric(skin: Skin) -> bool:
-    """Whether all lengths within the skin are those at rest."""
+    """True if all lengths within the skin are those of the flat, unstretched skin."""
     unstretched = skin.stretch is None or skin.stretch.ratios == (1.0, 1.0)
     return unstretched and (skin.shape is None or skin.shape.developable)
 
@@ -65,7 +69,8 @@ def _ratios(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def directed(ratio: float, angle: float) -> NDArray[np.float64]:
-    """Of determinant 1, `ratio` times as large along `angle` [rad] from x as across, shape (3,)."""
+    """Tensor of determinant 1, `ratio` times as large along `angle` [rad] from x as across, shape
+    (3,)."""
     along, across = ratio**0.5, ratio**-0.5
     mean, half, turned = (along + across) / 2, (along - across) / 2, 2 * angle
     part = half * np.cos(turned)
@@ -102,14 +107,14 @@ ISOTROPIC = np.array([1.0, 1.0, 0.0])
 
 
 def gauged(skin: Skin) -> bool:
-    """Whether a press changes a sheet's resistance."""
+    """True if a press changes a sheet's resistance."""
     return any(sheet.piezoresistance for sheet in (skin.top, skin.bottom))
 
 
 def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Conductance of top and bottom over that at rest, under touches of these factors.
+    """Conductance of top and bottom over the unpressed one, under touches of these factors.
 
-    factors: of capacitance over that at rest, shape (...). Returns shape (2, ...).
+    factors: capacitance over the unpressed one, shape (...). Returns shape (2, ...).
     """
     mechanics = skin.foam.mechanics
     strain = np.asarray(mechanics.strain_at(factors) if mechanics else strain_of(factors))
@@ -117,13 +122,13 @@ def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def gauge_slopes(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of `gauges` by the factors, to six digits; shape (2, ...)."""
+    """Derivative of `gauges` by the factors, to six digits; shape (2, ...)."""
     step = SLOPE_STEP * factors
     return (gauges(skin, factors + step) - gauges(skin, factors - step)) / (2 * step)
 
 
 class Materials:
-    """Conductances and capacitance of a scene's skin at any places x, flat and in m."""
+    """Conductances and capacitance of a scene's skin at any points x, flat and in m."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -133,7 +138,7 @@ class Materials:
     def conductance(
         self, electrode: Electrode, x: NDArray[np.float64], strain: ArrayLike = 0.0
     ) -> NDArray[np.float64]:
-        """S of an electrode as (xx, yy, xy) in S, shape (3, ...), at x of shape (2, ...).
+        """Conductance of an electrode as (xx, yy, xy) in S, shape (3, ...), at x of shape (2, ...).
 
         strain: compressive strain of the foam there, which broadcasts with (...), see `strain_of`.
         """
@@ -150,11 +155,11 @@ class Materials:
         return between(B, A) / (R * J ** (1 + self._sheet_power))
 
     def directed(self, electrode: Electrode) -> bool:
-        """Whether an electrode may conduct better along one direction than along another."""
+        """True if an electrode may conduct better along one direction than along another."""
         return not self._isometric or self.scene.skin.sheet(electrode).anisotropy is not None
 
     def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c of the foam at rest in F per flat m², shape (...), at x of shape (2, ...)."""
+        """c of the unpressed foam in F per flat m², shape (...), at x of shape (2, ...)."""
         foam = self.scene.skin.foam
         c = foam.unpressed_capacitance_per_area * self._factors(foam.map, x)
         if self._isometric:
@@ -162,22 +167,26 @@ class Materials:
         return c * metric(self.scene, x).area ** (1 + self._foam_power)
 
     def area(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Area over that of the flat skin at rest at x of shape (2, ...), shape (...)."""
+        """Area over that of the flat, unstretched skin at x of shape (2, ...), shape (...)."""
         if self._isometric:
             return np.ones(np.shape(x)[1:])
         return metric(self.scene, x).area
 
     def flattened(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """J G^-1, by which grad u . grad v of the skin is that of the flat skin at rest, as (xx,
-        yy, xy), shape (3, ...), at x of shape (2, ...)."""
+        """J G^-1 as (xx, yy, xy), shape (3, ...), at x of shape (2, ...).
+
+        It turns grad u . grad v on the skin into that on the flat, unstretched skin.
+        """
         if self._isometric:
             return ISOTROPIC.reshape(3, *(1,) * (np.ndim(x) - 1)) * np.ones(np.shape(x)[1:])
         found = metric(self.scene, x)
         return adjugate(found.G) / found.area
 
     def depth(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Thickness of the foam at rest in m, shape (...): a map and stretch thin it, at constant
-        permittivity."""
+        """Thickness of the unpressed foam in m, shape (...).
+
+        Maps and stretch make it thinner at constant permittivity.
+        """
         foam = self.scene.skin.foam
         return (
             foam.thickness_or_assumed
@@ -188,9 +197,10 @@ class Materials:
     def line_stretch(
         self, x: NDArray[np.float64], direction: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Length over that at rest of a line through x, both of shape (2, ...), along a direction.
+        """Length of a line through x along a direction, over that on the flat, unstretched skin.
 
-        The direction need not be of unit length. Shape (...).
+        x and direction are of shape (2, ...); the direction need not be of unit length. Shape
+        (...).
         """
         along = np.asarray(direction) / np.hypot(*direction)
         if self._isometric:
@@ -199,7 +209,7 @@ class Materials:
 
     @property
     def alike(self) -> bool:
-        """Whether both sheets' conductances are in one ratio everywhere, pressed or not."""
+        """True if both sheets' conductances are in one ratio everywhere, pressed or not."""
         top, bottom = self.scene.skin.top, self.scene.skin.bottom
         same_maps = top.map == bottom.map or None not in (_uniform(top), _uniform(bottom))
         return (
@@ -221,12 +231,12 @@ class Materials:
 
     @property
     def shortest(self) -> float:
-        """The least length in m over which a map varies; inf where none does."""
+        """Shortest length in m over which a map varies; inf without maps."""
         maps = self.scene.skin.maps.values()
         return min((each.shortest(self.scene.skin.sides) for each in maps), default=np.inf)
 
     def _resistance(self, sheet: Sheet, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At rest, ohm/sq."""
+        """Resistance of the unpressed sheet, ohm/sq."""
         return sheet.sheet_resistance * self._factors(sheet.map, x)
 
     def _factors(self, of_place, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Which kind of mesh a press on a skin is solved on, and what mechanics makes of it first."""
+"""Choice of the kind of mesh for a press on a skin, after the mechanics of the press."""
 
 from __future__ import annotations
 
@@ -27,18 +27,19 @@ if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
 MECHANICS_SHARE = 0.3
-"""Of the tolerance: what the mechanics of a press may leave of it."""
+"""Share of the tolerance for the error of mechanics."""
 LEAST_STEP = 0.3
-"""Of the mechanics' error, asked of the next ones, where Rs and Cp feel more of it than that."""
+"""Smallest ratio by which the error of mechanics is reduced at once."""
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
-"""Of the tolerance and at most: what its factor may be off by anywhere. It is at corners alone."""
+"""Tolerance of the capacitance factor anywhere over the tolerance of Rs and Cp, and its maximum.
+The error is that large at corners only."""
 
 
 class MeshSequence(Protocol):
     """Discretisations of one press, each finer than the one before."""
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """The next one, for frequencies in Hz. Raises ToleranceError where there is none."""
+        """Next discretisation, for frequencies in Hz. Raises ToleranceError if there is none."""
         ...
 
 
@@ -49,7 +50,7 @@ class SquaresThenTriangles:
         self._kinds: list[MeshSequence] = [squares, triangles]
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """As of `Meshes`."""
+        """Next discretisation; see `MeshSequence`."""
         try:
             return self._kinds[0].finer(frequency)
         except ToleranceError:
@@ -60,17 +61,17 @@ class SquaresThenTriangles:
 
 
 class DeflectedTriangles:
-    """Triangles of what mechanics spreads, told as closely as Rs and Cp feel it."""
+    """Triangles of a deflected skin; mechanics is refined as far as Rs and Cp need it."""
 
     def __init__(
         self, place: PressPlace, triangles: Triangles, pressed: Deformation, rtol: float
     ) -> None:
-        """place: keeps the latest triangles. pressed: what they are of."""
+        """place: keeps the latest triangles. pressed: their deformation."""
         self._place, self._rtol = place, rtol
         self._pressed, place.triangles = pressed, triangles
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """As of `Meshes`."""
+        """Next discretisation; see `MeshSequence`."""
         most, triangles = MECHANICS_SHARE * self._rtol, self._place.triangles
         assert triangles is not None
         while True:
@@ -92,10 +93,11 @@ def deformed(
     progress: ProgressCallback = silent,
     place: PressPlace | None = None,
 ) -> tuple[Press, Deformation | None]:
-    """Touches of a factor, and what mechanics makes of the others: factors too, if it can.
+    """Touches with a factor, and the deformation by the others; those become factors too if
+    possible.
 
-    rtol: the tolerance asked of Rs and Cp. progress: as of `ProgressCallback`. place: where it
-    presses.
+    rtol: tolerance of Rs and Cp. progress: as of `ProgressCallback`. place: cache of the pressed
+    place.
     """
     if not press.indented:
         return press, None
@@ -114,10 +116,10 @@ def meshes(
     rtol: float,
     place: PressPlace | None = None,
 ) -> MeshSequence:
-    """Those that a scene and a press need: quadrilaterals first wherever they serve.
+    """Sequence of meshes for a scene and a press: quadrilaterals first where they are suitable.
 
-    press, pressed: as of `indented`. place: where it presses, with the triangles of the press
-    before. Raises InputError for surroundings that elements do not take.
+    press, pressed: as of `deformed`. place: cache of the pressed place, with the triangles of the
+    last press there. Raises InputError for surroundings that elements cannot represent.
     """
     check_surroundings(scene)
     if pressed is not None and place and place.triangles:
@@ -135,14 +137,16 @@ def meshes(
 
 
 def circuit_of(scene: Scene, alike: bool = True) -> Circuit:
-    """One field where both sheets and their foils vary alike. alike: whether they do on all skins
-    that are meant."""
+    """Circuit with one field if both sheets and their foils vary alike, else with two.
+
+    alike: True if they vary alike on all skins that share the model.
+    """
     even = equivalent_scene(scene)
     return (_single(scene, even) if alike else None) or two_fields(even)
 
 
 def single_field(scene: Scene) -> Circuit | None:
-    """The circuit of the potential difference; None where it would not be exact."""
+    """Circuit of the potential difference; None where it would not be exact."""
     return _single(scene, equivalent_scene(scene))
 
 

@@ -1,6 +1,6 @@
-"""Places pressed before, and what their presses leave to others there: meshes, factors, starts.
+"""Cache of recently pressed places: meshes, factors and starts for other depths at the same place.
 
-Answers depend on it within the tolerance alone, but in their last digits on what was asked before.
+The cache changes answers only within the tolerance, but their last digits depend on it.
 """
 
 from __future__ import annotations
@@ -18,32 +18,32 @@ if TYPE_CHECKING:
     from .triangle_meshes import Triangles
 
 MOST_NODES = 100_000
-"""Of the membranes that are kept, all places together."""
+"""Maximum count of membrane nodes in the cache, all places together."""
 Key = tuple[Press, tuple[Shape, ...]]
 
 
 @dataclass
 class PressPlace:
-    """Where one press or several of other depths press. triangles: the latest."""
+    """One pressed place, shared by presses of several depths. triangles: the latest meshes."""
 
     triangles: Triangles | None = None
 
     @cached_property
     def again(self) -> DeflectionCache:
-        """What mechanics keeps."""
+        """Cached deflections."""
         from ..mechanics.deflection_cache import DeflectionCache
 
         return DeflectionCache()
 
 
 class PressCache:
-    """The latest places, as many as MOST_NODES leaves, but one at least."""
+    """The latest places, up to MOST_NODES, but at least one."""
 
     def __init__(self) -> None:
         self._known: dict[Key, PressPlace] = {}
 
     def of(self, press: Press) -> PressPlace:
-        """Where a press presses."""
+        """Place of a press."""
         key = press.on_patches, tuple(map(place_of, press.indented))
         place = self._known.pop(key, None) or PressPlace()
         while sum(each.again.nodes for each in self._known.values()) > MOST_NODES:

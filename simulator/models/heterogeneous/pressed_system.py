@@ -1,4 +1,4 @@
-"""The matrices of a varied skin: what coefficients at the points of its elements give."""
+"""Matrices of a heterogeneous skin, assembled from coefficients at the points of its elements."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from .surroundings_terms import add_surroundings
 
 @dataclass(frozen=True)
 class PressedSystem(System):
-    """With the capacitance of one press: mass is M in F.
+    """System with the capacitance of one press: mass is M in F.
 
-    far: as of `charged`, whatever the press; None where surroundings are not solved for.
+    far: as of `low_rank_charges`, the same for all presses; None if surroundings are not solved.
     """
 
     fields_decoupled: ClassVar[bool] = True
@@ -41,7 +41,7 @@ def pressed_system(
     coefficients: PressCoefficients,
     known: Unknowns | None = None,
 ) -> PressedSystem:
-    """The matrices of one press on one mesh. known: its unknowns, where they are numbered yet."""
+    """Matrices of one press on one mesh. known: its unknowns, if they are numbered already."""
     unknowns = known or number_unknowns(circuit, elements.trial, elements.facets, elements.inside)
     far = low_rank_charges(elements, coefficients.materials, unknowns)
     return PressedSystem(
@@ -70,7 +70,7 @@ def mass_of(
     unknowns: Unknowns,
     far: NDArray[np.float64] | None,
 ) -> Mass:
-    """M in F of one press, and of what is around the sheets. far: as of `PressedSystem`."""
+    """M in F of one press and of the surroundings. far: as of `PressedSystem`."""
     values = np.zeros(len(unknowns.pattern.indices))
     c = coefficients.capacitance(elements.surface.x)
     add_foam(values, circuit.coupling, elements, unknowns, c)
@@ -86,7 +86,7 @@ def film_of(
     unknowns: Unknowns,
     only: Contact | None = None,
 ) -> Callable[[Terminal], csc_matrix]:
-    """The form of (V - U)² / r_c along the foils of a terminal; only: along this one alone."""
+    """Form of (V - U)² / r_c along the foils of a terminal. only: restricts it to this foil."""
 
     def film(terminal: Terminal) -> csc_matrix:
         values = np.zeros(len(unknowns.pattern.indices))

@@ -1,4 +1,4 @@
-"""The cells of a mesh cut finely into flat parts, and potentials at their corners."""
+"""The cells of a mesh divided into small flat parts, and potentials at their corners."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from .materials import position
 FEW_CELLS = 12_000
 MOST_PARTS = 8
 INWARD = 0.01
-"""Of the way to the middle of a cell: where slopes are taken. Where a circle touches a line, a cell
-has no width at its corner, and no slope there."""
+"""Relative shift towards the middle of a cell for gradients. Where a circle touches a line, a cell
+has no width at its corner, and no gradient there."""
 CORNERS = ((0, 0), (0, 1), (1, 1), (1, 0))
 
 
 class Sampler:
-    """The cells of a discretised press, cut into parts of about the same number on any mesh.
+    """The cells of a discretised press, divided into about the same number of parts on any mesh.
 
-    surface: where the corners of parts lie, of shapes (..., cell, corner); those on edges come once
-    for each cell beside. parts: numbers of corners, running over all cells, shape (3 or 4, part).
+    surface: geometry at the corners of parts, of shapes (..., cell, corner); corners on edges
+    appear once for each adjacent cell. parts: numbers of corners, counted over all cells, shape (3
+    or 4, part).
     """
 
     def __init__(self, scene: Scene, discretised: Discretised) -> None:
@@ -43,7 +44,7 @@ class Sampler:
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """Of the corners in space, m, shape (3, cell, corner)."""
+        """Positions of the corners in space, m, shape (3, cell, corner)."""
         if self._elements.in_space is None:
             return position(self._scene, self.surface.x)
         origin, along, across = self._elements.in_space
@@ -51,7 +52,7 @@ class Sampler:
         return origin + a * along + b * across
 
     def along_x_and_y(self, vectors: NDArray) -> NDArray:
-        """Their parts along x and y, of shape (..., 2, cell, corner).
+        """Components of vectors along x and y, of shape (..., 2, cell, corner).
 
         On a mesh in space they are given in each cell's own frame.
         """
@@ -59,13 +60,14 @@ class Sampler:
             return vectors
         _, *edges = self._elements.in_space
         own = np.stack([self.surface.along, self.surface.across]).transpose(2, 3, 1, 0)
-        seen = np.stack(edges)[:, :2].transpose(2, 3, 1, 0)
-        return np.einsum("cpij,...jcp->...icp", seen @ np.linalg.inv(own), vectors)
+        projected = np.stack(edges)[:, :2].transpose(2, 3, 1, 0)
+        return np.einsum("cpij,...jcp->...icp", projected @ np.linalg.inv(own), vectors)
 
     def sampled(self, excitation: int, s: complex) -> tuple[NDArray, NDArray]:
-        """Potential in V, shape (field, cell, corner), and slope in V/m, (field, 2, cell, corner).
+        """Potential in V, shape (field, cell, corner), and gradient in V/m, (field, 2, cell,
+        corner).
 
-        Of one excitation. s: rad/s.
+        For one excitation. s: rad/s.
         """
         fields = self._discretised.coefficients_of(self._discretised.fine, excitation, s)
         inner = self._elements.surface_at(self._within, slice(None))
@@ -74,7 +76,7 @@ class Sampler:
 
 
 def lattice(sides: int, cut: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """A unit triangle or square with each side cut so often: corners, and the parts between them.
+    """A unit triangle or square with each side divided into `cut` parts: corners and parts.
 
     Corners (a, b) of shape (2, corner), parts of shape (sides, part), counter-clockwise.
     """

@@ -1,4 +1,5 @@
-"""Meshes of quadrilaterals for rectangles that vary: the levels of the plain ladder, and finer."""
+"""Meshes of quadrilaterals for heterogeneous rectangles: the levels of uniform skins, and finer
+ones."""
 
 from __future__ import annotations
 
@@ -28,20 +29,21 @@ from .materials import Materials
 from .pressed_system import pressed_system
 
 CELLS_TO_A_LENGTH = 2.0
-"""For the shortest length of a map, of elements of order 1; fewer of higher order."""
+"""Cells of order 1 along the shortest length of a map; fewer of higher order."""
 
 MOST_UNKNOWNS = 300_000
-"""Of a field, where a map asks for more cells than pixels do: they take some ten seconds."""
+"""Maximum unknowns of a field where a map needs more cells than pixels do: they take some ten
+seconds."""
 AN_ORDER = 15.0
-"""What it takes off an error, as a rule: orders that will not do are left out."""
+"""Typical gain of one order on the error; orders that will not suffice are left out."""
 FEW = 2
-"""Meshes more that are tried, where the latest tell that they will do; triangles need as long."""
+"""Further meshes that are tried if the latest errors predict success; triangles take as long."""
 
 
 class Squares:
     """Discretisations of one press, each of a higher order than the one before.
 
-    Where those do not serve, the answer is singular somewhere: triangles find the place.
+    Where those do not suffice, the answer is singular somewhere; triangles then find the place.
     """
 
     def __init__(self, scene: Scene, circuit: Circuit, press: Press, rtol: float) -> None:
@@ -53,9 +55,9 @@ class Squares:
         self._level = self._ladder.lowest(rtol)
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """The next one, for frequencies in Hz.
+        """Next discretisation, for frequencies in Hz.
 
-        Raises ToleranceError after the finest, and where the orders gain too little to serve.
+        Raises ToleranceError after the finest, and where the orders gain too little.
         """
         lacks = self._course.lacks(self.rtol)
         self._level += math.floor(math.log(max(lacks / AN_ORDER, 1.0), AN_ORDER))
@@ -96,13 +98,14 @@ class Squares:
             coefficients,
             coarse,
             fine,
-            f"2-D elements, {circuit.description}, varied, {answered}",
+            f"2-D elements, {circuit.description}, heterogeneous, {answered}",
             lower=tuple(lower),
             course=self._course,
         )
 
     def _varied(self, resolution: Resolution) -> Resolution:
-        """With lines where maps have kinks, and cells that follow the shortest of them."""
+        """Resolution with lines where maps have kinks, and cells that follow the shortest of
+        them."""
         kinks = beside_foils(self.scene, self.materials.lines)
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
         finer = replace(resolution, lines=lines)
@@ -116,7 +119,8 @@ class Squares:
         return self._towards_foils(replace(finer, cells=cells, corners=corners))
 
     def _towards_foils(self, resolution: Resolution) -> Resolution:
-        """With cells that narrow towards foils that have a width, as they do at edges."""
+        """Resolution with cells that narrow towards foils that have a width, as they do at
+        edges."""
         inner = beside_foils(self.scene)
         if inner == NO_LINES:
             return resolution
@@ -125,7 +129,8 @@ class Squares:
         return replace(resolution, touched=touched, touch_cell=narrow)
 
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
-        """Lines across an axis and those kinks that are apart from them and from pixels' lines."""
+        """Lines across an axis, and those kinks that are separate from them and from pixels'
+        lines."""
         known = np.array([*pixel_lines(self.scene, axis), *lines[axis]])
         least = SAME_EDGE * self.scene.skin.sides[axis]
         apart = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]

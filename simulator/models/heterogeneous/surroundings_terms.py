@@ -1,14 +1,14 @@
-"""What is around the sheets, as terms of M in K + s M: bodies, fingers, the rim, the foam's depth.
+"""Surroundings of the sheets as terms of M in K + s M: bodies, fingers, rim, thickness of the foam.
 
-Earth is the reference, 0 V. All terms are real, symmetric and positive semidefinite: with sheets
-at u_t and u_b
+Earth is the reference, 0 V. All terms are real, symmetric and positive semidefinite. With sheets at
+u_t and u_b:
 
     body       c_e (u - U)², u of the sheet that faces it, U its potential
     finger     (C / A) u² of the touched sheet, over the patch of area A
     rim        line integrals of m (u_t - u_b)² + t u_t² + b u_b² along the outline and all holes
     edges      line integrals of eps E (u_t - u_b)² around touches of a factor, see `of_step`
-    thickness  eps d [[1/3, 1/6], [1/6, 1/3]] x grad u . grad v, with the local eps and d: in foam
-               the potential runs straight from one sheet to the other, so it has a part along them
+    thickness  eps d [[1/3, 1/6], [1/6, 1/3]] x grad u . grad v, with the local eps and d: the
+               potential in the foam is linear from sheet to sheet, so it has a gradient along them
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from .forms import add_along, add_at, add_foam, add_sheet
 from .materials import Materials
 
 ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
-"""Integrals over the foam's depth of what its potential takes from either sheet, squared."""
+"""Integrals over the foam's depth of the products of both sheets' linear shape functions."""
 BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
 Values = NDArray[np.float64]
 
 
 def check_surroundings(scene: Scene) -> None:
-    """Raises InputError for surroundings, and foils with a width, that elements do not take."""
+    """Raise InputError for surroundings, or foils with a width, that elements cannot represent."""
     around = scene.surroundings
     for number, contact in enumerate(scene.contacts):
         if contact.width and not scene.skin.rectangular:
@@ -53,7 +53,7 @@ def check_surroundings(scene: Scene) -> None:
 
 
 def _check_rim(scene: Scene, around: Surroundings) -> None:
-    """Raises InputError for one that is computed towards a body that is not earth."""
+    """Raise InputError if the rim is to be computed towards a body that is not earth."""
     for body in around.body if around.rim is True else ():
         if not around.at_earth(body):
             raise InputError(
@@ -66,7 +66,7 @@ def _check_rim(scene: Scene, around: Surroundings) -> None:
 def energy_to_earth(
     coefficients: PressCoefficients, x: NDArray[np.float64], u: NDArray[np.float64]
 ) -> NDArray[np.float64] | float:
-    """c_e u² of earthed bodies in J/m² of sheets at u in V, shape (field, ...), at x, (2, ...)."""
+    """c_e u² of earthed bodies in J/m² for sheets at u in V, shape (field, ...), at x, (2, ...)."""
     around, materials = coefficients.materials.scene.surroundings, coefficients.materials
     earthed = [body for body in around.body if around.at_earth(body)] if around else []
     return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
@@ -79,7 +79,7 @@ def add_surroundings(
     coefficients: PressCoefficients,
     unknowns: Unknowns,
 ) -> None:
-    """All of these terms of one press, in the pattern."""
+    """Add all these terms of one press to the values of the pattern."""
     materials = coefficients.materials
     around = materials.scene.surroundings
     if around is None:
@@ -107,7 +107,7 @@ def add_body(
     materials: Materials,
     within: NDArray[np.bool_] | None = None,
 ) -> None:
-    """c_e (u - U)² of a body. within: the cells that are meant."""
+    """Add c_e (u - U)² of a body. within: restricts it to these cells."""
     at = elements.surface
     field, c = ELECTRODES.index(body.side), body.per_area * materials.area(at.x)
     add_foam(values, circuit.field_alone(field), elements, unknowns, c, within)
@@ -131,7 +131,8 @@ def add_finger(
     unknowns: Unknowns,
     materials: Materials,
 ) -> None:
-    """(C / A) u² of the touched field, which `alone` picks. share: of each cell that is covered."""
+    """Add (C / A) u² of the touched field, selected by `alone`. share: covered share of each
+    cell."""
     at = elements.surface
     c = share[:, None] * materials.area(at.x)
     c *= farads / ((at.area * c) @ elements.rule.weights).sum()
@@ -145,7 +146,7 @@ def add_rim(
     unknowns: Unknowns,
     materials: Materials,
 ) -> None:
-    """Line integrals along all edges of the skin."""
+    """Add the line integrals along all edges of the skin."""
     between = rim.mutual * BETWEEN + np.diag([rim.top, rim.bottom])
     add_along(values, between, elements, unknowns, elements.outline, materials.line_stretch)
 
@@ -158,7 +159,7 @@ def add_thickness(
     materials: Materials,
     within: NDArray[np.bool_] | None = None,
 ) -> None:
-    """grad u . grad v of both sheets. along: eps d in F, shape (cell, point)."""
+    """Add grad u . grad v of both sheets. along: eps d in F, shape (cell, point)."""
     tensor = along * materials.flattened(elements.surface.x)
     add_sheet(values, ALONG, elements, unknowns, tensor, within)
 

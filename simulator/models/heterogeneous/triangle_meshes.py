@@ -1,4 +1,4 @@
-"""Meshes of triangles for any outline, refined where the answer is least certain."""
+"""Meshes of triangles for any outline, refined where the estimated error is largest."""
 
 from __future__ import annotations
 
@@ -36,32 +36,33 @@ if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
 ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
-"""From which tolerance on which order of elements answers, and does so what mechanics spreads; one
-order more checks it. Order 1 needs more unknowns for 1e-2 than order 2 for 1e-3."""
+"""Order of elements by the tolerance from which on it is used: in general, and for deflected skins.
+One order more estimates the error. Order 1 needs more unknowns for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
 FIRST_SHARE = 0.25
-"""Of MOST_TRIANGLES: what a first mesh may have, for finer ones to come."""
+"""Share of MOST_TRIANGLES for a first mesh, so that finer ones can follow."""
 DEPTHS_PER_ORDER = 1.0
-"""Longest edges at foils, of what a polynomial of that order follows at the highest frequency."""
+"""Longest edges at foils, over the length that a polynomial of that order follows at the highest
+frequency."""
 AIMED = 1.2
-"""Of the tolerance: the error that meshes are refined for, told in advance."""
+"""Predicted error that meshes are refined for, over the tolerance."""
 LEAST_GAIN = 0.5
-"""Of the error expected of a mesh: what the next one is refined for, at most."""
+"""Largest error that the next mesh is refined for, over the error expected of this one."""
 TELLS_OF = 0.2
-"""Times an error squared: what of it may lie where it is told, not where it comes from. Less is not
-asked of the next mesh."""
+"""Times an error squared: the part of it that may lie away from its source. The next mesh is not
+refined for less."""
 SECOND, CORNER_SHARE = 5e-5, 0.25
-"""Tolerances below need a second mesh, whose corners the first one tells. Of others: what a corner
-of a first mesh may take."""
+"""Tolerances below need a second mesh, whose corners the first one shows. For others: the share of
+the tolerance for a corner of a first mesh."""
 SMALLEST = 1e-14
-"""Of the skin's side, the longest edge of a triangle: smaller ones lose their shape in
+"""Smallest longest edge of a triangle over the skin's side: smaller ones lose their shape in
 rounding."""
 FALLS = 2.0
-"""How fast |V|² falls towards a touch, for the depth of the field."""
+"""Rate by which |V|² falls towards a touch, per depth of the field."""
 
 
 class Triangles:
-    """Discretisations of one press, each finer than the one before where it was least certain."""
+    """Discretisations of one press, each refined where the error of the one before was largest."""
 
     def __init__(
         self,
@@ -71,7 +72,7 @@ class Triangles:
         rtol: float,
         pressed: Deformation | None = None,
     ) -> None:
-        """pressed: what the touches do that have no factor."""
+        """pressed: deformation by the touches without a factor."""
         self.scene, self.circuit, self.press = scene, circuit, press.on_patches
         self.pressed, self.rtol = pressed, rtol
         self.materials = Materials(scene)
@@ -84,17 +85,19 @@ class Triangles:
         self._course = ErrorHistory()
 
     def again(self, pressed: Deformation) -> Triangles:
-        """For other depths of the same touches: from the latest mesh on, with all that is solved
-        on it and does not change."""
+        """Meshes for other depths of the same touches.
+
+        They start from the latest mesh, with all that is solved on it and does not change.
+        """
         other = copy(self)
         other.pressed, other._before, other._course = pressed, None, self._course.again()
         return other
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
-        """The next one, for frequencies in Hz.
+        """Next discretisation, for frequencies in Hz.
 
-        Raises ToleranceError where there would be more than MOST_TRIANGLES in the end, or it could
-        not serve.
+        Raises ToleranceError if more than MOST_TRIANGLES would be needed in the end, or it could
+        not suffice.
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
@@ -109,13 +112,15 @@ class Triangles:
         if found.t.shape[1] > MOST_TRIANGLES:
             raise ToleranceError(
                 f"{found.t.shape[1]} triangles are too many, at most {MOST_TRIANGLES} are solved; "
-                "at lower frequencies fields reach farther, and fewer serve"
+                "at lower frequencies fields reach farther, and fewer triangles suffice"
             )
         if found is not self._domain:
             self._domain, self._spaces = found, ()
         left_out = self._left_out(found, float(ends[-1]))
         if left_out > self.rtol:
-            raise ToleranceError(f"what the press is taken for leaves out {left_out:.1e}")
+            raise ToleranceError(
+                f"the approximated geometry of the press leaves an error of {left_out:.1e}"
+            )
         self._before = self.discretised(found, left_out, self._spaces)
         self._spaces = self._before.coarse, self._before.fine
         if crossed(self._before.coefficients):
@@ -125,9 +130,9 @@ class Triangles:
     def _halved(
         self, mesh: Domain, parts: NDArray[np.float64], frequency: NDArray[np.float64]
     ) -> Domain:
-        """With about as much of the error left at some frequencies in Hz as is asked for.
+        """Mesh refined to the error that the tolerance asks for, at some frequencies in Hz.
 
-        parts: of each triangle in it, shape (frequency, triangle).
+        parts: share of each triangle in the error, shape (frequency, triangle).
         """
         assert self._before is not None
         exponents = self._exponents(mesh, self._before.coefficients)
@@ -145,8 +150,8 @@ class Triangles:
         return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
-        """The coarsest mesh; after other depths the one that held there, for the same ends of the
-        frequencies in Hz."""
+        """Coarsest mesh; after other depths the one that sufficed there, for the same first and
+        last frequency in Hz."""
         known = self._domain if np.array_equal(ends, self._ends) else None
         self._ends = ends
         if known or self.pressed:
@@ -154,7 +159,8 @@ class Triangles:
         return self._towards_corners(self.coarsest(float(ends[-1]), between=False))
 
     def _towards_corners(self, mesh: Domain) -> Domain:
-        """Halved there as often as such corners mostly ask for, where the rest may do as it is."""
+        """Mesh refined towards corners as often as they mostly need it, if the rest may suffice as
+        it is."""
         if self.rtol < SECOND:
             return mesh
         exponents = self._exponents(mesh, self._coefficients(mesh))
@@ -162,10 +168,10 @@ class Triangles:
         return graded(mesh, parts, CORNER_SHARE * self.rtol, self.order, exponents)[0]
 
     def coarsest(self, frequency: float, between: bool = True) -> Domain:
-        """The first mesh: finer at foils and no coarser than maps vary. frequency: Hz.
+        """First mesh: finer at foils and no coarser than maps vary. frequency: Hz.
 
-        between: whether it conforms to all pixels, not just to those that are pressed. Raises
-        ToleranceError for a skin so narrow that no mesh could be any finer.
+        between: True if it conforms to all pixels, not only to pressed ones. Raises ToleranceError
+        for a skin so narrow that no mesh could be any finer.
         """
         scene, skin = self.scene, self.scene.skin
         creases = self.pressed.kinks if self.pressed else []
@@ -177,14 +183,14 @@ class Triangles:
         return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth_of(scene, frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:
-        """Relative error of Rs and Cp by touches and foam that are not quite what was asked."""
+        """Relative error of Rs and Cp by touches and outlines that the mesh only approximates."""
         radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
         depths = max(radii, default=0.0) / depth_of(self.scene, frequency)
         by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 
     def _kinks(self) -> list[NDArray[np.float64]]:
-        """The lines at which maps have kinks, m, each of shape (2, 2)."""
+        """Lines at which maps have kinks, m, each of shape (2, 2)."""
         x, y = self.materials.lines
         length, width = self.scene.skin.sides
         across = [np.array([[line, 0.0], [line, width]]) for line in x]
@@ -193,8 +199,11 @@ class Triangles:
     def discretised(
         self, mesh: Domain, left_out: float = 0.0, known: tuple[SolvedLevel, ...] = ()
     ) -> Discretised:
-        """The press on a mesh that conforms to it. left_out: of what is not quite as asked. known:
-        what was solved of another press on it, in both orders."""
+        """The press on a mesh that conforms to it.
+
+        left_out: relative error by approximated geometry. known: levels of another press on this
+        mesh, in both orders.
+        """
         coefficients = self._coefficients(mesh)
         if known:
             coarse, fine = (each.under(self.circuit, coefficients) for each in known)
@@ -231,9 +240,9 @@ class Triangles:
 
 
 def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
-    """c over that at rest in each triangle by touches of a factor, shape (triangle,).
+    """c over its unpressed value in each triangle by touches with a factor, shape (triangle,).
 
-    Raises InputError where a touch lies beside the skin.
+    Raises InputError for a touch outside the skin.
     """
     factors = np.ones(mesh.t.shape[1])
     for touch, within in covering(press, mesh, columns):
@@ -244,27 +253,27 @@ def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float6
 
 
 def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, NDArray[np.bool_]]]:
-    """Touches of a factor, and whether each covers a triangle, shape (triangle,)."""
+    """Touches with a factor, and the triangles that each covers, shape (triangle,)."""
     pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
     covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
     return zip([*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True)
 
 
 def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:
-    """k of each triangle, shape (triangle,). exponents: of the points that were there before."""
+    """k of each triangle, shape (triangle,). exponents: of the points of the coarser mesh."""
     known = np.append(exponents, np.inf)[np.minimum(mesh.t, len(exponents))]
     return at_corners(known.min(axis=0), order)
 
 
 def _check_beyond_rounding(mesh: Domain) -> None:
-    """Raises ToleranceError where triangles have become too small for the numbers of a machine."""
+    """Raise ToleranceError if triangles have become too small for double precision."""
     shortest, longest = float(mesh.lengths.min()), float(np.ptp(mesh.p, axis=1).max())
     if shortest < SMALLEST * longest:
         raise ToleranceError(f"at a corner triangles of {shortest:.1e} m would not be small enough")
 
 
 def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
-    """With no edge longer than that, m, in triangles that have a point on a foil."""
+    """Mesh with no edge longer than `longest`, m, in triangles that have a point on a foil."""
     while True:
         on_foil = np.zeros(mesh.p.shape[1], dtype=bool)
         for facets in mesh.foils.values():
@@ -276,11 +285,11 @@ def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
 
 
 def _check_width(length: float, width: float, size: float) -> None:
-    """Raises ToleranceError where triangles of a size, or as wide as a skin, are too many; m."""
+    """Raise ToleranceError if triangles of a size, or as wide as a skin, are too many; m."""
     edge = min(length, width, size)
     needed = length * width / (math.sqrt(3) / 4 * edge**2)
     if needed > FIRST_SHARE * MOST_TRIANGLES:
         raise ToleranceError(
-            f"a skin of {length:g} m x {width:g} m that is no plain one needs {needed:.2g} "
+            f"a skin of {length:g} m x {width:g} m that is not uniform needs {needed:.2g} "
             f"triangles of {edge:.2g} m; a first mesh may have {FIRST_SHARE * MOST_TRIANGLES:g}"
         )

@@ -1,4 +1,4 @@
-"""The deflection under a press to a tolerance: triangles refined until its elements hold it."""
+"""Deflection under a press within a tolerance: triangles are refined until the error suffices."""
 
 from __future__ import annotations
 
@@ -23,20 +23,23 @@ from .deformation import check_reached
 from .membrane import ELEMENT, Membrane, MembraneSurface, tails
 
 SHRINKS = 2 ** (-2 / 3)
-"""The error at the corner of a square, where w grows like r^(2/3), as its triangles are halved."""
+"""Decrease of the error at the corner of a square, where w grows like r^(2/3), as triangles are
+halved."""
 OF_TAIL = 0.2
-"""Mean error of w in a triangle over the largest that the highest order alone holds of it there. Of
-presses up to the closing of the cells its size was 0.05 to 0.18 of that."""
+"""Mean error of w in a triangle over the largest part there that the highest order alone holds. On
+presses up to the closing of the cells it was 0.05 to 0.18 of that."""
 FALLS = 5.0
-"""Power of a triangle's size that the error falls with where all is smooth."""
+"""Power of a triangle's size by which the error falls where the deflection is smooth."""
 MOST_AT_ONCE = 8
 HALF_AGAIN = 2.0
-"""Of the tolerance: what the largest error counts as where the first triangles hold it already."""
+"""Error of the first triangles over the tolerance that is assumed where they seem to suffice
+already."""
 MOST_TRIANGLES = 60_000
 LEAST_ALONG = 4
 """Triangles for every length of the skins' spread along an applicator's edge."""
 MORE_AGAIN = 4.0
-"""Of some fifty presses those that reached their tolerance had at least 1.5 times as many."""
+"""Upper bound of the growth in triangles: some fifty presses that reached their tolerance had at
+least 1.5 times as many."""
 PRESSING = "pressing the skin in"
 SPREADS = "a tension that spreads it by next to nothing may be set to 0"
 TOO_FINE = f"the press needs more than {MOST_TRIANGLES} triangles at this tolerance; {SPREADS}"
@@ -44,10 +47,11 @@ TOO_FINE = f"the press needs more than {MOST_TRIANGLES} triangles at this tolera
 
 @dataclass(frozen=True)
 class AdaptiveDeflection:
-    """A deflection, where and how what holds it pushes, and how little is known of it.
+    """A deflection, the forces on the applicators, and the error.
 
-    error: of the factor, relatively, anywhere. unsure: of the deflection in m, averaged over each
-    triangle, shape (triangle,). held: number of the applicator that holds each node, -1 for none.
+    error: of the factor, relatively, anywhere. unsure: error of the deflection in m, averaged over
+    each triangle, shape (triangle,). held: number of the applicator that clamps each node, -1 for
+    none.
     """
 
     surface: MembraneSurface
@@ -59,13 +63,13 @@ class AdaptiveDeflection:
 
 
 def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
-    """What is known of a level."""
+    """Deflection of a level with its error."""
     doubt = unsure(level.membrane, level.rest.w)
     return AdaptiveDeflection(level.surface, level.rest, error, doubt, level.membrane, level.held)
 
 
 def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
-    """By how much a deflection may be off, m, in the mean of each triangle, shape (triangle,)."""
+    """Possible error of a deflection, m, averaged over each triangle, shape (triangle,)."""
     return OF_TAIL * tails(membrane, w)
 
 
@@ -78,11 +82,11 @@ def adaptive_deflection(
     progress: ProgressCallback = silent,
     again: DeflectionCache | None = None,
 ) -> AdaptiveDeflection:
-    """The deflection by a press's applicators, within `rtol` of the factor anywhere.
+    """Deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    progress: as of `ProgressCallback`. again: what presses of the same places left, its mesh is
-    that of `ground`; keeps what this one leaves. Raises InputError where one of given force meets
-    another, ToleranceError where `rtol` is out of reach.
+    progress: as of `ProgressCallback`. again: cache of presses at the same places, on the mesh of
+    `ground`; this deflection is added to it. Raises InputError where an applicator of given force
+    meets another, ToleranceError if `rtol` is out of reach.
     """
     pushed = _pushed(press)
     _check_apart(press, ground, pushed)
@@ -105,16 +109,16 @@ def adaptive_deflection(
 
 
 def _least(rtol: float, level: DeflectionLevel) -> float:
-    """An error that the first triangles are taken not to be below, as they are refined yet."""
+    """Smallest error that is assumed for the first triangles, which are not refined yet."""
     return 0.0 if level.refined else HALF_AGAIN * rtol
 
 
 def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> None:
-    """Raises ToleranceError where even smooth triangles would have to become too many.
+    """Raise ToleranceError if even smooth triangles would have to become too many.
 
-    excess: of the error over its target. Away from corners it falls like h^FALLS at best; a
-    triangle is then divided into excess^(2 / FALLS). In the end there were as many times more again
-    as that makes of those there are, up to MORE_AGAIN.
+    excess: error over its target. Away from corners it falls like h^FALLS at best; a triangle is
+    then divided into excess^(2 / FALLS). The final number of triangles was larger by about the same
+    ratio again, up to MORE_AGAIN.
     """
     smooth = np.delete(excess, ground.cornered)
     needed = (np.maximum(smooth, 1.0) ** (2 / FALLS)).sum()
@@ -123,7 +127,8 @@ def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> Non
 
 
 def _refined(ground: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
-    """Finer where an error exceeds its target, and at corners as often as they are to shrink it."""
+    """Mesh that is finer where the error exceeds its target; at corners as often as needed to
+    reduce it."""
     worst = excess[ground.cornered].max(initial=0.0)
     finer = ground.refined(excess > 1)
     for _ in range(_times(worst)):
@@ -133,7 +138,7 @@ def _refined(ground: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
 
 @dataclass(frozen=True)
 class _Pressing:
-    """Applicators pushed into foam with these mechanics and thickness [m]."""
+    """Applicators on foam with these mechanics and thickness [m]."""
 
     mechanics: Mechanics
     thickness: float
@@ -152,7 +157,7 @@ class _Pressing:
         return DeflectionLevel(ground, membrane, held, rest, surface, start is not None)
 
     def again(self, known: DeflectionCache, level: DeflectionLevel, rtol: float) -> DeflectionLevel:
-        """On the mesh of a level that is known."""
+        """Level on the mesh of a cached one."""
         start = known.start(level, self.pushed)
         most = self._most(level.ground, level.membrane)
         no_deeper = np.where(most < 0, start, np.fmin(start, self.pushed.depth[most]))
@@ -160,14 +165,15 @@ class _Pressing:
         return known.pressed(level, held, self.pushed, start, rtol)
 
     def _most(self, ground: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
-        """(node,): the applicator that may hold each node, -1 for none."""
+        """Applicator that may clamp each node, -1 for none, shape (node,)."""
         under = above(membrane.nodes, len(membrane.places.T), ground.covered)
         return deepest(under, self.pushed)
 
     def _held(
         self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """(node,): the one that does. near: deflections near by, m."""
+        """Applicator that clamps each node, shape (node,). near: deflections close to the solution,
+        m."""
         return clamped_nodes(membrane, self.mechanics.tension, most, self.pushed, near)
 
     def relative(self, level: DeflectionLevel) -> NDArray[np.float64]:
@@ -178,7 +184,7 @@ class _Pressing:
 
 
 def _times(excess: float) -> int:
-    """How often more to halve triangles at corners that exceed the target by so much."""
+    """Number of further halvings of triangles at corners that exceed the target by so much."""
     if excess <= 1:
         return 0
     return min(MOST_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)

@@ -1,4 +1,4 @@
-"""Applicators on the membrane at rest: which points they hold, and by which force."""
+"""Contact of applicators with the membrane in equilibrium: the clamped nodes, and the forces."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ from ...sweeps.errors import ToleranceError
 from .membrane import LumpedMembrane, Membrane
 
 STILL = 1e-12
-"""Of the deflection: steps that are but rounding where much tension outweighs the foam."""
+"""Smallest step over the deflection: less is rounding where the tension far outweighs the foam."""
 
 SETTLED = 1e-10
-"""What is left at free nodes over the largest that holds a node, both N."""
+"""Residual at free nodes over the largest force at a clamped node, both N."""
 
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
 MOST_STEPS = 100
 GAINED = 10.0
-"""Of what is left: a step that gains less is damped, and followed by new factors."""
+"""Smallest gain of an undamped step; one that gains less is damped, and new factors follow."""
 SUFFICIENT = 1e-4
 ROUNDING = 1e-13
 MIXED, MOST_MIXED = 4, 8
-"""Steps that are mixed, and tried before new factors are made, which take as long as ten."""
+"""Number of steps that are mixed, and number of trials before new factors, which take as long as
+ten."""
 
 
 class ElasticBody(Protocol):
-    """What has an energy, and is at rest where it is least."""
+    """A body with an energy, whose equilibrium is its minimum."""
 
     thickness: float
 
@@ -42,7 +43,7 @@ class ElasticBody(Protocol):
 
 @dataclass(frozen=True)
 class ApplicatorLoads:
-    """What applicators do: depth [m] of each, nan where it is pushed by `force` [N] instead."""
+    """Loads of applicators: depth [m] of each, nan where `force` [N] is given instead."""
 
     depth: NDArray[np.float64]
     force: NDArray[np.float64]
@@ -54,14 +55,14 @@ class ApplicatorLoads:
 
 
 Newton = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""From what pulls at free points to the step that it takes them."""
+"""Maps residual forces at free nodes to the Newton step."""
 
 
 @dataclass(frozen=True)
 class Equilibrium:
     """Deflection w [m] (node,), and depth [m] and force [N] of each applicator.
 
-    newton: by the last factors that were made for it, None where none were.
+    newton: solve with the last factors, None if none were made.
     """
 
     w: NDArray[np.float64]
@@ -73,11 +74,11 @@ class Equilibrium:
 def equilibrium(
     body: ElasticBody, held: NDArray[np.int64], pushed: ApplicatorLoads, start: NDArray[np.float64]
 ) -> Equilibrium:
-    """Least energy less the work of given forces, by damped Newton steps from deflections `start`.
+    """Minimum of the energy less the work of given forces, by damped Newton steps from `start`.
 
-    held: (node,) number of the applicator that holds each node, -1 where none does. Nodes that one
-    of given force holds move as one, and what holds them adds up to that force. The factors of one
-    step serve the following ones as long as those gain GAINED, undamped.
+    held: number of the applicator that clamps each node, -1 for none, shape (node,). Nodes under an
+    applicator of given force move as one, and their forces add up to that force. The factors of one
+    step serve the following ones as long as undamped steps gain GAINED.
     """
     turn, fixed = _freedoms(held, pushed)
     q = _first(start, held, pushed)
@@ -108,7 +109,7 @@ def equilibrium(
             ahead = pulled(q + step)
         q, before = q + step, left
         w, reaction, downhill = ahead
-    raise ToleranceError("the press did not come to rest: its depth or force is too great")
+    raise ToleranceError("no equilibrium of the press was found: its depth or force is too large")
 
 
 def nearby_equilibrium(
@@ -119,10 +120,10 @@ def nearby_equilibrium(
     newton: Newton,
     left: float,
 ) -> Equilibrium | None:
-    """As `at_rest`, by steps of factors that were made for another deflection of the same nodes.
+    """Equilibrium by steps with factors of another deflection of the same nodes.
 
-    Of the latest steps those are mixed that leave least, until one is but `left` of the deflection
-    and half the one before or less. None where that takes more than MOST_MIXED. Source: D. G.
+    The latest steps are mixed for the smallest residual, until one is at most `left` of the
+    deflection and half the one before. None if that takes more than MOST_MIXED. Source: D. G.
     Anderson, Journal of the ACM 12 (1965) 547.
     """
     turn, fixed = _freedoms(held, pushed)
@@ -150,7 +151,8 @@ def _mixed(
     step: NDArray[np.float64],
     tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> NDArray[np.float64]:
-    """The step from q that leaves least, as far as those tried tell: places, and steps there."""
+    """Step from q with the smallest residual by a linear model of the tried points and their
+    steps."""
     if not tried:
         return step
     moved, steps = (np.stack(each, axis=1) for each in zip(*tried, strict=True))
@@ -159,7 +161,7 @@ def _mixed(
 
 
 def _factors(body: ElasticBody, turn: csr_matrix, w: NDArray[np.float64]) -> Newton:
-    """At a deflection w."""
+    """Newton solve with factors at a deflection w."""
     stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
     return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
@@ -167,7 +169,8 @@ def _factors(body: ElasticBody, turn: csr_matrix, w: NDArray[np.float64]) -> New
 def _freedoms(
     held: NDArray[np.int64], pushed: ApplicatorLoads
 ) -> tuple[csr_matrix, NDArray[np.float64]]:
-    """w = turn q + fixed, q the free nodes, then the depths of applicators of given force."""
+    """Matrix and offset of w = turn q + fixed; q: free nodes, then depths of applicators of given
+    force."""
     free = np.flatnonzero(held < 0)
     rank = np.full(len(pushed.depth), -1)
     rank[pushed.by_force] = len(free) + np.arange(len(pushed.by_force))
@@ -196,7 +199,7 @@ def _damped(
     step: NDArray[np.float64],
     descent: float,
 ) -> float:
-    """The part of a Newton step that lowers the energy enough: halved until it does."""
+    """Share of a Newton step that lowers the energy enough: halved until it does."""
 
     def height(at: NDArray[np.float64]) -> float:
         return body.energy(turn @ at + fixed) - float(work @ at)
@@ -225,11 +228,11 @@ def _rest(
 MOST_CHANGES = 200
 CLOSE = 1e-6
 SAME = 1e-12
-"""Of the foam's thickness, deflections that are one."""
+"""Difference of deflections over the foam's thickness below which they count as equal."""
 
 
 def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(applicator, node): which applicators lie on which nodes, edges included."""
+    """True where an applicator lies on a node, edges included, shape (applicator, node)."""
     found = np.zeros((len(covered), count), bool)
     for under, triangles in zip(found, covered, strict=True):
         under[nodes[:, triangles]] = True
@@ -237,7 +240,7 @@ def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> N
 
 
 def deepest(under: NDArray[np.bool_], pushed: ApplicatorLoads) -> NDArray[np.int64]:
-    """(node,): the deepest applicator on each node, -1 where there is none.
+    """Deepest applicator on each node, -1 for none, shape (node,).
 
     Applicators of given force must share no node with another.
     """
@@ -252,9 +255,9 @@ def clamped_nodes(
     pushed: ApplicatorLoads,
     start: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """(node,): the applicator that holds each node, of those that `most` says could, or -1.
+    """Applicator that clamps each node, among the candidates of `most`, or -1, shape (node,).
 
-    start: deflections near those searched for, m.
+    start: deflections close to the solution, m.
     """
     if len(pushed.depth) < 2:
         return most
@@ -269,7 +272,9 @@ def clamped_nodes(
         if np.array_equal(changed, held):
             return held
         held = changed
-    raise ToleranceError("the press did not come to rest: its touches neither hold nor let go")
+    raise ToleranceError(
+        "no equilibrium of the press was found: its touches keep gaining and losing contact"
+    )
 
 
 def _depths(

@@ -1,4 +1,4 @@
-"""Triangles of the skin that conform to applicators, and which of these lie on each."""
+"""Triangles of the skin that conform to applicators, and the triangles under each applicator."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ from .deformation import check_plane
 COARSEST = 8
 """Triangles along the longer side of the skin, before any are refined."""
 RIM_SIDES = 512
-"""Of the polygon that a circle of the outline is to the membrane, which hardly reaches it."""
+"""Sides of the polygon that replaces a circle of the outline; the membrane hardly reaches it."""
 
 
 @dataclass(frozen=True)
 class ContactMesh:
-    """The skin under applicators.
+    """Triangles of the skin under applicators.
 
-    pixel: (applicator,) number of the pixel that it is, -1 where it is one of the domain's touches,
-    in order. sharp: (2, corner) corners of applicators, m. edges: around all of these, m.
+    pixel: number of the pixel under each applicator, shape (applicator,); -1 for one that is a
+    touch of the domain, in order. sharp: (2, corner) corners of applicators, m. edges: total
+    perimeter, m.
     """
 
     domain: Domain
@@ -43,19 +44,19 @@ class ContactMesh:
 
     @cached_property
     def mesh(self) -> MeshTri:
-        """As scikit-fem takes it."""
+        """The mesh of scikit-fem."""
         return MeshTri(np.ascontiguousarray(self.domain.p), np.ascontiguousarray(self.domain.t))
 
     @cached_property
     def covered(self) -> NDArray[np.bool_]:
-        """(applicator, triangle)."""
+        """True where an applicator covers a triangle, shape (applicator, triangle)."""
         found = np.equal.outer(self.pixel, self.domain.pixel)
         found[self.pixel < 0] = self.domain.covered
         return found
 
     @cached_property
     def cornered(self) -> NDArray[np.bool_]:
-        """(triangle,): those with a corner of an applicator for a point."""
+        """True for triangles with a corner of an applicator as a point, shape (triangle,)."""
         from scipy.spatial import KDTree
 
         if not self.sharp.size:
@@ -64,17 +65,17 @@ class ContactMesh:
         return np.any(np.isin(self.domain.t, points), axis=0)
 
     def refined(self, marked: NDArray[np.bool_]) -> ContactMesh:
-        """The same with the marked triangles halved each way."""
+        """Mesh with the marked triangles halved each way."""
         return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
 
 
 def contact_mesh(
     scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None = None
 ) -> ContactMesh:
-    """The skin of a scene under applicators of the shapes of `places`.
+    """Mesh of a scene's skin under applicators of the shapes of `places`.
 
-    asked: what these are called, if not themselves. Raises InputError where it is no plane, or a
-    place lies beside it.
+    asked: their names in messages, if not themselves. Raises InputError if the skin is no plane, or
+    a place lies outside it.
     """
     check_plane(scene.skin)
     size = max(scene.skin.length, scene.skin.width) / COARSEST
@@ -85,25 +86,25 @@ def contact_mesh(
     shapes = [shape_of(scene, place) for place in places]
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
-    laid = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
-    for place, covered in zip(asked or places, laid.covered, strict=True):
+    meshed = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
+    for place, covered in zip(asked or places, meshed.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
-    return laid
+    return meshed
 
 
 def straight_contact_mesh(scene: Scene, places: Sequence[Place], sides: int) -> ContactMesh:
-    """The same of straight triangles: a disc is a polygon of so many sides and of the same area.
+    """Mesh of straight triangles: a disc becomes a polygon of that many sides and of the same area.
 
     Its corners are so blunt that they count as none.
     """
-    laid = contact_mesh(_angular(scene), [polygonal(place, sides) for place in places], places)
+    meshed = contact_mesh(_angular(scene), [polygonal(place, sides) for place in places], places)
     angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
-    return replace(laid, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
+    return replace(meshed, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
 
 
 def _angular(scene: Scene) -> Scene:
-    """With polygons for the circles of its outline."""
+    """Scene with polygons for the circles of its outline."""
     outline = scene.skin.outline
     if outline is None:
         return scene

@@ -1,4 +1,4 @@
-"""A deflection on one mesh of triangles, and what it leaves to other depths at the same place."""
+"""Deflections on one mesh of triangles, cached for other depths at the same place."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ from .contact_mesh import ContactMesh
 from .membrane import Membrane, MembraneSurface
 
 LEFT = 1e-4
-"""Of the tolerance: what the last step may still change of a deflection that others led to."""
+"""Share of the tolerance that the last step may change of a deflection that starts from cached
+ones."""
 NEAREST, STEADY = 4, 10.0
-"""Known deflections that the first guess at another is made from, and the sum of the sizes of their
-weights at most: the more there is, the more it magnifies what they are off by."""
+"""Number of cached deflections for a first guess, and the largest sum of the sizes of their
+weights: a larger sum magnifies their errors more."""
 MOST_KNOWN = 16
 
 
 @dataclass(frozen=True)
 class DeflectionLevel:
-    """held: number of the applicator that holds each node, -1 for none. surface: the deflection
-    anywhere. refined: whether the mesh is finer than the first."""
+    """A deflection on one mesh.
+
+    held: number of the applicator that clamps each node, -1 for none. surface: deflection anywhere.
+    refined: True if the mesh is finer than the first.
+    """
 
     ground: ContactMesh
     membrane: Membrane

@@ -1,4 +1,4 @@
-"""What a press by depth or force does to the foam, and how far it may go."""
+"""Deformation of the foam by a press of given depth or force, and the limits of depth and force."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from ...sweeps import InputError
 class Deformation:
     """The skin under the touches of a press that have a depth or a force.
 
-    What touches of a given factor add is not in it: they multiply it. thickness: of the foam, m.
+    Touches of a given factor are not included: they multiply the factor. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
     order. error: bound on the relative error of `factor` anywhere. kinks: circles and closed
     polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
-    where nothing is spread. sharp: there the same press with factors instead, unless applicators
-    overlap, else None. out_of_round: relative error of Rs and Cp by applicators that are polygons
-    in place of discs. unsure: by how much w may be off, m, as w. closer: the same press within
-    another `error`.
+    without tension. sharp: without tension the same press with factors instead, unless applicators
+    overlap, else None. out_of_round: relative error of Rs and Cp by polygons in place of discs.
+    unsure: possible error of w, m, as w. within_error: solves the same press within another
+    `error`.
     """
 
     mechanics: Mechanics | None
@@ -43,11 +43,12 @@ class Deformation:
     within_error: Callable[[float], Deformation] | None = None
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the upper electrode towards the lower at flat positions x (2, ...) in m; m, (...)."""
+        """Deflection of the upper electrode towards the lower at flat positions x (2, ...) in m; m,
+        (...)."""
         return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
 
     def deeper(self, times: float) -> Deformation:
-        """With the deflection larger by so many times what it may be off by."""
+        """Deformation with `times` its possible error added to the deflection."""
         w, unsure = self.w, self.unsure
         if unsure is None:
             return self
@@ -58,13 +59,13 @@ class Deformation:
         return self.deflection(x) / self.thickness
 
     def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Capacitance over that at rest at flat positions x (2, ...) in m, shape (...)."""
+        """Capacitance over the unpressed one at flat positions x (2, ...) in m, shape (...)."""
         strain = self.strain(x)
         return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)
 
 
 def check_plane(skin: Skin) -> None:
-    """Raises InputError where a skin is no plane."""
+    """Raise InputError if a skin is no plane."""
     if skin.mesh is not None and len(skin.mesh.surface.p) > 2:
         raise InputError(
             f"skin.mesh {skin.mesh}: must lie in a plane for depth and force of a press"
@@ -72,7 +73,7 @@ def check_plane(skin: Skin) -> None:
 
 
 def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:
-    """Raises InputError where a given depth is beyond what the foam can be compressed to."""
+    """Raise InputError if a given depth is beyond the largest compression of the foam."""
     for touch in press.indented:
         if isinstance(touch.by, Depth) and touch.by.value > greatest(mechanics, thickness):
             raise InputError(
@@ -83,7 +84,7 @@ def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:
 def check_reached(
     press: Press, depth: Iterable[float], mechanics: Mechanics, thickness: float
 ) -> None:
-    """Raises InputError where a given force would take a deeper press than that."""
+    """Raise InputError if a given force would press deeper than that."""
     for touch, reached in zip(press.indented, depth, strict=True):
         if not reached <= greatest(mechanics, thickness):
             raise InputError(
@@ -93,7 +94,7 @@ def check_reached(
 
 
 def greatest(mechanics: Mechanics, thickness: float) -> float:
-    """The greatest depth, m."""
+    """Largest depth, m."""
     return mechanics.elastic.greatest_strain * thickness
 
 

@@ -23,21 +23,21 @@ from .membrane import ELEMENT, MembraneSurface
 COUNTS = (9, 13, 17, 33)
 HELD, STEP = 1e-9, 1e-4
 SMALLEST = 1e-15
-"""m."""
+"""Smallest depth, m."""
 CHECKS = 4
-"""In-between depths at which interpolation is compared with the membrane itself."""
+"""Number of intermediate depths at which interpolation is compared with the membrane itself."""
 DOUBT = 2.0
-"""What is taken for the error of interpolation, over the largest seen at those."""
+"""Assumed error of interpolation over the largest observed at those."""
 
 
 @dataclass(frozen=True)
 class DepthSeries:
     """Deflections under one pixel's applicator by its depth.
 
-    p: (2, point) m, nodes: (node of the element, triangle), as of `Surface`. depth: Chebyshev's
-    extrema from 0 to the deepest, m, shape (depth,), then those between at which interpolation is
-    checked. count: how many are of the former. w: m, shape (depth, node). unsure: by how much w may
-    be off, m, shape (depth, triangle). force: N, shape (depth,).
+    p: (2, point) m, nodes: (node of the element, triangle), as of `MembraneSurface`. depth:
+    Chebyshev's extrema from 0 to the deepest, m, shape (depth,), then those between at which
+    interpolation is checked. count: number of the former. w: m, shape (depth, node). unsure:
+    possible error of w, m, shape (depth, triangle). force: N, shape (depth,).
     """
 
     p: NDArray[np.float64]
@@ -50,19 +50,17 @@ class DepthSeries:
 
     @property
     def deepest(self) -> float:
-        """m."""
+        """Largest depth, m."""
         return float(self.depth[self.count - 1])
 
     def weights(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of each of Chebyshev's depths in others, m, shape (..., count)."""
+        """Interpolation weights of Chebyshev's depths at other depths, m, shape (..., count)."""
         return barycentric(self.depth[: self.count], depth)
 
     def depth_under(self, force: float, elastic: Elastic, thickness: float) -> tuple[float, float]:
-        """Depth in m that a force in N takes, and by how much it may be off, m; inf beyond the
-        deepest.
+        """Depth in m under a force in N, and its possible error, m; inf beyond the deepest.
 
-        Force over the foam's stress is interpolated; what that leaves is seen at the depths
-        between.
+        Force over the foam's stress is interpolated; its error is measured at the depths between.
         """
 
         def stress(depth: NDArray[np.float64] | float) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Forces as the depths that they take: of a scene's pixels, and of the touches of a press."""
+"""Depths that forces press to: in a scene's pixels, and in the touches of a press."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from ..uniform import folded
 
 LOG = logging.getLogger(__name__)
 SAMPLE = 9
-"""Pixels whose depths tell how far those of all lie apart."""
+"""Number of pixels whose depths represent those of all."""
 ANY = Sheet(sheet_resistance=1.0)
 FACTOR_RTOL = 1e-3
-"""Of the deflection beside applicators, which tells how deep a force goes."""
+"""Tolerance of the deflection next to applicators, which sets the depth of a force."""
 SHOWN_RTOL = 0.05
-"""The same for depths that are shown with three digits: these were off by 2e-5 at most."""
+"""Tolerance for depths that are shown with three digits: these were off by 2e-5 at most."""
 
 
 def foldable(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """As `folded`, of a scene whose pixels may be pressed by a force too: see `in_depths`."""
+    """Scene as of `folded`, with forces on pixels replaced by depths; see `forces_as_depths`."""
     return folded(forces_as_depths(scene), what, creeps)
 
 
 def forces_as_depths(scene: Scene) -> Scene:
-    """The scene with its pixels pressed to one depth, the median of what its force takes in them.
+    """Scene with its pixels pressed to one depth, the median of the depths under its force.
 
-    How far depths lie apart is logged. Raises InputError where the foam cannot give way so far.
+    The range of depths is logged. Raises InputError if the foam cannot be compressed so far.
     """
     if scene.press.force is None:
         return scene
@@ -43,14 +43,14 @@ def forces_as_depths(scene: Scene) -> Scene:
 
 
 def _bare(scene: Scene) -> Scene:
-    """With both sheets alike, which say nothing of depths."""
+    """Scene with equal sheets, which do not change depths."""
     skin = scene.skin
     return scene.model_copy(update={"skin": skin.model_copy(update={"bottom": ANY, "top": ANY})})
 
 
 @lru_cache(maxsize=16)
 def _median(scene: Scene) -> float:
-    """Of the depths that its force takes in pixels, m."""
+    """Median of the depths of pixels under the scene's force, m."""
     from .indentation import deformation
 
     force = scene.press.force
@@ -58,14 +58,14 @@ def _median(scene: Scene) -> float:
     depths = [deformation(scene, press, FACTOR_RTOL).depth[0] for press in presses]
     median = float(np.median(depths))
     LOG.info(
-        f"{scene.name}: {force:g} N take pixels {1e3 * min(depths):.3g} to "
+        f"{scene.name}: {force:g} N press pixels {1e3 * min(depths):.3g} to "
         f"{1e3 * max(depths):.3g} mm deep; all are pressed by {1e3 * median:.3g} mm"
     )
     return median
 
 
 def _in_pixels(scene: Scene) -> list[Press]:
-    """Each pixel pressed by the scene's force."""
+    """Presses of each pixel by the scene's force."""
     force = scene.press.force
     assert force is not None
     touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(scene)]
@@ -73,15 +73,15 @@ def _in_pixels(scene: Scene) -> list[Press]:
 
 
 def _some(presses: list[Press], count: int) -> list[Press]:
-    """At most so many, spread over them all."""
+    """At most `count` presses, spread over all of them."""
     chosen = np.linspace(0, len(presses) - 1, min(count, len(presses))).round().astype(int)
     return [presses[k] for k in np.unique(chosen)]
 
 
 def depths_of_pixels(scene: Scene) -> str:
-    """The depths that the scene's force takes in a corner and in the middle, in words.
+    """Depths under the scene's force in a corner and in the middle, in words.
 
-    Raises InputError where the foam cannot give way so far.
+    Raises InputError if the foam cannot be compressed so far.
     """
     return _range([_reached(scene, press) for press in _some(_in_pixels(scene), 3)])
 
@@ -89,13 +89,13 @@ def depths_of_pixels(scene: Scene) -> str:
 def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     """A line for each press by a force with its depths, or one line for more than SAMPLE of them.
 
-    Raises InputError and ToleranceError as `pressed`.
+    Raises InputError and ToleranceError as `deformation`.
     """
     by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
     some = _some(by_force, SAMPLE) if by_force else []
     if len(some) < len(by_force):
-        told = _range([_reached(scene, press) for press in some])
-        return [f"{len(by_force)} presses by force are {told} (found from {len(some)} of them)"]
+        depths = _range([_reached(scene, press) for press in some])
+        return [f"{len(by_force)} presses by force are {depths} (sample of {len(some)})"]
     return [f"press {press}: {_and(_reached(scene, press))} mm deep" for press in some]
 
 
@@ -125,9 +125,9 @@ def _and(depths: tuple[float, ...]) -> str:
 
 
 def press_by_depths(scene: Scene, press: Press) -> Press:
-    """The press with its forces as the depths that they take.
+    """Press with its forces replaced by the depths that they press to.
 
-    Raises InputError and ToleranceError as `pressed`.
+    Raises InputError and ToleranceError as `deformation`.
     """
     from .indentation import deformation
 

@@ -1,8 +1,8 @@
 """From depth or force of a press to the foam's strain and the factor on its capacitance.
 
 Electrode skins of tension T lie on foam of thickness d as on an elastic foundation (a Winkler
-foundation with a Pasternak layer): div(T grad w) = p(w/d). Rigid flat applicators hold them at
-their depth; beside these the deflection falls off over the length sqrt(T d / E).
+foundation with a Pasternak layer): div(T grad w) = p(w/d). Rigid flat applicators clamp them at
+their depth; away from these the deflection falls off over the length sqrt(T d / E).
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from .deflection_cache import DeflectionCache
 
 DISC_SIDES = 128
-"""Of the polygon of the same area that a disc is to the membrane."""
+"""Sides of the polygon of the same area that replaces a disc."""
 OUT_OF_ROUND = 0.02 * (np.pi / DISC_SIDES) ** 3
-"""What that changes of Rs and Cp: it falls with the cube of the sides; a third of it was seen, all
-of it far above cut-off."""
+"""Relative error of Rs and Cp by that polygon. It falls with the cube of the sides; a third of this
+bound was observed, all of it far above cut-off."""
 
 __all__ = ["Deformation", "deformation"]
 
@@ -42,11 +42,11 @@ def deformation(
     progress: ProgressCallback = silent,
     again: DeflectionCache | None = None,
 ) -> Deformation:
-    """What the touches of given depth or force do, the factor within `rtol` relatively, anywhere.
+    """Deformation by the touches of given depth or force, the factor within `rtol` anywhere.
 
-    progress: as of `ProgressCallback`. again: what presses of the same places left. Raises
-    InputError as `check_press`, where the foam cannot give way so far, where touches of a given
-    force meet others, and where a touch lies beside the skin; ToleranceError where `rtol` is out of
+    progress: as of `ProgressCallback`. again: cache of presses at the same places. Raises
+    InputError as `check_press`, if the foam cannot be compressed so far, if touches of a given
+    force meet others, and if a touch lies outside the skin; ToleranceError if `rtol` is out of
     reach.
     """
     touches = press.indented

@@ -1,4 +1,4 @@
-"""The electrode skins as a membrane on foam: matrices, the tail beyond, and its surface."""
+"""The electrode skins as a membrane on foam: matrices, error indicator, and interpolation."""
 
 from __future__ import annotations
 
@@ -65,53 +65,53 @@ class Membrane:
         self.stretch = self._pattern.matrix(self._stretch)
 
     def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What holds each node in place, N, shape (node,)."""
+        """Force that clamps each node, N, shape (node,)."""
         pressed = (self.elastic.stress(self._strain(w)) * self._dx) @ self._values.T
         load = np.bincount(self.nodes.T.ravel(), pressed.ravel(), self.places.shape[1])
         return np.asarray(self.stretch @ w + load, dtype=np.float64)
 
     def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
-        """d residual / d w, N/m, shape (node, node)."""
+        """Derivative of the residual by w, N/m, shape (node, node)."""
         stiffness = self.elastic.stiffness(self._strain(w)) / self.thickness
         foundation = self._pattern.values((stiffness * self._dx) @ self._products)
         return self._pattern.matrix(self._stretch + foundation)
 
     def energy(self, w: NDArray[np.float64]) -> float:
-        """J."""
+        """Elastic energy, J."""
         compressed = np.sum(self.elastic.energy(self._strain(w)) * self._dx)
         return float(w @ (self.stretch @ w) / 2 + self.thickness * compressed)
 
     def _strain(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At points of the rule, shape (triangle, point)."""
+        """Strain at points of the rule, shape (triangle, point)."""
         return w[self.nodes].T @ self._values / self.thickness
 
 
 class _Pattern:
-    """Where matrices of triangles go that have nodes in common."""
+    """Sparsity pattern of matrices of triangles with common nodes."""
 
     def __init__(self, nodes: NDArray[np.int64], count: int) -> None:
-        """nodes: (node of the element, triangle) of so many."""
+        """nodes: (node of the element, triangle). count: number of nodes."""
         own, count_of = nodes.T, len(nodes)
         rows, columns = np.repeat(own, count_of, axis=1), np.tile(own, count_of)
         self._pattern, slots = pattern_of_pairs(columns, rows, count)
         self._slot = slots.ravel()
 
     def values(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Those of each triangle, shape (triangle, node * node), added up."""
+        """Sum of the matrices of triangles, shape (triangle, node * node), in the pattern."""
         found = np.bincount(self._slot, matrices.ravel(), len(self._pattern.indices))
         return np.asarray(found, dtype=np.float64)
 
     def matrix(self, values: NDArray[np.float64]) -> csr_matrix:
-        """With these values, shape (node, node)."""
+        """Sparse matrix with these values, shape (node, node)."""
         size, pattern = self._pattern.size, self._pattern
         return csr_matrix((values, pattern.indices, pattern.indptr), shape=(size, size))
 
 
 class LumpedMembrane:
-    """The same in first order between all nodes of a membrane, foam and skins lumped at them.
+    """Membrane of first order between all nodes, with foam and skins lumped at them.
 
-    Its matrices make a discrete maximum principle, so that nodes leave and meet applicators by the
-    signs of what holds them.
+    Its matrices have a discrete maximum principle, so the signs of the clamping forces show which
+    nodes lose and gain contact.
     """
 
     def __init__(self, membrane: Membrane, tension: float) -> None:
@@ -121,16 +121,16 @@ class LumpedMembrane:
         self.area = _load.assemble(basis, pressure=np.ones_like(basis.dx))
 
     def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of the membrane."""
+        """Force that clamps each node; see `Membrane`."""
         return self.stretch @ w + self.area * self.elastic.stress(w / self.thickness)
 
     def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
-        """As of the membrane."""
+        """Derivative of the residual; see `Membrane`."""
         stiffness = self.elastic.stiffness(w / self.thickness) / self.thickness
         return (self.stretch + diags_array(self.area * stiffness)).tocsr()
 
     def energy(self, w: NDArray[np.float64]) -> float:
-        """As of the membrane."""
+        """Elastic energy; see `Membrane`."""
         compressed = self.area @ self.elastic.energy(w / self.thickness)
         return float(w @ (self.stretch @ w) / 2 + self.thickness * compressed)
 
@@ -156,12 +156,12 @@ LOWER = ElementTriP3()
 
 
 def tails(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest distance in m of w from what one order less makes of it, shape (triangle,)."""
+    """Largest difference in m of w from its interpolation of one order less, shape (triangle,)."""
     return np.abs(_TAIL @ w[membrane.nodes]).max(axis=0)
 
 
 def _tail() -> NDArray[np.float64]:
-    """Values at the element's nodes less those of the lower element through its own."""
+    """Identity less interpolation by the lower element, as a matrix between the element's nodes."""
     shapes = range(len(ELEMENT.doflocs)), range(len(LOWER.doflocs))
     at_lower = np.array([ELEMENT.lbasis(LOWER.doflocs.T, k)[0] for k in shapes[0]]).T
     back = np.array([LOWER.lbasis(ELEMENT.doflocs.T, k)[0] for k in shapes[1]]).T
@@ -172,15 +172,15 @@ _TAIL = _tail()
 
 FIRST_LOOK, LAST_LOOK = 4, 256
 LOOKED_UP = 6
-"""Sets of positions, the latest, whose triangles are kept."""
+"""Number of latest sets of positions whose triangles are cached."""
 Located = tuple[NDArray[np.int64], NDArray[np.float64]]
-"""The triangle of each point, and where in it."""
+"""Triangle of each point, and position in it."""
 
 INSIDE = -1e-9
 
 
 def powers(order: int) -> list[tuple[int, int]]:
-    """Of a and b in the monomials up to an order."""
+    """Exponents of a and b in the monomials up to an order."""
     return [(i, total - i) for total in range(order + 1) for i in range(total + 1)]
 
 
@@ -192,7 +192,7 @@ def _products(at: NDArray[np.float64], powers: list[tuple[int, int]]) -> NDArray
 
 
 class MembraneSurface:
-    """w [m] between the nodes of an element's triangles.
+    """Interpolation of w [m] between the nodes of an element's triangles.
 
     p: (2, point) m; nodes: (node of the element, triangle), its corners first.
     """
@@ -217,13 +217,13 @@ class MembraneSurface:
         self._monomials = np.linalg.inv(_products(element.doflocs.T, self._powers))
 
     def of(self, w: NDArray[np.float64]) -> MembraneSurface:
-        """Another deflection of the same nodes; where places lie is found once for both."""
+        """Surface of another deflection of the same nodes; both share the located positions."""
         other = copy(self)
         other.w = w
         return other
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At flat positions x (2, ...) in m; beside the skin as at its nearest triangle."""
+        """w at flat positions x (2, ...) in m; outside the skin as at its nearest triangle."""
         triangle, shares = self.located(x)
         found = np.zeros(len(triangle))
         for share, node in zip(shares, self.nodes, strict=True):
@@ -231,15 +231,18 @@ class MembraneSurface:
         return np.reshape(found, x.shape[1:])
 
     def located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """The triangle (point,) of positions x (2, ...), and what share each of its nodes has of w
-        there, shape (node of the element, point)."""
+        """Triangle (point,) of positions x (2, ...), and the weights of its nodes there.
+
+        Weights are of shape (node of the element, point).
+        """
         triangle, at = self._found(x)
         return triangle, self._monomials @ _products(at, self._powers)
 
     def in_triangles(
         self, values: NDArray[np.float64]
     ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-        """What is even in each triangle, shape (triangle,), at positions as of w."""
+        """Function with a constant value in each triangle, shape (triangle,), of positions as for
+        w."""
 
         def at(x: NDArray[np.float64]) -> NDArray[np.float64]:
             triangle, _ = self._found(x)
@@ -248,7 +251,7 @@ class MembraneSurface:
         return at
 
     def _found(self, x: NDArray[np.float64]) -> Located:
-        """As `_located`, kept for positions that are asked for again."""
+        """Located positions as of `_located`, cached for positions that are requested again."""
         for known, found in self._known:
             if known is x:
                 return found
@@ -257,7 +260,7 @@ class MembraneSurface:
         return found
 
     def _located(self, x: NDArray[np.float64]) -> Located:
-        """The triangle (point,) that each point lies in, and where in it (2, point)."""
+        """Triangle (point,) of each point, and its position in the triangle (2, point)."""
         triangle = np.zeros(x.shape[1], np.int64)
         missing, look = np.arange(x.shape[1]), FIRST_LOOK
         while missing.size:

@@ -1,4 +1,4 @@
-"""Applicators on foam that no tension spreads: each presses what it covers, and nothing else."""
+"""Applicators on foam without tension: each presses only the area that it covers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ Shapes = tuple[Circle | NDArray[np.float64], ...]
 def deformation_without_tension(
     scene: Scene, press: Press, mechanics: Mechanics, thickness: float
 ) -> Deformation:
-    """A press of which each touch presses what it covers; raises InputError as `pressed`."""
+    """Deformation where each touch presses only the area that it covers; raises as
+    `deformation`."""
     places = [touch.place for touch in press.indented]
     shapes = tuple(shape_of(scene, place) for place in places)
     boxes = [_box(scene, place) for place in places]
@@ -55,13 +56,13 @@ def deformation_without_tension(
 
 
 class FootprintDeflection:
-    """Deflection [m] by applicators of known depth: of those over a place the deepest counts."""
+    """Deflection [m] by applicators of known depth; where they overlap the deepest counts."""
 
     def __init__(self, shapes: Shapes, depth: tuple[float, ...]) -> None:
         self.shapes, self.depth = shapes, depth
 
     def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At flat positions x (2, ...) in m, shape (...)."""
+        """Deflection at flat positions x (2, ...) in m, shape (...)."""
         found = np.zeros(x.shape[1:])
         for shape, depth in zip(self.shapes, self.depth, strict=True):
             within = shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
@@ -70,7 +71,7 @@ class FootprintDeflection:
 
 
 def strain_at(pressure: float, elastic: Elastic) -> float:
-    """Of foam under a pressure in Pa; infinite where that closes its cells."""
+    """Strain of foam under a pressure in Pa; infinite if that closes its cells."""
     top = elastic.greatest_strain
 
     def excess(strain: float) -> float:
@@ -82,7 +83,7 @@ def strain_at(pressure: float, elastic: Elastic) -> float:
 
 
 def meet(one: Box, other: Box) -> bool:
-    """Whether two boxes share more than an edge."""
+    """True if two boxes share more than an edge."""
     low = np.maximum([one.left, one.bottom], [other.left, other.bottom])
     high = np.minimum([one.right, one.top], [other.right, other.top])
     return bool((high - low > SAME_EDGE * np.abs(high)).all())
@@ -93,7 +94,7 @@ def _box(scene: Scene, place: Place) -> Box:
 
 
 def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[np.float64]:
-    """Of the skin that each applicator presses, m²; where they overlap that of the deepest."""
+    """Area of the skin under each applicator, m²; where they overlap it counts for the deepest."""
     if apart and scene.skin.outline is None and scene.skin.mesh is None:
         return np.array(
             [
@@ -109,7 +110,7 @@ def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[n
 
 
 def _sharp(press: Press, factor: NDArray[np.float64]) -> Press:
-    """The press with factors in place of depths and forces."""
+    """Press with factors in place of depths and forces."""
     by_factor = [
         touch_at(t.place, float(f), t.finger) for t, f in zip(press.indented, factor, strict=True)
     ]

@@ -1,7 +1,7 @@
-"""Admittance between all terminals of a pressed skin, and what readings make of it, fused.
+"""Admittance between all terminals of a pressed skin, and impedances at interfaces, compiled.
 
-Touches of few factors go by Woodbury's formula, see `touches`; those of more than the basis has
-vectors where M is diagonal.
+Touches of few factors use Woodbury's formula, see `woodbury_kernel`; touches of more than the basis
+has vectors are solved where M is diagonal.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Wiring(NamedTuple):
 
     potentials: shape (excitation, N, most). conductance: between them at zero frequency, S, shape
     (excitation, most, most). counts: how many there are, shape (excitation,). weights: how they
-    combine to readings, see `Combination`.
+    combine to interfaces, see `Combination`.
     """
 
     potentials: NDArray[np.float64]
@@ -34,9 +34,9 @@ class Wiring(NamedTuple):
 def admittances(
     rest: Rest, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """Y in S beyond that at zero frequency, of many presses, shape (press, s, N, N).
+    """Y in S beyond that at zero frequency, for many presses, shape (press, s, N, N).
 
-    Each adds its rises times M of its cells. s: rad/s.
+    Each press adds its rises times M of its cells. s: rad/s.
     """
     N = len(rest.rows)
     Y = np.empty((batch.count, len(s), N, N), dtype=np.complex128)
@@ -52,7 +52,7 @@ def admittances(
 def _of_few(
     rest: Rest, known: UnpressedNetwork, batch: PressBatch, many: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
-    """The same of presses that do not touch many cells, into Y."""
+    """Admittances of presses that do not touch many cells, written into Y."""
     (cells, weights, starts), press = batch, 0
     while press < len(Y):
         after, touched = _alike(cells, starts, press), cells[starts[press] : starts[press + 1]]
@@ -64,7 +64,7 @@ def _of_few(
 
 @compiled()
 def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no cover
-    """The first press after this one that touches other cells."""
+    """Index of the first press after this one that touches other cells."""
     touched, after = cells[starts[press] : starts[press + 1]], press + 1
     while after < len(starts) - 1:
         others = cells[starts[after] : starts[after + 1]]
@@ -78,8 +78,8 @@ def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no co
 def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
     """Z in ohm of every excitation, shape (press, excitation, s); Y: of `admittances`.
 
-    What floats is eliminated one potential after the other. An excitation without any current, as
-    against earth that nothing reaches, has an infinite Z.
+    Floating potentials are eliminated one after the other. An excitation without any current, such
+    as one against an earth that nothing reaches, has an infinite Z.
     """
     presses, count, N, _ = Y.shape
     readings, _, most = wiring.potentials.shape

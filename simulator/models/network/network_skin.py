@@ -1,4 +1,4 @@
-"""One skin as its terminals see it: any number of readings for little more than one."""
+"""One skin seen from its terminals: any number of interfaces for little more time than one."""
 
 from __future__ import annotations
 
@@ -21,18 +21,22 @@ from .woodbury_kernel import UnpressedNetwork, unpressed_network
 
 
 class NetworkSkin:
-    """Admittance between all terminals of a skin at some s, and what any readings make of it.
+    """Admittance between all terminals of a skin at some s, and impedances at any interfaces.
 
-    Tens of microseconds for one press and all readings of it.
+    Takes tens of microseconds for one press and all its interfaces.
     """
 
     def __init__(self, skin: ReducedSkin, s: NDArray[np.complex128] | None = None) -> None:
-        """skin: of a model that was `trained` for all terminals. s: rad/s, by default of its scene.
+        """skin: of a model that was `trained` for all terminals. s: rad/s, by default those of its
+        scene.
 
-        Raises InputError for sheets that touches change: their skins are read one by one.
+        Raises InputError for sheets that touches change: their skins are solved interface by
+        interface.
         """
         if gauged(skin.reduced.scene.skin):
-            raise InputError("a network that touches change has no terminals' view of its own")
+            raise InputError(
+                "a network of terminals cannot have sheets whose resistance a touch changes"
+            )
         self.skin, self.s = skin, skin.s if s is None else s
 
     @cached_property
@@ -40,22 +44,22 @@ class NetworkSkin:
         return unpressed_network(self.skin.rest, self.s)
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
-        """Y in S beyond `conductance` of presses on pixels, shape (press, s, N, N)."""
+        """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
         weighted = self.skin.parts.followed(batch).weighted(self.skin.rest_factors)
         return admittances(self.skin.rest, self._at_rest, weighted, self.s)
 
     @property
     def conductance(self) -> NDArray[np.float64]:
-        """Between terminals at zero frequency, S, shape (N, N)."""
+        """Conductance between terminals at zero frequency, S, shape (N, N)."""
         return self.skin.conductance
 
     def wiring(self, readings: Sequence[Interface]) -> Wiring:
-        """Readings as the kernel takes them. Raises InputError as `read` does."""
+        """Wiring of interfaces for the kernel. Raises InputError as `read` does."""
         excitations = read(self.skin.reduced, readings).circuit.excitations
         return wiring_of(excitations, self.skin.reduced.terminal_field, self.conductance)
 
     def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Z in ohm of every reading, shape (press, reading, s). Y: of `admittances`."""
+        """Z in ohm of every interface, shape (press, interface, s). Y: of `admittances`."""
         Z, combination = impedances(Y, wiring), Combination(wiring.weights)
         if combination.one_to_one:
             return Z

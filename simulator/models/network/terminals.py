@@ -1,9 +1,9 @@
-"""Every contact a terminal of its own: one trained model, and any reading of it.
+"""One trained model with every contact as a terminal of its own, for any interfaces.
 
 All contacts together make an N-terminal network. The lift of each terminal is among a model's
-coordinates already; that its basis holds what all of them charge takes training that drives all.
-Then any two disjoint sets of contacts are a reading, the others floating or tied, without further
-training: floating and tied terminals are eliminated in the small system, exactly.
+coordinates already. Its basis represents the charges of all terminals if its training excites all.
+Then any two disjoint sets of contacts are an interface, the others floating or tied, without
+further training: floating and tied terminals are eliminated in the small system, exactly.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Model = TypeVar("Model", bound=Projection)
 
 
 class ReductionOptions(TypedDict):
-    """What `reduce` is told of any readings alike."""
+    """Options of `reduce` that do not depend on the interfaces."""
 
     modes: int
     progress: ProgressCallback
@@ -47,10 +47,11 @@ def trained(
     progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
-    """A model of a scene's skin that holds what any terminal charges, read in a `chain`.
+    """Reduced model of a scene's skin that represents all terminals, with the interfaces of a
+    `chain`.
 
-    rtol, draw, modes, progress, frequency: as of `reduce`; so is what is raised, and InputError
-    where a tension spreads presses.
+    rtol, draw, modes, progress, frequency: as of `reduce`, which also lists the errors raised;
+    InputError, too, if a tension spreads presses.
     """
     require_no_spread(scene)
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
@@ -58,10 +59,10 @@ def trained(
 
 
 def require_no_spread(scene: Scene) -> None:
-    """Raises InputError where a tension spreads how pixels are pressed."""
+    """Raise InputError if a tension spreads presses on pixels."""
     if spreading(scene):
         raise InputError(
-            f"{scene.name}: any readings are told of presses by a factor alone; give "
+            f"{scene.name}: any interfaces are available for presses by a factor only; give "
             "`press.capacitance_factor` in place of `press.depth` or `press.force`"
         )
 
@@ -76,7 +77,7 @@ def reduced_for(
     progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
-    """A model read in the scene's own ways, trained for all terminals where those are `many`.
+    """Model with the scene's own interfaces, trained for all terminals if those are `many`.
 
     rtol, draw, modes, alike, progress, frequency: as of `reduce`.
     """
@@ -87,7 +88,7 @@ def reduced_for(
 
 
 def many(scene: Scene, alike: bool = True) -> bool:
-    """Whether a scene has more interfaces than a chain has, in two fields, pressed by factors.
+    """True if a scene of two fields, pressed by factors, has more interfaces than a chain.
 
     alike: as of `reduce`.
     """
@@ -97,13 +98,13 @@ def many(scene: Scene, alike: bool = True) -> bool:
 
 
 def read(reduced: Model, readings: Sequence[Interface]) -> Model:
-    """The same model read in other ways, without training. reduced: as `trained` gives it.
+    """Same model with other interfaces, without training. reduced: from `trained`.
 
-    Raises InputError for contacts that there are not, shorts, and a model of one field.
+    Raises InputError for unknown contacts, shorts, and a model of one field.
     """
     scene = reduced.scene
     if reduced.circuit.fields != 2:
-        raise InputError(f"{scene.name}: a model of one field has readings of its own alone")
+        raise InputError(f"{scene.name}: a model of one field has no other interfaces than its own")
     try:
         check_wiring(scene.contacts, readings, scene.skin)
     except ValueError as error:
@@ -112,10 +113,10 @@ def read(reduced: Model, readings: Sequence[Interface]) -> Model:
 
 
 def chain(scene: Scene) -> list[Interface]:
-    """Readings that drive all terminals, one fewer than those: each shares one with the next.
+    """Interfaces that excite all terminals, one fewer than those: each shares one with the next.
 
-    Pairs of one terminal of each sheet, those of the same number first; where one sheet has none,
-    of the first terminal and each other.
+    Pairs of one terminal of each sheet, those of the same number first; if one sheet has none,
+    pairs of the first terminal and each other.
     """
     leaders = _leaders(scene)
     top, bottom = ([c for c in leaders if c.electrode == name] for name in ("top", "bottom"))
@@ -131,7 +132,7 @@ def chain(scene: Scene) -> list[Interface]:
 
 
 def _leaders(scene: Scene) -> list[Contact]:
-    """The first contact of each terminal."""
+    """First contact of each terminal."""
     return [scene.contacts[k] for k in sorted(set(conductor_groups(scene.contacts, scene.skin)))]
 
 

@@ -1,10 +1,11 @@
-"""Admittance between all terminals of a skin under touches of low rank: Woodbury's formula, fused.
+"""Admittance between all terminals of a skin under touches of low rank: Woodbury's formula,
+compiled.
 
-In coordinates in which K is 1 and M at rest diagonal, P = 1 / (1 + s d), the terminals' potentials
-are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin factors U.
-With E = U T, Q = U P U', R the root of |W| and D its sign, Y = Y_rest + s E'R (D + s R Q R)^-1 R E.
-That matrix is symmetric. It is eliminated at many s side by side, real and imaginary parts apart,
-for processors take several numbers at once.
+In coordinates in which K is 1 and the unpressed M diagonal, P = 1 / (1 + s d), the terminals'
+potentials are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin
+factors U. With E = U T, Q = U P U', R the root of |W| and D its sign, Y = Y_unpressed + s E'R (D +
+s R Q R)^-1 R E. That matrix is symmetric. It is eliminated at many s together, with separate real
+and imaginary parts, because processors take several numbers at once.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ from ...compiled import compiled
 from ..reduced.dense import Rest, between_terminals
 
 SIDE_BY_SIDE = 64
-"""Of s, at most: more would not stay in the processor's near memory."""
+"""Maximum number of s together: more would not fit into the processor's cache."""
 
 
 class UnpressedNetwork(NamedTuple):
-    """What does not depend on the press, at each s; real and imaginary parts apart but in Y.
+    """Quantities that do not depend on the press, at each s; real and imaginary parts separate but
+    in Y.
 
     admittance: Y beyond that at zero frequency, S, shape (s, N, N). damped: P, shape (n, 2, s).
     seen: E of each cell, shape (cell, rank, N, 2, s). own: Q of each, shape (cell, rank, rank, 2,
@@ -36,7 +38,7 @@ class UnpressedNetwork(NamedTuple):
 
 
 def unpressed_network(rest: Rest, s: NDArray[np.complex128]) -> UnpressedNetwork:
-    """Of a skin. s: rad/s."""
+    """Unpressed quantities of a skin. s: rad/s."""
     N = len(rest.rows)
     beside = rest.rows[:, N:]
     at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
@@ -88,7 +90,7 @@ def by_touches(
 def _put_together(
     rest: Rest, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
 ) -> None:  # pragma: no cover
-    """Q from the diagonal on, and E beside it, shape (size, size + N, 2, s)."""
+    """Q from the diagonal on, and E in the columns after it, shape (size, size + N, 2, s)."""
     N, (size, _, _, count) = len(rest.rows), together.shape
     rank = size // max(len(cells), 1)
     for i in range(len(cells)):
@@ -110,9 +112,9 @@ def _put_together(
 
 @compiled(fastmath={"reassoc", "contract"})
 def _between(U: NDArray, V: NDArray, P: NDArray, Q: NDArray) -> None:  # pragma: no cover
-    """Q between the factors of two cells, into a corner of it.
+    """Q between the factors of two cells, written into a corner of it.
 
-    Four vectors of the basis at a time: Q is then read less often.
+    Four vectors of the basis at a time, so that Q is read less often.
     """
     n = len(P)
     whole = n - n % 4
@@ -140,7 +142,7 @@ def _between(U: NDArray, V: NDArray, P: NDArray, Q: NDArray) -> None:  # pragma:
 
 @compiled(fastmath={"reassoc", "contract"})
 def _weigh(together: NDArray, W: NDArray, s: NDArray, own: NDArray) -> None:  # pragma: no cover
-    """Of one press: D + s R Q R from the diagonal on, and R E beside it."""
+    """D + s R Q R of one press from the diagonal on, and R E in the columns after it."""
     size, width = own.shape[:2]
     rank = size // max(len(W), 1)
     for row in range(size):
@@ -161,7 +163,8 @@ def _weigh(together: NDArray, W: NDArray, s: NDArray, own: NDArray) -> None:  # 
 
 @compiled(fastmath={"reassoc", "contract"})
 def _eliminate(own: NDArray) -> None:  # pragma: no cover
-    """L C L' of the matrix in front: 1/C into its diagonal, and L^-1 times what is beside it there.
+    """L C L' of the matrix in front: 1/C into its diagonal, L^-1 times the columns after it in
+    place.
 
     Without pivoting: where capacitance rises the matrix has a real part of at least 1.
     """
@@ -186,7 +189,7 @@ def _eliminate(own: NDArray) -> None:  # pragma: no cover
 
 @compiled(fastmath={"reassoc", "contract"})
 def _multiply(own: NDArray, i: int, j: int, total: NDArray) -> None:  # pragma: no cover
-    """What is beside the matrix, by its inverse, of terminals i and j; after `_eliminate`."""
+    """Product of the columns of terminals i and j with the matrix's inverse; after `_eliminate`."""
     size, _, _, count = own.shape
     for part in range(2):
         for k in range(count):

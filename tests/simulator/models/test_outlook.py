@@ -60,7 +60,7 @@ def test_a_press_that_takes_minutes_is_told_once(caplog):
             clock.now = 0.0
             saw(clock, outlook, (5, 1e-3), (10, 1e-4), (20, 1e-5), (40, 1e-6))
     assert caplog.messages == [
-        "press 1,1: error 1e-04 after 10 s, asked 1e-08: will take about 2 minutes more"
+        "press 1,1: error 1e-04 after 10 s, tolerance 1e-08; about 2 minutes remaining"
     ]
 
 

@@ -123,6 +123,6 @@ def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
     assert relative_difference(answer.Z, truth.Z).max() <= 1e-3
     (told,) = (reason for reason in answer.rejected if "from" in reason)
     assert told == (
-        f"reduced: answers frequencies from {low:g} to {high:g} Hz, those it is trained for, "
+        f"reduced: the model is trained for frequencies from {low:g} to {high:g} Hz, "
         f"got {low / 2:g}, {2 * high:g}"
     )

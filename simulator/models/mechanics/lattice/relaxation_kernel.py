@@ -1,4 +1,4 @@
-"""The membrane's rest on a lattice under applicators, compiled."""
+"""Compiled relaxation of the membrane on a lattice under applicators."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ....compiled import compiled
 
 LEAST_ARM = 1e-3
-"""Of a step: no node beside an applicator counts as nearer to its edge."""
+"""Smallest distance of a node from an applicator's edge, over a step."""
 
 
 @compiled()
@@ -24,14 +24,14 @@ def relaxed_in_place(
     still: float,
     most: int,
 ) -> int:  # pragma: no cover
-    """Deflections w of least energy that are nowhere below `least`, in place; how many sweeps.
+    """Relax deflections w to the minimum of energy that is nowhere below `least`; count of sweeps.
 
     By successive over-relaxation (`relaxed`) with one Newton step at a node and projection, until a
-    sweep moves nothing by more than `still`; `most` and one where so many do not get there. w,
-    least, still: m. right, up:
-    conductance of each node to the next along x and along y, over the tension; 0 at the last. load:
-    area of a node over the tension, m² / (N/m). law: the foam's stress in Pa at strains of even
-    steps from 0. per_metre: such steps for each m of deflection.
+    sweep moves nothing by more than `still`; returns `most` + 1 if that many do not suffice. w,
+    least, still: m. right, up: conductance of each node to the next along x and along y, over the
+    tension; 0 at the last. load: area of a node over the tension, m² / (N/m). law: the foam's
+    stress in Pa at equidistant strains from 0. per_metre: number of those strains for each m of
+    deflection.
     """
     rows, columns = w.shape
     last, held = len(law) - 2, _held(right, up)
@@ -67,7 +67,7 @@ def relaxed_in_place(
 
 @compiled()
 def _held(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
-    """Conductance of each node to all its neighbours, over the tension."""
+    """Sum of the conductances of each node to its neighbours, over the tension."""
     rows, columns = right.shape
     held = np.empty((rows, columns))
     for i in range(rows):
@@ -91,9 +91,9 @@ def rasterized(
     up: NDArray,
     load: NDArray,
 ) -> NDArray:  # pragma: no cover
-    """The deflection that applicators leave each node at least, m, shape (row, column).
+    """Smallest deflection of each node by applicators, m, shape (row, column).
 
-    Where an edge of one lies between two nodes `right`, `up` and `load` of the shallower node
+    Where an edge of one lies between two nodes, `right`, `up` and `load` of the shallower node
     become those of an arm that ends there. boxes: left, right, bottom and top in m, shape (touch,
     4). radius: of discs in m, 0 of rectangles. depth: m. x, y: of nodes, m.
     """
@@ -126,10 +126,11 @@ def _shorten(
     right: NDArray,
     wide: NDArray,
 ) -> None:  # pragma: no cover
-    """Arms along one axis, x, that end at an edge: their conductance grows, nodes become narrower.
+    """Shorten arms along one axis, x, that end at an edge: conductance grows, nodes become
+    narrower.
 
     by: number of the applicator above each node. own, other: sides of each along x and across it.
-    wide: of nodes, over a step.
+    wide: width of nodes, over a step.
     """
     rows, columns = least.shape
     for i in range(rows):
@@ -149,9 +150,10 @@ def _shorten(
 def _across(
     own: NDArray, other: NDArray, radius: float, at: float
 ) -> tuple[float, float]:  # pragma: no cover
-    """Where an applicator begins and ends on a line, m; nothing where they do not meet.
+    """Start and end of an applicator on a line, m; inf and -inf if they do not meet.
 
-    own: its sides along that line. other: those across. at: of the line, between the latter.
+    own: its sides along that line. other: those across. at: position of the line, between the
+    latter.
     """
     if not other[0] <= at <= other[1]:
         return np.inf, -np.inf

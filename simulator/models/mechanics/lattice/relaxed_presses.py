@@ -1,4 +1,4 @@
-"""How applicators of any place and depth raise c in the cells of a grid."""
+"""Rises of c in the cells of a grid by applicators of any place and depth."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .relaxation_kernel import rasterized, relaxed_in_place
 from .skin_lattice import Lattice
 
 STILL = 1e-5
-"""Of the depth: what the last sweep may move a node by."""
+"""Largest movement of a node in the last sweep, over the depth."""
 MOST_SWEEPS = 2000
 FAINT = 1e-4
-"""Rises of c that are left out."""
+"""Rises of c below this are left out."""
 SLOWEST = 2.0
-"""Length of the slowest wave beside applicators, over that in which a deflection falls to a tenth:
-on foams and skins not alike presses came to rest soonest from 1.5 to 2."""
+"""Length of the slowest error mode next to applicators, over the length in which a deflection falls
+to a tenth. Different foams and skins converged fastest from 1.5 to 2."""
 
 Window = tuple[slice, slice]
 """Rows and columns of cells."""
@@ -38,9 +38,9 @@ class Applicators(NamedTuple):
 
 
 def raised(lattice: Lattice, applied: Applicators) -> TouchedCells:
-    """Cells and rises of c there by a press, in the mean of the skin in each.
+    """Cells that a press changes, and the rise of c averaged over the skin in each.
 
-    Of applicators that do not feel each other each settles for itself.
+    Applicators that do not influence each other are relaxed one by one.
     """
     rise = np.zeros(lattice.grid)
     for own in _groups(lattice, applied):
@@ -51,14 +51,14 @@ def raised(lattice: Lattice, applied: Applicators) -> TouchedCells:
 
 
 def rises_within(lattice: Lattice, applied: Applicators, here: Window) -> NDArray[np.float64]:
-    """Of c in the mean of the skin in each cell of a window, shape (row, column)."""
+    """Rise of c averaged over the skin in each cell of a window, shape (row, column)."""
     return in_cells(lattice, rises_at_nodes(lattice, applied, here), here)
 
 
 def rises_at_nodes(
     lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
-    """Of c at the nodes of a window, shape (row, column). still: as STILL."""
+    """Rise of c at the nodes of a window, shape (row, column). still: as STILL."""
     w = deflected(lattice, applied, here, still)
     return lattice.mechanics.factor(w / lattice.thickness) - 1
 
@@ -66,9 +66,9 @@ def rises_at_nodes(
 def deflected(
     lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
-    """At the nodes of a window, m, shape (row, column). still: as STILL.
+    """Deflection at the nodes of a window, m, shape (row, column). still: as STILL.
 
-    Raises ToleranceError where they do not come to rest.
+    Raises ToleranceError if the relaxation does not converge.
     """
     rows, columns = lattice.nodes(here)
     x, y = lattice.x[columns], lattice.y[rows]
@@ -81,14 +81,16 @@ def deflected(
     law = lattice.law, lattice.per_metre
     swept = relaxed_in_place(w, least, right, up, load, *law, relaxed, still * deepest, MOST_SWEEPS)
     if swept > MOST_SWEEPS:
-        raise ToleranceError(f"a press by {deepest:g} m: the foam beside it does not come to rest")
+        raise ToleranceError(
+            f"a press by {deepest:g} m: the relaxation of the foam next to it does not converge"
+        )
     return w
 
 
 def _first(
     lattice: Lattice, applied: Applicators, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """As if each applicator's edge were straight, m, shape (row, column)."""
+    """Deflection as if each applicator's edge were straight, m, shape (row, column)."""
     found = np.zeros((len(y), len(x)))
     for (left, right, bottom, top), radius, depth in zip(*applied, strict=True):
         if radius:
@@ -101,27 +103,27 @@ def _first(
 
 
 def in_cells(lattice: Lattice, rise: NDArray[np.float64], here: Window) -> NDArray[np.float64]:
-    """The mean over the skin in each cell of a window, of what nodes have, shape (row, column)."""
+    """Mean of nodal values over the skin in each cell of a window, shape (row, column)."""
     part = lattice.part[lattice.nodes(here)]
     area, total = _summed(lattice, part), _summed(lattice, part * rise)
     return np.divide(total, area, out=np.zeros_like(total), where=area > 0)
 
 
 def _summed(lattice: Lattice, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Over the nodes of each cell."""
+    """Sum over the nodes of each cell."""
     (along, across), (rows, columns) = lattice.within, values.shape
     return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))
 
 
 def _groups(lattice: Lattice, applied: Applicators) -> list[Applicators]:
-    """The applicators, those together of which one is felt where another is."""
+    """Applicators in groups that influence each other."""
     if len(applied.depth) > 1 and independent(lattice, applied):
         return [Applicators(*(each[[k]] for each in applied)) for k in range(len(applied.depth))]
     return [applied] if len(applied.depth) else []
 
 
 def independent(lattice: Lattice, applied: Applicators) -> bool:
-    """Whether no two of the applicators are felt at one place."""
+    """True if no two of the applicators influence the same position."""
     far = [lattice.reach(depth) for depth in applied.depth]
     low = applied.boxes[:, ::2] - np.array(far)[:, None]
     high = applied.boxes[:, 1::2] + np.array(far)[:, None]
@@ -130,7 +132,7 @@ def independent(lattice: Lattice, applied: Applicators) -> bool:
 
 
 def window(lattice: Lattice, applied: Applicators) -> Window:
-    """The cells that any of the applicators is felt in."""
+    """Cells that any of the applicators influences."""
     far = max(lattice.reach(depth) for depth in applied.depth)
     low, high = applied.boxes[:, ::2].min(axis=0) - far, applied.boxes[:, 1::2].max(axis=0) + far
     size = np.multiply(lattice.steps, lattice.within)

@@ -1,4 +1,4 @@
-"""The skin of a scene on an even lattice: where it is, how it holds together, how it gives way."""
+"""The skin of a scene on a uniform lattice: its area, its conductances, and the law of its foam."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from ....scene.scene import Scene
 from ....scene.skin import covers
 
 FINE, OF_TOUCH = 4, 16
-"""Steps for each length of the skins' spread at least, and along the smallest applicator."""
+"""Minimum steps for each length of the skins' spread, and along the smallest applicator."""
 MOST_ALONG = 800
 SAMPLES = 8
-"""Along each side of a node's area where an edge of the skin passes."""
+"""Samples along each side of a node's area where an edge of the skin passes."""
 LAW = 4096
 PROFILE = 2048
 FELT = 3e-4
-"""Of an applicator's depth: the deflection that is not followed any farther."""
+"""Smallest deflection that is followed, over an applicator's depth."""
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Nodes in the middles of even areas, and how they hold together.
+    """Nodes in the middles of equal areas, and the conductances between them.
 
-    x, y: of nodes, m. part: of each node's area that is skin, shape (row, column). right, up:
+    x, y: of nodes, m. part: share of each node's area that is skin, shape (row, column). right, up:
     conductance of a node to the next along x and y, over the tension. within: nodes along x and y
-    in each cell that factors are told of. distance, w: of the deflection beside a straight edge, m,
-    from where cells are closed on.
+    in each cell of the grid of factors. distance, w: profile of the deflection next to a straight
+    edge, m, beginning where cells are closed.
     """
 
     mechanics: Mechanics
@@ -52,23 +52,23 @@ class Lattice:
 
     @property
     def steps(self) -> tuple[float, float]:
-        """Between nodes along x and y, m."""
+        """Distance between nodes along x and y, m."""
         return 2 * float(self.x[0]), 2 * float(self.y[0])
 
     @property
     def area(self) -> float:
-        """Of a node, over the tension, m² / (N/m)."""
+        """Area of a node, over the tension, m² / (N/m)."""
         return math.prod(self.steps) / self.mechanics.tension
 
     @cached_property
     def law(self) -> NDArray[np.float64]:
-        """The foam's stress at strains of even steps from 0 to where its cells are closed, Pa."""
+        """The foam's stress at equidistant strains from 0 to where its cells are closed, Pa."""
         elastic = self.mechanics.elastic
         return elastic.stress(np.linspace(0.0, elastic.greatest_strain, LAW))
 
     @property
     def per_metre(self) -> float:
-        """Such steps for each m of deflection."""
+        """Number of those strains for each m of deflection."""
         return (LAW - 1) / (self.mechanics.elastic.greatest_strain * self.thickness)
 
     def nodes(self, here: tuple[slice, slice]) -> tuple[slice, slice]:
@@ -80,15 +80,16 @@ class Lattice:
         return rows, columns
 
     def beside(self, depth: float, away: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Deflection so far from the straight edge of an applicator of a depth, all in m."""
+        """Deflection at a distance from the straight edge of an applicator of a depth, all in m."""
         return np.interp(self._where(depth) + away, self.distance, self.w)
 
     def reach(self, depth: float) -> float:
-        """How far the straight edge of an applicator of a depth is felt, m."""
+        """Distance at which the straight edge of an applicator of a depth has no more influence,
+        m."""
         return self._where(FELT * depth) - self._where(depth)
 
     def falls_within(self, depth: float) -> float:
-        """How far from there the deflection is a tenth, m."""
+        """Distance over which the deflection falls to a tenth from there, m."""
         return self._where(depth / 10) - self._where(depth)
 
     def _where(self, w: float) -> float:
@@ -96,9 +97,9 @@ class Lattice:
 
 
 def lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice:
-    """Of a scene whose foam has mechanics and whose skins have a tension.
+    """Lattice of a scene whose foam has mechanics and whose skins have a tension.
 
-    grid: rows and columns of cells that factors are told of. smallest: side of an applicator, m.
+    grid: rows and columns of cells for factors. smallest: side of the smallest applicator, m.
     """
     return _lattice_of(scene, grid, smallest)  # pyright: ignore[reportArgumentType]
 
@@ -132,7 +133,7 @@ def _profile(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Distance from where cells are closed, and the deflection there, both m.
 
-    Beside a straight edge T w'² / 2 = d W(w / d), with W the foam's energy per volume.
+    Next to a straight edge T w'² / 2 = d W(w / d), with W the foam's energy per volume.
     """
     strain = mechanics.elastic.greatest_strain * np.geomspace(1.0, FELT**2, PROFILE)
     slope = np.sqrt(2 * thickness * mechanics.elastic.energy(strain) / mechanics.tension)
@@ -143,7 +144,7 @@ def _profile(
 def _held_together(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
-    """Part of each node's area that is skin, and of each edge to the next node along x and y."""
+    """Share of each node's area that is skin, and of each edge to the next node along x and y."""
     shape = len(y), len(x)
     if scene.skin.rectangular:
         part, right, up = (np.ones(shape) for _ in range(3))
@@ -156,7 +157,7 @@ def _held_together(
 def _cut(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
-    """As `_held_together`, of a skin of any outline, by samples where an edge is near."""
+    """Shares as of `_held_together` for a skin of any outline, by samples where an edge is near."""
     skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
     middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
     around = np.pad(middle, 1, mode="edge")

@@ -1,4 +1,4 @@
-"""The same cells by the membrane on triangles: what lattices are compared with."""
+"""Rises of c by the membrane on triangles: the reference for lattices."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from .relaxed_presses import Applicators, window
 from .skin_lattice import Lattice
 
 FACTOR_RTOL = 1e-3
-"""Of the factor anywhere, which lattices are compared with."""
+"""Tolerance of the factor anywhere, for comparison with lattices."""
 POINTS = 24
-"""Along each side of a cell, at which that is seen."""
+"""Sample points along each side of a cell."""
 
 
 def traced(scene: Scene, lattice: Lattice, applied: Applicators) -> TouchedCells:
-    """As `presses.raised`, to FACTOR_RTOL of the factor: some tenths of a second each."""
+    """Rises as of `relaxed_presses.raised`, to FACTOR_RTOL of the factor; some tenths of a second
+    each."""
     if not len(applied.depth):
         return NOTHING
     here, grid = window(lattice, applied), lattice.grid
@@ -41,7 +42,7 @@ def traced(scene: Scene, lattice: Lattice, applied: Applicators) -> TouchedCells
 
 
 def as_press(applied: Applicators) -> Press:
-    """Applicators for the mechanics on triangles."""
+    """Press by these applicators, for the mechanics on triangles."""
     touches = []
     each = zip(*(own.tolist() for own in applied), strict=True)
     for (left, right, bottom, top), radius, depth in each:

@@ -205,5 +205,5 @@ def test_it_comes_to_rest_in_half_the_sweeps_allowed(lattice_on, monkeypatch):
 
 def test_foam_that_does_not_come_to_rest_is_told(lattice_on, monkeypatch):
     monkeypatch.setattr(presses, "MOST_SWEEPS", 2)
-    with pytest.raises(ToleranceError, match="does not come to rest"):
+    with pytest.raises(ToleranceError, match="does not converge"):
         raised(lattice_on(), disc(0.06, 0.05, 0.006, 2e-3))
