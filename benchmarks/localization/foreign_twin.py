@@ -3,14 +3,15 @@
 Twins are skins of a three-dimensional solve of foam, air, sheets and earth: see
 `benchmarks/accuracy/three_dimensions.py`. A meter's low terminal is at earth's potential, fingers
 of 0 to 10 pF press, presses have edges, the foam creeps, a body is near. The sheets and the foam
-are uneven, presses miss and are of unequal strength, skins drift: all as in `twin.py`; sweeps are
-read by the scene's error model. Localizers are trained on the model as it was, without earth; with
-the terms of `[surroundings]`; with these, drawn wider than twins need; adapted by two touches of
-each class; and with the terms, by the curve of the skin at rest, too. None of this is measured.
+are uneven, presses miss and are of unequal strength, skins drift: all as in `twin.py`. The virtual
+meter reads them over TCP. Localizers are trained on the model as it was, without earth; with the
+terms of `[surroundings]`; with these, drawn wider than twins need; adapted by two touches of each
+class; and with the terms, by the unpressed curve, too: the paper's SVM and `gaussian`. None of this
+is measured.
 
 With a folder that is kept a run that was stopped goes on.
 
-Run: python benchmarks/localization/foreign_twin.py [--skins 20] [--found FOLDER] [--quick]
+Run: python benchmarks/localization/foreign_twin.py [--skins 8] [--found FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.localization.foreign_parts.questions import columns
 from rcskin.benchmarks.localization.foreign_parts.told import tell
 
-SKINS = 20
+SKINS = 8
 
 
 def main(run: Run) -> None:
@@ -39,7 +40,7 @@ def options() -> argparse.ArgumentParser:
     """Of the command line."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--skins", type=int)
-    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
     return parser
 

@@ -15,16 +15,18 @@ from rcskin.benchmarks.accuracy.three_dimensions_parts.solved import Solved
 from rcskin.benchmarks.localization.foreign_parts.effects import EFFECTS, OWN, WITH_BODY, Effect
 from rcskin.benchmarks.localization.foreign_parts.localizers import (
     ADAPTED,
+    SCENES,
     TERMS,
     WAS,
     WAYS,
     after_touches,
     believed,
+    loaded,
     trained,
 )
 from rcskin.benchmarks.localization.foreign_parts.skin import Foreign, solved
 from rcskin.benchmarks.localization.twin_parts import scenes
-from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
+from rcskin.benchmarks.localization.twin_parts.recording import recorded
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.benchmarks.localization.twin_parts.training import RTOL, SEED
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, Trial, every_pixel
@@ -58,11 +60,12 @@ class Question:
     def answers(self, folder: Path, skins: int, processes: int) -> pd.DataFrame:
         """A row for each effect, way and skin; what takes time is kept in a folder."""
         around = solved(self.trial.believed, folder, self.grid)
+        bodies = {effect.body for effect in self.effects}
         models = {
-            (way, body): self.model(folder, way, body)
+            (way, there): self.model(folder, way, there)
+            for there in bodies
             for way in self.ways
             if way != ADAPTED
-            for body in {effect.body for effect in self.effects}
         }
         ready = Ready(self, folder, around, self.family(folder), models)
         work = (delayed(ready.of_skin)(number) for number in range(skins))
@@ -70,11 +73,15 @@ class Question:
         return pd.DataFrame([row for rows in found for row in rows])
 
     def model(self, folder: Path, way: str, body: bool) -> Model:
-        """A localizer. body: whether it knows of one below."""
+        """A localizer. body: True if it knows of one below."""
         body = body and way != WAS
-        scene = believed(self.trial.believed, way, body)
-        name = f"{way.replace(' ', '-')}{'-body' * body}.skops"
-        return trained(scene, way, self.trial.target, self.sweeps, folder / name)
+        source = SCENES.get(way, way)
+        alike = [each for each in self.ways if each != ADAPTED and SCENES.get(each, each) == source]
+        kept = folder / ("with-body" if body else "without-body")
+        kept.mkdir(exist_ok=True)
+        scene = believed(self.trial.believed, source, body)
+        trained(scene, alike, self.trial.target, self.sweeps, kept)
+        return loaded(kept, way)
 
     def family(self, folder: Path) -> Reduced:
         """Of twins that the model makes."""
@@ -121,7 +128,8 @@ class Ready:
         path = self.folder / f"{kind}-{number}.nc"
         if not path.exists():
             presses = trial.recording(np.random.default_rng([SEED, number]))
-            sweeps = read_at_once(self._twin(effect, number), presses)
+            interfaces = [each.name for each in trial.believed.interfaces]
+            sweeps = recorded(self._twin(effect, number), presses, interfaces)
             write(sweeps.assign_attrs(scene=scene_text(trial.believed)), path)
         return read(path)
 

@@ -20,14 +20,14 @@ from rcskin.benchmarks.accuracy.three_dimensions_parts.solved import Solved
 from rcskin.benchmarks.accuracy.three_dimensions_parts.statics import Static
 from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch
 from rcskin.benchmarks.localization.foreign_parts.effects import BODY, Effect
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.skin import Bench, Twin
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.parameters import HALF_WAVES, mode_values
 from rcskin.simulator.press.pixels import cell_centres
-from rcskin.simulator.press.press import Press
+from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle
 from rcskin.simulator.scene.frequency import laplace_variable
-from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
 
 THICKNESS = 4e-3
 """m: of the paper's foam."""
@@ -35,6 +35,8 @@ FINGER = 103
 """Kind of random numbers, beside those of `twin_parts.skin`."""
 SHARE, TIME = 0.1, 1.0
 """Of the rise of c, that comes with the foam's creep, and its time constant, s."""
+SAME_FREQUENCY = 1e-3
+"""Relative difference of a frequency of the scene from what the meter rounds it to, at most."""
 GRID = (12, 12)
 """Cells of the foam, of which its waves are told."""
 
@@ -84,6 +86,10 @@ class Foreign(Twin):
             edges=self.effect.edges,
         )
 
+    def at(self, interface: str) -> ForeignBench:
+        """The twin with a meter at one interface. Raises InputError where there is none."""
+        return ForeignBench(self, interface)
+
     def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
         """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press.
 
@@ -110,3 +116,30 @@ class Foreign(Twin):
         count = len(self.scene.frequencies)
         time = self.effect.creep * (np.arange(count) + 1) / count
         return 1 - SHARE * np.exp(-time / TIME)
+
+
+class ForeignBench(Bench):
+    """A foreign twin at one of its interfaces: every press is solved once at all frequencies."""
+
+    def __init__(self, twin: Foreign, interface: str) -> None:
+        name = checked_interface(interface, twin.scene)
+        self._twin, self._number = twin, interface_names(twin.scene).index(name)
+        self._event, self._press = 0, Press(())
+        self._checked, self._Z = False, None
+
+    def check(self, press: str) -> str:
+        """What the hand makes of a press. Raises InputError where it does not fit the scene."""
+        scene = self._twin.scene
+        asked = check_press(parse_press(press, scene.press.capacitance_factor), scene)
+        self._event += self._checked
+        self._press, self._checked, self._Z = asked, True, None
+        return str(self._twin.pressed(asked, self._event))
+
+    def impedance(self, press: str, frequency: float) -> complex:
+        """Z in ohm under the latest checked press, at one of the scene's frequencies in Hz."""
+        if self._Z is None:
+            self._Z = self._twin.impedances(self._press, self._event)[self._number]
+        f = self._twin.scene.frequencies
+        nearest = int(np.abs(f - frequency).argmin())
+        assert abs(f[nearest] / frequency - 1) < SAME_FREQUENCY, frequency
+        return complex(self._Z[nearest])

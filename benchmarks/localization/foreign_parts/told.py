@@ -42,17 +42,19 @@ def table(found: pd.DataFrame) -> pd.DataFrame:
 def draw(found: pd.DataFrame, question: Question, path: Path) -> None:
     """A group of bars for each effect; what is not answered counts as not right."""
     effects, ways = found["effect"].unique(), found["way"].unique()
-    figure = Figure(figsize=(8.5, 1.2 + 0.55 * len(effects)), layout="constrained")
+    figure = Figure(figsize=(8.5, 1.4 + 0.8 * len(effects)), layout="constrained")
     axes, width = figure.subplots(), NARROW / len(ways)
     place = np.arange(len(effects))
     for k, way in enumerate(ways):
         own = found[found["way"] == way].set_index("effect").reindex(effects)
         at = place + (k - (len(ways) - 1) / 2) * width
-        axes.barh(at, own["mean"], width, xerr=own["error"], color=COLOURS[k], label=way)
+        axes.barh(
+            at, own["mean"], width, xerr=own["error"], color=COLOURS[k % len(COLOURS)], label=way
+        )
     axes.axvline(100 * question.trial.goal, color="0.3", linestyle="--", linewidth=1)
     axes.set_yticks(place, effects)
     axes.invert_yaxis()
     axes.set_xlabel("right answers (%); what is not answered is not right; dashed: goal")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.legend(loc="outside upper center", ncols=len(ways), frameon=False)
+    figure.legend(loc="outside upper center", ncols=4, frameon=False)
     figure.savefig(path, dpi=150)

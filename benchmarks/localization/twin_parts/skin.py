@@ -143,6 +143,18 @@ class Bench:
         self._skin, self._known = self._twin.skin(self._event), ("", {})
         return str(self._twin.pressed(asked, self._event))
 
+    def hold(self, press: str, now: float) -> str:
+        """What the hand makes of a press that it holds from now on, s of the meter's clock."""
+        return self.check(press)
+
+    def momentary(self, press: str, at: float) -> str:
+        """The press itself: the foam does not creep by the meter's clock."""
+        return press
+
+    def depths(self, press: str) -> str:
+        """Nothing: presses have no forces."""
+        return ""
+
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm under a checked press, at a frequency in Hz."""
         if self._known[0] != press:

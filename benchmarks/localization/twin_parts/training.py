@@ -37,19 +37,21 @@ def trained(trial: Trial, believed: Reduced) -> dict[str, Model]:
         return localized(trial, sweeps)
 
 
-def simulated(scene: Scene, believed: Reduced, count: int) -> xr.Dataset:
+def simulated(scene: Scene, believed: Reduced, count: int, rtol: float = RTOL) -> xr.Dataset:
     """Sweeps of the scene's data set, by a family that was trained for it before."""
-    with on_disk(scene, believed, count) as sweeps:
+    with on_disk(scene, believed, count, rtol) as sweeps:
         return sweeps.load()
 
 
 @contextmanager
-def on_disk(scene: Scene, believed: Reduced, count: int) -> Iterator[xr.Dataset]:
+def on_disk(
+    scene: Scene, believed: Reduced, count: int, rtol: float = RTOL
+) -> Iterator[xr.Dataset]:
     """The same, read part by part while it is there: networks learn from more than memory holds."""
     training = Training(lambda *_: believed, save, load)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
-        generate(Plan(scene, count, SEED, RTOL), path, training=training)
+        generate(Plan(scene, count, SEED, rtol), path, training=training)
         yield read_first(path, count, lazy=True)
 
 
