@@ -195,7 +195,7 @@ class Readings:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
         if size is not None:
             require_no_walls(scene, "a limit of touches of a size")
-        self.scene, self._size = scene, size
+        self.scene, self._size = scene.for_rods, size
         self.model = errors_of(scene, against_rest)
         self._factors = (
             min(LEAST_FACTOR, float(presses.low)),

@@ -121,7 +121,10 @@ def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
 
 
 def _divided(scene: Scene) -> Scene:
-    """The scene with cells for pixels; where touches are laid on them they rise evenly."""
+    """The scene with cells for pixels; where touches are laid on them they rise evenly. Earth that
+    only a finger reaches is left out where no touch is by one."""
+    if not (scene.dataset.press.finger or scene.dataset.press.without_press):
+        scene = scene.for_rods
     pixels, cells = scene.pixels, scene.dataset.press.cells
     if cells == 1 and pixels.groups is not None and not scene.dataset.press.rasterized:
         return scene

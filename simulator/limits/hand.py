@@ -61,7 +61,7 @@ class Hand:
                 "out `press.finger`, or ask for the limit of pixels hit whole"
             )
         skin, pixels = scene.skin, scene.pixels
-        self.scene, self._presses, self._offset = scene, presses, offset
+        self.scene, self._presses, self._offset = scene.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
         self._model = errors_of(scene, against_rest)

@@ -87,9 +87,9 @@ class Solver:
         """Solver without surroundings for presses by rods, where earth makes no difference; else
         None."""
         around = self.scene.surroundings
-        if around is None or not around.without_effect:
+        if around is None or around.for_rods is around:
             return None
-        alone = self.scene.model_copy(update={"surroundings": None})
+        alone = self.scene.model_copy(update={"surroundings": around.for_rods})
         return Solver(alone, self.rtol, self.model, self.frequency)
 
     @cached_property

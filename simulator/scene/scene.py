@@ -196,6 +196,16 @@ class Scene(Table):
         """
         return self.surroundings is None or self.surroundings.low == "floating"
 
+    @property
+    def for_rods(self) -> Scene:
+        """A scene that reads the same where no finger touches, and is solved as one excitation
+        where nothing but a finger is charged against earth; itself where something is, and where
+        `press` names a finger."""
+        around = self.surroundings
+        if around is None or self.press.finger or around.for_rods is around:
+            return self
+        return self.model_copy(update={"surroundings": around.for_rods})
+
     def require_sheets_alone(self, what: str) -> None:
         """Raises InputError naming the key by which it has more, which `what` does not take."""
         for key in self.beyond_sheets:

@@ -195,6 +195,20 @@ class Surroundings(Table):
         )
 
     @property
+    def for_rods(self) -> Surroundings | None:
+        """What a meter reads the same with where no finger touches; None for nothing.
+
+        A virtual earth that nothing else is charged against is a low terminal like any other: the
+        form of both terminals at +1/2 V is 0.
+        """
+        if self.without_effect:
+            return None
+        grounded = any(self.at_earth(body) for body in self.body) or self.reaches_earth
+        if self.low == "floating" or grounded or self.rim is True:
+            return self
+        return self.model_copy(update={"low": "floating"})
+
+    @property
     def reaches_earth(self) -> bool:
         """Whether anything of it but a finger charges the sheets against earth.
 

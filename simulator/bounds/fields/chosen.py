@@ -28,6 +28,7 @@ def fields_of(
     """A reduced model of all terminals where interfaces are `many`, as training then costs less
     than it saves; else elements. highest: Hz. cells: along each side of a pixel, by default as
     `cells_under` says, and raises as it does."""
+    scene = scene if touch.finger else scene.for_rods
     cells = cells or cells_under(scene, touch)
     if scene.uniform and many(scene):
         try:

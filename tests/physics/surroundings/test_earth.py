@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.fields import TouchSize, fields_of
+from rcskin.simulator.dataset.skin_model import reduced
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import swept
 from rcskin.simulator.models.heterogeneous.mesh_choice import meshes
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.sweeps import InputError
 
 FREQUENCIES = np.geomspace(1.0, 2e6, 8).tolist()
@@ -181,3 +184,64 @@ def test_smaller_models_refuse(around, model):
     scene = around({"body": bodies(0.0, 1.77e-9)})
     with pytest.raises(InputError, match=f"{model}.* cannot take `surroundings`"):
         Solver(scene, 1e-3, model).solve(parse_press("none", 2.0))
+
+
+FOLDED = {
+    "a thick foam": {"thickness": True},
+    "a rim between the sheets": {"rim": 5e-12},
+    "a guard of high": {"body": {"distance": 5e-3, "potential": "high"}},
+    "a body that floats": {"body": {"distance": 5e-3, "potential": "floating"}, "rim": 5e-12},
+}
+
+
+@pytest.mark.parametrize("name", FOLDED)
+def test_a_virtual_earth_that_nothing_reaches_takes_one_excitation(around, name):
+    """The form of both terminals at +1/2 V is 0, and the answer the same to rounding."""
+    scene = around(FOLDED[name], {"thickness": 4e-3}, rows=2, columns=2)
+    assert len(two_fields(scene).excitations) == 2
+    assert len(two_fields(scene.for_rods).excitations) == 1
+    press = press_on(scene, "1,2:2.0:rod")
+    found, both = Solver(scene, 1e-4), Solver(scene, 1e-4)
+    vars(both)["_without_earth"] = None
+    assert relative_difference(found.solve(press).Z, both.solve(press).Z).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    "earthed",
+    [
+        {"body": {"distance": 5e-3}},
+        {"body": {"distance": 5e-3, "potential": "low"}},
+        {"rim": True},
+        {"rim": {"mutual": 5e-12, "top": 1e-12}},
+        {"low": "floating", "thickness": True},
+    ],
+    ids=str,
+)
+def test_what_reaches_earth_is_not_left_out(around, earthed):
+    scene = around(earthed, {"thickness": 4e-3})
+    assert scene.for_rods is scene
+
+
+def test_fingers_find_the_earth_that_rods_do_not_need(around):
+    """Named by a press, or by the scene: then it is not left out at all."""
+    scene = around({"thickness": True}, {"thickness": 4e-3}, rows=2, columns=2)
+    solver = Solver(scene, 1e-4)
+    rod, finger = (solver.solve(press_on(scene, f"1,2:2.0:{how}")).Z for how in ("rod", "3pF"))
+    assert relative_difference(finger, rod).max() > 1e-3
+    assert scene.with_({"press.finger": 3e-12}).for_rods.surroundings == scene.surroundings
+
+
+def test_readings_and_fields_of_rods_leave_idle_earth_out(around):
+    scene = around({"thickness": True}, {"thickness": 4e-3}, rows=2, columns=2)
+    touch = TouchSize(0.05, 0.04, 1.0)
+    for given in (touch, touch._replace(finger=3e-12)):
+        fields = fields_of(scene, 1e4, given, cells=1)
+        assert fields.scene.surroundings.low == ("virtual earth" if given.finger else "floating")
+
+
+@pytest.mark.parametrize("drawn", [{}, {"dataset.press.finger": {"low": 0.0, "high": 5e-12}}])
+def test_data_sets_of_rods_are_of_one_excitation(around, drawn):
+    scene = around({"thickness": True}, {"thickness": 4e-3}, rows=1, columns=2).with_(drawn)
+    model = reduced(scene, 0.1)
+    assert len(model.circuit.excitations) == (2 if drawn else 1)
+    assert model.skin(None).parts.fingers == (2 if drawn else 0)
