@@ -172,7 +172,7 @@ class MeterProperty(Generic[T]):
         if meter is None:
             return self
         at = {"range": meter.range} if "{range}" in self.ask else {}
-        return meter.talk.ask(self.ask.format(**at), self._read)
+        return meter.talk.query(self.ask.format(**at), self._read)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         raise AttributeError(f"`{self.name}` is told by the meter and cannot be set")
