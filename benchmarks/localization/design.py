@@ -22,8 +22,8 @@ from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.design.on_skin import Material
-from rcskin.simulator.design.trained import Trained
+from rcskin.simulator.design.skin_readout import Material
+from rcskin.simulator.design.trained_skins import TrainedSkins
 from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene import Scene
@@ -101,7 +101,7 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     scene = skin(pixels, wires)
     own = float(scene.frequencies[0]), float(scene.frequencies[-1])
     asked = Design(sheet_resistance=(min(SHEETS), max(SHEETS)), sheet_ratio=1.0, casts=1)
-    trained = Trained(scene, asked, own, SEED)
+    trained = TrainedSkins(scene, asked, own, SEED)
     judges = {
         error: CommonDraws(
             erring(scene, error), "pixel", seed=SEED, draws=draws, against_rest=RESTS
@@ -110,7 +110,7 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     }
     for kind, sheet, error in cases():
         read = readings(scene, kind)
-        on = trained.on(None, Material(sheet, sheet), read)
+        on = trained.readout(None, Material(sheet, sheet), read)
         share, deviation = judges[error].judged(on.skin, on.reading(scene.frequencies)).accuracy
         yield {
             "pixels": pixels,

@@ -28,7 +28,7 @@ from .versions import Version, versions_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.calibration.estimates import Quantity
+    from ...simulator.calibration.estimates import FittedQuantity
     from ..model.localizer_model import Model
 
 TOUCHES = (0, 1, 2, 5)
@@ -51,7 +51,7 @@ class Comparison:
     reading_deviation: ReadingDeviation | None
     reserved: NDArray[np.bool_]
     versions: Mapping[str, Version]
-    estimates: Sequence[Quantity]
+    estimates: Sequence[FittedQuantity]
     features: Mapping[str, Sequence[str]]
     others: Mapping[str, PairedSamples]
     splits: Mapping[int, Sequence[Split]]

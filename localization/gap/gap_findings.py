@@ -23,7 +23,7 @@ from .paired_samples import FEATURE_LABELS, PairedSamples, paired_samples
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.calibration.misfit import Causes, Explained, Together
+    from ...simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 
 ALL = "all"
 
@@ -63,10 +63,10 @@ class GapFindings:
     trial: Comparison
     stages: Mapping[str, CalibrationStage]
     own: Mapping[str, Mapping[str, CrossValidated]]
-    causes: Sequence[Explained]
+    causes: Sequence[ParameterEffect]
     notes: Sequence[str]
     model: ModelFindings | None = None
-    together: Sequence[Together] = ()
+    together: Sequence[JointEffect] = ()
 
 
 def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
@@ -166,7 +166,7 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Comparison, progress: ProgressCallback) -> tuple[Causes | None, list[str]]:
+def _causes(trial: Comparison, progress: ProgressCallback) -> tuple[MisfitCauses | None, list[str]]:
     """What explains the gap, None without a scene; and what could not be tried."""
     from ...simulator.calibration.misfit import gap_by_parameter
 

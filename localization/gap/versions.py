@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...simulator.calibration.estimates import Quantity
+    from ...simulator.calibration.estimates import FittedQuantity
 
 BEFORE, AFTER = "before", "after"
 
@@ -38,7 +38,7 @@ class Versions(NamedTuple):
     """by_stage: BEFORE and, where it could be done, AFTER. notes: what was done or could not be."""
 
     by_stage: dict[str, Version]
-    estimates: Sequence[Quantity]
+    estimates: Sequence[FittedQuantity]
     notes: list[str]
 
 

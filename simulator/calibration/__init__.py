@@ -1,1 +1,1 @@
-"""Fitting a scene's physical parameters to measured sweeps, and how surely each is told."""
+"""Fits of a scene's physical parameters to measured sweeps, with their uncertainty."""

@@ -1,4 +1,4 @@
-"""The differentiable model that a fit asks: the exact line where a scene is one, else `Forward`."""
+"""Differentiable model of a fit: the exact line where a scene is one, otherwise `Forward`."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 FAR = 30.0
-"""Times a body or a rim: M knows any factor of them, and what it then leaves out is certified."""
-ANYWHERE = 50.0
-"""Logarithm of the largest factor of a model that knows no reach."""
+"""Largest factor on a body or a rim: M is exact in these factors, and the error is certified."""
+UNLIMITED = 50.0
+"""Logarithm of the largest factor of a model that is valid for any factor."""
 
 
 Model = Forward | LineModel
-"""Both answer `respond`, `respond_together`, `certificate` and `cells` alike, and know what is
-`free`."""
+"""Both have `respond`, `respond_together`, `certificate` and `cells`, and list the parameters that
+are `free`."""
 
 
 def model_of(
     scene: Scene, rtol: float, progress: ProgressCallback = silent, uneven: FittedModes = NO_MODES
 ) -> Model:
-    """The cheapest one that serves. rtol: largest relative error of Rs and Cp at the skin.
+    """The cheapest model of a scene. rtol: largest relative error of Rs and Cp at the skin.
 
-    uneven: what slow waves are to be among its parameters. Those of sheets take two fields.
+    uneven: cosine modes among its parameters. Modes of the sheets need two fields.
     """
     try:
         if scene.press.by_factor and uneven == NO_MODES:
@@ -47,32 +47,32 @@ def model_of(
     return Forward(scene, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
 
 
-class Around:
-    """A scene's model, trained about values of its parameters that may be far from the scene's."""
+class CenteredModel:
+    """A scene's model, trained around parameter values that may be far from the scene's own."""
 
     def __init__(
-        self, model: Model, about: Mapping[str, float], uneven: FittedModes = NO_MODES
+        self, model: Model, center: Mapping[str, float], uneven: FittedModes = NO_MODES
     ) -> None:
-        """model: of the scene with its factors at `about`, which are logarithms, and with slow
-        waves where it is `uneven`."""
+        """model: the scene's model with its factors at `center`, which are logarithms, and with
+        the cosine modes of `uneven`."""
         self.model, self.uneven = model, uneven
         own = own_values(model.scene)
-        self.about = {name: about.get(name, 0.0) for name in FACTORS if name in own}
+        self.center = {name: center.get(name, 0.0) for name in FACTORS if name in own}
 
     def reach(self, name: str) -> float:
-        """How far the logarithm of a factor may be from `about`."""
+        """Largest distance of the logarithm of a factor from `center`."""
         if isinstance(self.model, LineModel):
-            return ANYWHERE
+            return UNLIMITED
         return math.log(FAR if name in EFFECTS else REACH)
 
     def own(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Values of the scene's parameters as the model counts them."""
-        return {name: value - self.about.get(name, 0.0) for name, value in values.items()}
+        """Values of the scene's parameters, relative to the model's center."""
+        return {name: value - self.center.get(name, 0.0) for name, value in values.items()}
 
     def respond(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
     ) -> Response:
-        """Of one press; `by_cell` is to the rises here."""
+        """Response to one press; `by_cell` is the derivative by the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
         at_rest = self.model.factors_at_rest(own)[: response.by_cell.shape[-1]]
@@ -82,9 +82,10 @@ class Around:
     def respond_together(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
     ) -> Response:
-        """Of presses that touch as many cells each, shape (press, touch).
+        """Responses to presses that all touch the same number of cells, shape (press, touch).
 
-        As `respond`, with an axis (press,) first; `by_cell` of the touched ones alone.
+        Arrays are those of `respond` with a first axis (press,); `by_cell` has the touched cells
+        only.
         """
         own = self.own(values)
         if self.model.alike(own):
@@ -108,41 +109,45 @@ class Around:
         return self.model.certificate(cells, rises, self.own(values))
 
 
-def around(
+def centered_model(
     scene: Scene,
     values: Mapping[str, float],
     rtol: float,
     progress: ProgressCallback = silent,
     uneven: FittedModes = NO_MODES,
-) -> Around:
-    """The scene's model about values of its parameters. uneven: as of `model_of`."""
-    about = {name: values.get(name, 0.0) for name in movable(scene)}
-    return Around(model_of(scene_with(scene, about), rtol, progress, uneven), about, uneven)
+) -> CenteredModel:
+    """The scene's model around parameter values. uneven: see `model_of`."""
+    center = {name: values.get(name, 0.0) for name in trainable_factors(scene)}
+    return CenteredModel(
+        model_of(scene_with(scene, center), rtol, progress, uneven), center, uneven
+    )
 
 
-def movable(scene: Scene) -> list[str]:
-    """Factors that a model may be trained about: not such that one field would become two."""
+def trainable_factors(scene: Scene) -> list[str]:
+    """Factors that a model may be trained around.
+
+    The mismatch of two sheets that one field describes is none: it would make the field two.
+    """
     single = single_field(scene) is not None
     factors = [name for name in own_values(scene) if name in FACTORS]
     return [name for name in factors if not (single and name == "sheet_mismatch")]
 
 
 def checked_model(model: Model, scene: Scene, uneven: FittedModes = NO_MODES) -> Model:
-    """The same model, if it is of the pixels, interfaces, frequencies and surroundings of a scene,
-    and has slow waves where they are asked for.
+    """Returns the model if it has a scene's pixels, interfaces, frequencies and surroundings.
 
-    Raises InputError where it is not.
+    It must also have the cosine modes of `uneven`. Raises InputError where it does not fit.
     """
     for name in ("sweep", "interfaces", "pixels", "surroundings"):
         if getattr(model.scene, name) != getattr(scene, name):
-            raise InputError(f"the model has other {name} than were measured")
+            raise InputError(f"the model's {name} differ from the measured ones")
     if isinstance(model, Forward) and model.cells_per_pixel != 1:
         raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")
     if isinstance(model, LineModel) and uneven != NO_MODES:
-        raise InputError("the model must be a `Forward` for slow waves, got the exact line")
+        raise InputError("cosine modes need a `Forward` model, got the exact line")
     if isinstance(model, Forward) and model.modes < uneven.modes:
         raise InputError(
-            f"`modes` of the model must be {uneven.modes} for slow waves of the sheets, "
+            f"`modes` of the model must be {uneven.modes} for cosine modes of the sheets, "
             f"got {model.modes}"
         )
     return model

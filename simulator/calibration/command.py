@@ -23,26 +23,26 @@ def calibrate(
     fit: Annotated[
         list[str] | None,
         typer.Option(
-            help="A parameter to fit; may be repeated. Others stay as the scene has them, but "
-            "widen the intervals by how little they are known. Without it: all."
+            help="A parameter to fit; may be repeated. Others keep the scene's values, and their "
+            "uncertainty widens the intervals. Default: all."
         ),
     ] = None,
     fix: Annotated[
         list[str] | None,
         typer.Option(
-            help="A parameter that is known, as the scene has it; may be repeated. others: all "
-            "that --fit does not name."
+            help="A parameter that is known and keeps the scene's value; may be repeated. others: "
+            "all that --fit does not name."
         ),
     ] = None,
     band: Annotated[str | None, typer.Option(help="LOW:HIGH in Hz; either may be absent.")] = None,
-    session: Annotated[int | None, typer.Option(help="The only session that counts.")] = None,
+    session: Annotated[int | None, typer.Option(help="Use sweeps of this session only.")] = None,
     fixed_strength: Annotated[
-        bool, typer.Option("--fixed-strength", help="Take the strengths of presses as stated.")
+        bool, typer.Option("--fixed-strength", help="Use the stated strengths of presses.")
     ] = False,
     prior: Annotated[
         str,
         typer.Option(
-            help="What is known beforehand: wide (within ten times), or session (as the scene's "
+            help="Prior knowledge: wide (within a factor of ten), or session (as the scene's "
             "dataset.session draws)."
         ),
     ] = "wide",
@@ -50,7 +50,7 @@ def calibrate(
         bool,
         typer.Option(
             "--uneven",
-            help="Fit slow waves of the foam's capacitance too: foam_x, foam_y, foam_xy. With "
+            help="Fit cosine modes of the foam's capacitance too: foam_x, foam_y, foam_xy. With "
             "--prior session, also where dataset.session draws a smooth foam_pattern.",
         ),
     ] = False,
@@ -58,36 +58,39 @@ def calibrate(
         bool,
         typer.Option(
             "--uneven-sheets",
-            help="Fit slow waves of each sheet's conductance too: top_x, top_y, top_xy, bottom_x, "
-            "bottom_y, bottom_xy. Of sheets that one field sees their sum is told.",
+            help="Fit cosine modes of each sheet's conductance too: top_x, top_y, top_xy, "
+            "bottom_x, bottom_y, bottom_xy. Where one field describes both sheets, only their sum "
+            "is identified.",
         ),
     ] = False,
     also: Annotated[
         list[str] | None,
         typer.Option(
-            help="Fit body (its distance), rim or finger too, of a scene that says nothing of it; "
-            "may be repeated."
+            help="Fit body (its distance), rim or finger too, although the scene does not state "
+            "it; may be repeated."
         ),
     ] = None,
     charts: Charts = "png",
-    anyway: Annotated[
-        bool, typer.Option("--anyway", help="Take sweeps that were recorded for another skin.")
+    force: Annotated[
+        bool, typer.Option("--anyway", help="Use sweeps that were recorded for another skin.")
     ] = False,
 ) -> None:
-    """Fit a scene's parameters to measured sweeps, at rest and pressed.
+    """Fit a scene's parameters to measured sweeps, unpressed and pressed.
 
     Parameters: sheet_resistance, sheet_mismatch, capacitance,
     contact_resistance (factors), loss_tangent, phase_exponent,
     lead_resistance, lead_inductance, stray_capacitance; with
     [surroundings] body and rim (factors) and finger (F).
 
-    Sweeps may have other frequencies than the scene, and some of its
-    interfaces. The meter's errors are those of the scene's readout; where it
-    states none, repeated sweeps at rest tell them, or what the fit leaves.
+    Sweeps may have other frequencies than the scene, and only some of its
+    interfaces. The meter's errors are those of the scene's readout. Where it
+    states none, they are estimated from repeated baseline sweeps, or from the
+    residuals of the fit.
 
     FOLDER/calibrated.toml is the scene with the fitted values. All intervals
-    allow for what the data do not tell: sheets that one field sees are told
-    by their sum, and their ratio is assumed from the scene.
+    include parameters that the data do not identify. Where one field
+    describes both sheets, the data identify their sum; their ratio is assumed
+    from the scene.
     """
 
     from ..chart_style import checked_ending
@@ -115,11 +118,11 @@ def calibrate(
         uneven_sheets,
         tuple(also or ()),
     )
-    asked, sweeps = requested_scene(scene), read_joined(measured)
+    loaded, sweeps = requested_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)
-    if not anyway:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(asked), names)
-    start = foldable(asked, "a calibration")
+    if not force:
+        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(loaded), names)
+    start = foldable(loaded, "a calibration")
     with on_terminal() as progress:
         calibration = calibrated(start, sweeps, options, progress=progress)
     written = write_report(calibration, names, folder, ending)
@@ -129,4 +132,4 @@ def calibrate(
         console.print(correlations(calibration, console))
     say(*explanations(calibration), f"{folder}: {', '.join(written)}")
     if not also:
-        warn_of_earth(scene, asked)
+        warn_of_earth(scene, loaded)

@@ -1,4 +1,4 @@
-"""Physical quantities whose logarithm is a sum of parameters: of sheets, foam and surroundings."""
+"""Physical quantities whose logarithm is a sum of parameters: sheets, foam and surroundings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .sheet_intervals import Product, sheets
 
 
 def products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
-    """All of a scene. values: of all parameters."""
+    """All such quantities of a scene. values: of all parameters."""
     yield from sheets(scene, values)
     c, factor = scene.skin.foam.unpressed_capacitance_per_area, math.exp(values["capacitance"])
     yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
@@ -26,7 +26,7 @@ def products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 
 
 def _of_surroundings(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
-    """Distances of bodies, or their capacitance, and what the rim has."""
+    """Distances or capacitances of bodies, and capacitances of the rim."""
     around, own = scene.surroundings, effects_of(scene)
     if around is None:
         return

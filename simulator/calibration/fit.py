@@ -1,7 +1,7 @@
-"""Gauss-Newton within bounds, reflected off them, from several starts and within the model's reach.
+"""Bounded Gauss-Newton fit (trust region, reflective) from several starts.
 
-Where the fitted factors reach the edge of what the model was trained on, or its certificate is no
-longer small beside the meter's error, the model is trained anew about the fitted values.
+The model is retrained around the fitted values where they reach the edge of its training range, or
+where its certified error is not small compared with the meter's error.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..fem.factors import one_blas_thread
 from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
-from .centered_model import Around, around, movable
+from .centered_model import CenteredModel, centered_model, trainable_factors
 from .initial_values import initial_values
 from .problem import FitSpec, LeastSquaresProblem
 
@@ -26,31 +26,31 @@ Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ROUNDS = 10
 EDGE = 0.02
 NEAR = 0.1
-"""Of the logarithm of a factor: so near the edge of its reach a value is held by it; so near where
-the model was trained, training it there again helps nothing."""
+"""Distances of the logarithm of a factor. EDGE: a value this close to the end of its range is at
+its limit. NEAR: retraining this close to the center of the model does not improve it."""
 SHARE_OF_NOISE = 0.03
-"""Of the meter's noise: asked of the model."""
+"""Model tolerance over the meter's noise."""
 SMALL_BESIDE_NOISE = 0.2
-"""Of the meter's noise: what the certificate of the model may be at the solution."""
+"""Largest certified error of the model at the solution, over the meter's noise."""
 CERTIFIED_PRESSES = 8
 EXPLAINED = 2.0
-"""Chi-squared over how many numbers there are, below which no other start is tried."""
+"""Chi-squared per number, below which no other start is tried."""
 FINEST, COARSEST = 1e-6, 1e-3
 CLOSE = 1e-8
 MAX_STEPS = 300
 INSIDE = 1e-2
-"""Deviations of its prior from a bound that an unknown begins at; from the bound it does not go."""
+"""Smallest distance of an initial unknown from its bound, in standard deviations of its prior: the
+solver does not leave a bound that it begins at."""
 AT_BOUND = 1e-6
-"""Deviations of its prior within which an unknown is at its bound."""
+"""Distance in standard deviations of its prior within which an unknown is at its bound."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A solution.
+    """A solution of the least-squares problem.
 
-    u: unknowns of the problem. chi_squared: with the priors of strengths and of the meter's fixed
-    errors, which the data share, and without those of the parameters. certificate: largest bound
-    on what the model leaves out of Rs and Cp. trained: how often it was trained anew.
+    u: unknowns of the problem. certificate: largest bound on the model's error of Rs and Cp.
+    trained: number of times the model was retrained.
     """
 
     problem: LeastSquaresProblem = field(repr=False)
@@ -60,50 +60,54 @@ class Fit:
 
     @property
     def spec(self) -> FitSpec:
-        """What was fitted to what."""
+        """The fitted parameters and the measurements."""
         return self.problem.spec
 
     @property
     def values(self) -> dict[str, float]:
-        """All parameters."""
+        """Values of all parameters."""
         return self.spec.values(self.u)
 
     @property
     def cost(self) -> float:
-        """What is least: chi-squared and the priors of the parameters."""
+        """The minimized sum: chi-squared and the priors of the parameters."""
         residuals = self.problem.residuals(self.u)
         return float(residuals @ residuals)
 
     @property
     def chi_squared(self) -> float:
-        """Of all readings."""
+        """Chi-squared of all readings.
+
+        It includes the priors of strengths and of the meter's fixed errors, not of parameters.
+        """
         of_parameters = self.u[: len(self.spec.fitted)]
         residuals = self.problem.residuals(self.u)
         return float(residuals @ residuals - of_parameters @ of_parameters)
 
     @property
     def rms_error(self) -> float:
-        """Of Z, relative to |Z|, without the meter's fixed errors."""
+        """Rms error of Z relative to |Z|, without the meter's fixed errors."""
         measured = np.stack([reading.Z for reading in self.spec.measurements.sweeps])
-        off = np.abs(self.problem.fitted(self.u) / measured - 1)
-        return float(np.sqrt(np.mean(off[:, self.spec.measurements.read] ** 2)))
+        error = np.abs(self.problem.fitted(self.u) / measured - 1)
+        return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
 
 
 def model_tolerance(readout: Readout) -> float:
-    """Of Rs and Cp, asked of the model."""
+    """Required tolerance of the model for Rs and Cp."""
     noise = min(readout.magnitude_noise, readout.phase_noise)
     return float(np.clip(SHARE_OF_NOISE * noise, FINEST, COARSEST))
 
 
 def best_fit(
     spec: FitSpec,
-    model: Around,
+    model: CenteredModel,
     begin: Mapping[str, float] | None = None,
     progress: ProgressCallback = silent,
 ) -> Fit:
-    """The best fit. ready: a model to begin with. begin: values to begin at, in place of several.
+    """The best fit, with retraining of the model where needed.
 
-    Raises InputError where the factors go on and on.
+    model: the first model. begin: initial values, instead of several starts. Raises InputError
+    where the factors do not converge.
     """
     with one_blas_thread():
         for trained in range(ROUNDS):
@@ -118,9 +122,10 @@ def best_fit(
             begin = fit.values
             progress(_retraining_reason(fit, certificate))
             rtol = model_tolerance(spec.readout)
-            model = around(spec.measurements.scene, begin, rtol, progress, model.uneven)
+            model = centered_model(spec.measurements.scene, begin, rtol, progress, model.uneven)
     raise InputError(
-        f"{spec.measurements.scene.name} is too unlike what was measured: its factors run away"
+        f"{spec.measurements.scene.name} differs too much from the measured skin: the fit does not "
+        "converge"
     )
 
 
@@ -129,7 +134,7 @@ def best_of_starts(
     begins: Sequence[Mapping[str, float]],
     progress: ProgressCallback = silent,
 ) -> Fit:
-    """From several starts, as many as it takes to explain the readings."""
+    """The best of fits from several starts. One that explains the readings ends the search."""
     fits: list[Fit] = []
     for begin in begins:
         fits.append(solve_from(problem, begin, progress))
@@ -141,7 +146,7 @@ def best_of_starts(
 def solve_from(
     problem: LeastSquaresProblem, begin: Mapping[str, float], progress: ProgressCallback = silent
 ) -> Fit:
-    """From one start, within the model's reach."""
+    """Fit from one start, within the range of the model."""
     low, high = problem.bounds()
     inside = np.minimum(INSIDE, (high - low) / 4)
     u = np.clip(problem.spec.unknowns(begin), low + inside, high - inside)
@@ -149,13 +154,13 @@ def solve_from(
         return Fit(problem, u)
 
     def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
-        return problem.condensed(u)[0]
+        return problem.reduced_system(u)[0]
 
     def slopes(u: NDArray[np.float64]) -> NDArray[np.float64]:
-        return problem.condensed(u)[1]
+        return problem.reduced_system(u)[1]
 
     exact: Any = slopes
-    found = least_squares(
+    solution = least_squares(
         _with_progress(residuals, progress),
         u,
         exact,
@@ -167,54 +172,54 @@ def solve_from(
         gtol=CLOSE,
         max_nfev=MAX_STEPS,
     )
-    return Fit(problem, np.where(found.x - low < AT_BOUND, low, found.x))
+    return Fit(problem, np.where(solution.x - low < AT_BOUND, low, solution.x))
 
 
 def _with_progress(residuals: Residuals, progress: ProgressCallback) -> Residuals:
-    """The same, telling how much nearer the fit is to where its sum of squares stays as it is."""
+    """Residuals that also report progress, by the relative change of the sum of squares."""
     before, share = np.inf, 0.0
 
-    def watched(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def reporting(u: NDArray[np.float64]) -> NDArray[np.float64]:
         nonlocal before, share
-        found = residuals(u)
-        cost = float(found @ found)
+        r = residuals(u)
+        cost = float(r @ r)
         step = abs(before - cost) / max(cost, np.finfo(float).tiny)
         share = max(share, float(np.clip(np.log(max(step, CLOSE)) / np.log(CLOSE), 0.0, 1.0)))
         before = cost
         progress("fitting", share)
-        return found
+        return r
 
-    return watched
+    return reporting
 
 
 def at_reach_limit(fit: Fit) -> list[str]:
-    """Factors that only the model's reach keeps where they are."""
-    around = fit.problem.around
+    """Factors that are at the limit of the model's training range."""
+    model = fit.problem.model
     return [
         name
-        for name in movable(fit.spec.measurements.scene)
+        for name in trainable_factors(fit.spec.measurements.scene)
         if name in fit.spec.names
-        and abs(fit.values[name] - around.about[name]) > around.reach(name) - EDGE
+        and abs(fit.values[name] - model.center[name]) > model.reach(name) - EDGE
     ]
 
 
 def trained_nearby(fit: Fit) -> bool:
-    """Whether the model was trained about the solution, as far as that helps."""
-    about = fit.problem.around.about
-    return all(abs(fit.values[name] - at) < NEAR for name, at in about.items())
+    """True if the model was trained so close to the solution that retraining does not help."""
+    center = fit.problem.model.center
+    return all(abs(fit.values[name] - at) < NEAR for name, at in center.items())
 
 
 def certificate_limit(spec: FitSpec) -> float:
-    """What the model may leave out of Rs and Cp."""
+    """Largest allowed error of the model for Rs and Cp."""
     noise = min(spec.readout.magnitude_noise, spec.readout.phase_noise)
     return SMALL_BESIDE_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
 
 
 def largest_certificate(fit: Fit) -> float:
-    """Largest bound on what the model leaves out, over the first presses."""
+    """Largest certified error of the model over the first CERTIFIED_PRESSES presses."""
     problem, values = fit.problem, fit.values
     return max(
-        problem.around.certificate(cells, problem.rises(fit.u, k), values)
+        problem.model.certificate(cells, problem.rises(fit.u, k), values)
         for k, (cells, _) in enumerate(problem.cells[:CERTIFIED_PRESSES])
     )
 
@@ -222,8 +227,8 @@ def largest_certificate(fit: Fit) -> float:
 def _retraining_reason(fit: Fit, certificate: float) -> str:
     edge = at_reach_limit(fit)
     why = (
-        f"{', '.join(edge)} beyond the model's reach"
+        f"{', '.join(edge)} beyond the training range of the model"
         if edge
-        else f"the model leaves out up to {certificate:.1e} there"
+        else f"the model's error there is up to {certificate:.1e}"
     )
-    return f"{why}: training it anew about the fitted values"
+    return f"{why}: retraining it around the fitted values"

@@ -1,4 +1,4 @@
-"""Which parameters to fit, and which to hold though they are not known."""
+"""Options of a fit, and the parameters to fit or to leave at the scene's values."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .measurements import Measurements
 from .prior import Kind, Prior
 
 OTHERS = "others"
-"""In place of the names of all parameters that are not fitted."""
+"""Stands for the names of all parameters that are not fitted."""
 
 
 class Candidates(NamedTuple):
-    """Parameters that are not known: those to fit, and those to leave as the scene has them."""
+    """Unknown parameters: those to fit, and those that keep the scene's values."""
 
     fitted: list[str]
-    held: list[str]
+    not_fitted: list[str]
 
 
 def candidates(
@@ -30,12 +30,12 @@ def candidates(
     fit: Sequence[str],
     fix: Sequence[str],
 ) -> Candidates:
-    """Parameters by what is done about them. Those without a prior and those of `fix` are known.
+    """Unknown parameters, to fit or not. Those without a prior and those of `fix` are known.
 
-    free: those that the scene depends on. fit: names to fit, where empty all that are not known;
-    but of sheets that carry one field, which sees their sum, the ratio is held. Raises
-    InputError for names that are unknown, asked for both ways, or that the scene does not depend
-    on.
+    free: parameters that the scene depends on. fit: names to fit; where empty, all unknown ones
+    except the ratio of sheets that one field describes, which depends on their sum only. Raises
+    InputError for names that do not exist, that are in both lists, or that the scene does not
+    depend on.
     """
     for name in (*fit, *fix):
         if name not in KNOWN and not (fit and name == OTHERS and name in fix):
@@ -44,7 +44,9 @@ def candidates(
         if name in fix:
             raise InputError(f"{name} cannot be both fitted and fixed")
         if name not in free:
-            raise InputError(f"{name} changes nothing in this scene; free are {', '.join(free)}")
+            raise InputError(
+                f"{name} has no effect in this scene; parameters with one: {', '.join(free)}"
+            )
         if name not in priors:
             raise InputError(f"{name} is known: [dataset.session] does not draw it")
     known = set(KNOWN) - set(fit) if OTHERS in fix else set(fix)
@@ -52,22 +54,24 @@ def candidates(
     if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
     in_series = "sheet_resistance" in unknown and single_field(measured.scene) is not None
-    asked = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
+    chosen = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
     return Candidates(
-        [name for name in unknown if name in asked], [name for name in unknown if name not in asked]
+        [name for name in unknown if name in chosen],
+        [name for name in unknown if name not in chosen],
     )
 
 
 @dataclass(frozen=True)
 class Options:
-    """What to fit, and to what part of the sweeps.
+    """The parameters to fit, and the part of the sweeps to fit them to.
 
-    fit: names of parameters, all that are not known where empty; others are held as the scene has
-    them, and count as unknown. fix: names that are known, as the scene has them, or OTHERS.
-    band: lowest and highest frequency, Hz. session: the only one that counts. strengths: whether
-    those of presses are unknown too, about what is said of them, with the scene's spread. prior:
-    see `prior`. uneven, uneven_sheets: whether slow waves of the foam, and of both sheets, are
-    parameters, too. also: those of EFFECTS that are, though the scene does not have them.
+    fit: names of parameters, where empty all unknown ones; others keep the scene's values and
+    count as unknown. fix: names of parameters that are known and keep the scene's values, or
+    OTHERS. band: lowest and highest frequency, Hz. session: number of the only session that is
+    used. strengths: True if the strengths of presses are unknown too, around the stated ones with
+    the scene's spread. prior: see `prior`. uneven, uneven_sheets: True if cosine modes of the foam,
+    or of both sheets, are parameters too. also: those of EFFECTS that are parameters although the
+    scene does not have them.
     """
 
     fit: tuple[str, ...] = ()

@@ -1,7 +1,7 @@
-"""How surely each parameter is told, and which only together: from the Gauss-Newton information.
+"""Identifiability of the parameters, alone and combined, from the Gauss-Newton information.
 
-All in deviations of the parameters' priors: the information of the data is then 1 in a direction
-that they tell as well as the prior does.
+All parameters are counted in standard deviations of their priors. The information of the data is
+then 1 in a direction where they are as precise as the prior.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from .fit import Fit
 from .prior import Prior
 from .problem import LeastSquaresProblem
 
-TOLD = 0.25
-"""Of the prior's deviation: what is left of it where the data tell a parameter."""
-LEAST_TOLD = 1 / TOLD**2 - 1
-"""Information along a direction, in the prior's, from which the data tell it."""
-WIDER, HANGING = 10.0, 2.0
-"""Times the priors: how wide they are made to see what hangs on them; and how much wider an
-estimate then is that the data do not tell by themselves."""
-PART = 0.2
-"""Of a direction: a parameter with a smaller share is not what it moves."""
-SEEN = 4.0
-"""Chi-squared that a parameter's share alone would make, where it has a part in a direction."""
+IDENTIFIED_SHARE = 0.25
+"""Largest posterior deviation over the prior's, for a parameter that the data identify."""
+MIN_INFORMATION = 1 / IDENTIFIED_SHARE**2 - 1
+"""Information of the data over the prior's, from which they identify a direction."""
+PRIOR_WIDENING, MAX_WIDENING = 10.0, 2.0
+"""PRIOR_WIDENING: factor on the priors in the test of their influence. MAX_WIDENING: an estimate
+that gets wider than this depends on a prior; the data alone do not identify it."""
+MIN_COMPONENT = 0.2
+"""Smallest component of a unit direction with which a parameter is part of it."""
+MIN_EFFECT = 4.0
+"""Smallest chi-squared by which a parameter has an effect."""
 
 
 @dataclass(frozen=True)
 class Information:
-    """Of all parameters that are not known, fitted or held.
+    """Information on all unknown parameters, fitted or not.
 
-    data: information of the data alone, (parameter, parameter), all else that is unknown and the
-    size of the residuals accounted for. freedom: numbers beyond what the fit took of them. scale:
-    chi-squared per degree of freedom, at least 1, that errors were enlarged by.
+    data: information of the data alone, shape (parameter, parameter), with all other unknowns
+    marginalized and errors scaled. freedom: degrees of freedom of the residuals. scale: chi-squared
+    per degree of freedom, at least 1, by which the error variance was enlarged.
     """
 
     names: tuple[str, ...]
@@ -46,27 +46,29 @@ class Information:
 
     @cached_property
     def covariance(self) -> NDArray[np.float64]:
-        """With the prior: of each parameter whatever the others are."""
+        """Marginal posterior covariance of the parameters, shape (parameter, parameter)."""
         return np.linalg.inv(self.data + np.eye(len(self.names))).astype(np.float64)
 
     @cached_property
-    def _hanging(self) -> NDArray[np.float64]:
-        """The covariance, were the priors WIDER."""
-        return np.linalg.inv(self.data + np.eye(len(self.names)) / WIDER**2).astype(np.float64)
+    def _with_wide_priors(self) -> NDArray[np.float64]:
+        """Posterior covariance with priors that are PRIOR_WIDENING times as wide."""
+        return np.linalg.inv(self.data + np.eye(len(self.names)) / PRIOR_WIDENING**2).astype(
+            np.float64
+        )
 
-    def tells(self, weights: NDArray[np.float64]) -> bool:
-        """Whether the data tell a sum of parameters, far better than and without their priors."""
+    def identifies(self, weights: NDArray[np.float64]) -> bool:
+        """True if the data identify a weighted sum of parameters, independently of the priors."""
         left = weights @ self.covariance @ weights
-        without = weights @ self._hanging @ weights
-        return self.narrows(weights) and bool(without < HANGING**2 * left)
+        without = weights @ self._with_wide_priors @ weights
+        return self.narrows(weights) and bool(without < MAX_WIDENING**2 * left)
 
     def narrows(self, weights: NDArray[np.float64]) -> bool:
-        """Whether data and priors tell a sum of parameters far better than their priors alone."""
+        """True if the posterior of a weighted sum of parameters is far narrower than its prior."""
         left = weights @ self.covariance @ weights
-        return bool(left < TOLD**2 * weights @ weights)
+        return bool(left < IDENTIFIED_SHARE**2 * weights @ weights)
 
     def weakest(self, first: int, second: int) -> NDArray[np.float64]:
-        """Of the unit directions of two parameters alone the one that the data tell least."""
+        """Unit direction of two parameters with the least information of the data."""
         own = [first, second]
         direction = np.zeros(len(self.names))
         direction[own] = np.linalg.eigh(self.data[np.ix_(own, own)])[1][:, 0]
@@ -74,86 +76,93 @@ class Information:
 
     @property
     def deviation(self) -> NDArray[np.float64]:
-        """Of each parameter in deviations of its prior: 1 where the data say nothing."""
+        """Posterior deviation of each parameter over its prior's: 1 without information."""
         return np.sqrt(self.covariance.diagonal())
 
     @property
     def correlation(self) -> NDArray[np.float64]:
-        """Of the estimates."""
+        """Correlation matrix of the estimates."""
         return self.covariance / np.outer(self.deviation, self.deviation)
 
     @property
-    def told(self) -> dict[str, bool]:
-        """Whether the data tell a parameter."""
+    def identified(self) -> dict[str, bool]:
+        """True for each parameter that the data identify."""
         each = np.eye(len(self.names))
-        return {name: self.tells(own) for name, own in zip(self.names, each, strict=True)}
+        return {name: self.identifies(own) for name, own in zip(self.names, each, strict=True)}
 
-    def hardly_tells(self, direction: NDArray[np.float64]) -> bool:
-        """Whether the data tell hardly more along a unit direction than the priors do."""
-        return bool(direction @ self.data @ direction < LEAST_TOLD)
+    def barely_identifies(self, direction: NDArray[np.float64]) -> bool:
+        """True if the data add little to the priors along a unit direction."""
+        return bool(direction @ self.data @ direction < MIN_INFORMATION)
 
     @property
-    def silent(self) -> NDArray[np.bool_]:
-        """Whether a parameter changes nothing that could be seen."""
-        return self.data.diagonal() <= SEEN
+    def without_effect(self) -> NDArray[np.bool_]:
+        """True for each parameter whose effect on the data is too small to be measured."""
+        return self.data.diagonal() <= MIN_EFFECT
 
-    def weak(self, known: Sequence[NDArray[np.float64]] = ()) -> list[NDArray[np.float64]]:
-        """Unit directions that the data hardly tell, the weakest first.
+    def weak_directions(
+        self, known: Sequence[NDArray[np.float64]] = ()
+    ) -> list[NDArray[np.float64]]:
+        """Unit directions that the data barely identify, the weakest first.
 
-        known: such directions, that others are sought orthogonal to. Silent parameters are
-        directions of their own, as those that nothing is told of could be mixed anyhow.
+        known: such directions; all others are orthogonal to them. Parameters without effect are
+        directions of their own, because any mixture of them would be one too.
         """
-        alone = np.eye(len(self.names))[self.silent]
-        found = [each for each in alone if all(abs(each @ other) < PART for other in known)]
+        alone = np.eye(len(self.names))[self.without_effect]
+        found = [
+            each for each in alone if all(abs(each @ other) < MIN_COMPONENT for other in known)
+        ]
         given = np.reshape([*known, *found], (-1, len(self.names)))
-        left = _beside(given)
+        left = _orthogonal_complement(given)
         strength, directions = np.linalg.eigh(left.T @ self.data @ left)
-        return [*found, *(left @ directions[:, strength < LEAST_TOLD]).T]
+        return [*found, *(left @ directions[:, strength < MIN_INFORMATION]).T]
 
     def moved(self, direction: NDArray[np.float64]) -> list[str]:
-        """Parameters that a direction moves most, the largest first."""
+        """Parameters with large components in a direction, the largest first."""
         order = np.argsort(-np.abs(direction))
-        return [self.names[k] for k in order if abs(direction[k]) > PART]
+        return [self.names[k] for k in order if abs(direction[k]) > MIN_COMPONENT]
 
     def parts(self, direction: NDArray[np.float64]) -> list[str]:
-        """Those that undo each other's effect along it, the largest first; or one without any."""
+        """Parameters whose effects cancel along a direction, the largest first.
+
+        A direction without effects returns its largest parameter.
+        """
         effect = direction**2 * self.data.diagonal()
-        order = [k for k in np.argsort(-np.abs(direction)) if effect[k] > SEEN]
+        order = [k for k in np.argsort(-np.abs(direction)) if effect[k] > MIN_EFFECT]
         return [self.names[k] for k in order] if len(order) > 1 else self.moved(direction)[:1]
 
 
-def _beside(given: NDArray[np.float64]) -> NDArray[np.float64]:
-    """An orthonormal basis of all that is orthogonal to the rows, shape (parameter, direction)."""
+def _orthogonal_complement(given: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Orthonormal basis of the complement of the rows, shape (parameter, direction)."""
     full, _ = np.linalg.qr(given.T, mode="complete")
     return full[:, len(given) :].astype(np.float64)
 
 
-def information(fit: Fit, held: Mapping[str, Prior] | None = None) -> Information:
-    """At a solution. held: priors of parameters that the fit left as they are, unknown though."""
+def information(fit: Fit, not_fitted: Mapping[str, Prior] | None = None) -> Information:
+    """Information at a solution. not_fitted: priors of unknown parameters that were not fitted."""
     data = _of_data(fit)
     taken = np.trace(np.linalg.solve(data + np.eye(len(data)), data))
     freedom = max(fit.spec.measurements.numbers - float(taken), 1.0)
     scale = max(1.0, fit.chi_squared / freedom)
-    opened = with_unknown(fit, held or {})
+    opened = with_all_unknown(fit, not_fitted or {})
     return Information(opened.spec.names, _of_data(opened) / scale, freedom, scale)
 
 
-def with_unknown(fit: Fit, held: Mapping[str, Prior]) -> Fit:
-    """The same solution of the problem where the parameters that were held are unknown too."""
-    asked, values = fit.spec, fit.values
-    unknown = {**asked.fitted, **held}
+def with_all_unknown(fit: Fit, not_fitted: Mapping[str, Prior]) -> Fit:
+    """The solution as one of the problem in which the parameters not fitted are unknown too."""
+    spec, values = fit.spec, fit.values
+    unknown = {**spec.fitted, **not_fitted}
     opened = replace(
-        asked,
+        spec,
         fitted={name: unknown[name] for name in values if name in unknown},
-        fixed={name: value for name, value in asked.fixed.items() if name not in unknown},
+        fixed={name: value for name, value in spec.fixed.items() if name not in unknown},
     )
     u = opened.unknowns(values)
-    u[len(opened.fitted) :] = fit.u[len(asked.fitted) :]
-    return replace(fit, problem=LeastSquaresProblem(opened, fit.problem.around), u=u)
+    u[len(opened.fitted) :] = fit.u[len(spec.fitted) :]
+    return replace(fit, problem=LeastSquaresProblem(opened, fit.problem.model), u=u)
 
 
 def _of_data(fit: Fit) -> NDArray[np.float64]:
-    """Information of the data on the parameters, in units of their priors'."""
+    """Information of the data on the parameters, in units of their priors' information."""
     J = fit.problem.jacobian(fit.u)
     count, readings = len(fit.spec.fitted), len(J) - len(fit.u)
     own, others = J[:readings, :count], J[:readings, count:]

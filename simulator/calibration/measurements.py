@@ -1,4 +1,4 @@
-"""Measured sweeps as a fit takes them: ln |Z| and phase of the skin at rest and of each press."""
+"""Measured sweeps as input of a fit: of the unpressed skin and of each press."""
 
 from __future__ import annotations
 
@@ -34,20 +34,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 UNKNOWN_RANGE = -1
-"""Number of the fixed error of a reading that may have been taken in either of two ranges."""
+"""Number of the fixed error of a reading that may belong to either of two ranges."""
 NEAR_EDGE = 3.0
-"""Deviations of a reading of |Z| from the edge of a range, within which the range is not known."""
+"""Distance of |Z| from the edge of a range, in its errors, within which the range is unknown."""
 
 
 @dataclass(frozen=True)
 class MeasuredSweep:
-    """One press in one session.
+    """Sweep of one press in one session, or the mean of all baseline sweeps of a session.
 
-    Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: which of the meter's
-    fixed errors of a session each reading has, by number, same shape; EITHER where that is not
-    known, and the reading then not used. deviation: sample standard
-    deviation of `observed` over the sweeps that were averaged, shape (2 * Z.size,), None where
-    there was one.
+    Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: number of the meter's
+    fixed error of the session that each reading has, same shape; UNKNOWN_RANGE where it is not
+    known, and the reading is then not used. averaged: number of averaged sweeps. deviation: sample
+    standard deviation of `observed` over these, shape (2 * Z.size,), None for a single one.
     """
 
     press: Press
@@ -59,16 +58,16 @@ class MeasuredSweep:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """Whether it is known which fixed error a reading has, shape (interface, frequency)."""
+        """True where the fixed error of a reading is known, shape (interface, frequency)."""
         return self.fixed != UNKNOWN_RANGE
 
 
 @dataclass(frozen=True)
 class Measurements:
-    """What was measured on a scene.
+    """Measured sweeps of a scene.
 
-    scene: at the interfaces and frequencies of the sweeps. left_out: one line for each press that
-    could not be used.
+    scene: the scene at the interfaces and frequencies of the sweeps. left_out: one line for each
+    press that could not be used.
     """
 
     scene: Scene
@@ -77,27 +76,27 @@ class Measurements:
 
     @cached_property
     def read(self) -> NDArray[np.bool_]:
-        """Which interface was read at which frequency, shape (interface, frequency)."""
+        """True where an interface was read at a frequency, shape (interface, frequency)."""
         return self.scene.reading.read
 
     @cached_property
     def numbers(self) -> int:
-        """How many numbers were measured: two for every reading that is used."""
+        """Number of measured values: two for every reading that is used."""
         return 2 * sum(int((self.read & reading.known).sum()) for reading in self.sweeps)
 
     @cached_property
     def fixed(self) -> int:
-        """How many fixed errors of one kind the meter has in a session."""
+        """Number of the meter's fixed errors of one kind in a session."""
         return 1 + max(0, *(int(reading.fixed.max()) for reading in self.sweeps))
 
     @cached_property
     def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
-        """Frequencies in Hz and Z in ohm of the first press at the first interface."""
+        """Frequencies in Hz and Z in ohm of the first sweep at the first interface."""
         return self.scene.frequencies[self.read[0]], self.sweeps[0].Z[0, self.read[0]]
 
     @cached_property
     def sessions(self) -> list[int]:
-        """Sessions in which something was measured."""
+        """Numbers of the sessions that have sweeps."""
         return sorted({reading.session for reading in self.sweeps})
 
 
@@ -107,12 +106,11 @@ def measurements_of(
     band: tuple[float, float] | None = None,
     session: int | None = None,
 ) -> Measurements:
-    """Sweeps on a scene: those at rest averaged in each session, every press on its own.
+    """Sweeps of a scene: the mean baseline sweep of each session, and every press.
 
-    band: lowest and highest frequency that counts, Hz; interfaces that were read at none of it are
-    left out. session: the only one that counts.
-    Presses that are no whole pixels of the scene are left out.
-    Raises InputError where an interface is not in the scene, or nothing is left.
+    band: lowest and highest frequency that is used, Hz; interfaces without a reading in it are left
+    out. session: the only session that is used. Presses that are not whole pixels of the scene are
+    left out. Raises InputError where the scene lacks an interface, or no sweep remains.
     """
     if session is not None:
         sweeps = _of_session(sweeps, session)
@@ -127,7 +125,7 @@ def measurements_of(
     fixed = _fixed(known, sweeps.attrs.get("settings"), scene.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
-        raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'there is none'}")
+        raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'the file has none'}")
     return Measurements(bare, readings, left_out)
 
 
@@ -144,7 +142,7 @@ def _within(sweeps: xr.Dataset, band: tuple[float, float]) -> xr.Dataset:
     inside = (f >= band[0]) & (f <= band[1])
     if not inside.any():
         raise InputError(
-            f"`band` must hold frequencies of the sweeps, {f[0]:g} to {f[-1]:g} Hz, "
+            f"`band` must contain frequencies of the sweeps, {f[0]:g} to {f[-1]:g} Hz, "
             f"got {band[0]:g} to {band[1]:g} Hz"
         )
     return sweeps.isel(frequency=inside)
@@ -153,19 +151,19 @@ def _within(sweeps: xr.Dataset, band: tuple[float, float]) -> xr.Dataset:
 def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
     """The scene at the interfaces and frequencies of the sweeps."""
     interfaces = {interface.name: interface for interface in scene.interfaces}
-    asked = [str(name) for name in sweeps["interface"].values]
-    for name in asked:
+    names = [str(name) for name in sweeps["interface"].values]
+    for name in names:
         if name not in interfaces:
             raise InputError(
                 f"the sweeps were measured at interface {name!r}; "
                 f"{scene.name} has {', '.join(interfaces)}"
             )
-    chosen = scene.model_copy(update={"interfaces": tuple(interfaces[name] for name in asked)})
+    chosen = scene.model_copy(update={"interfaces": tuple(interfaces[name] for name in names)})
     return with_frequencies(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
 
 
 def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:
-    """Each press, None for those left out, and why those were."""
+    """Each press, None for those left out, and the reasons for leaving them out."""
     presses: list[Press | None] = []
     left_out: dict[str, None] = {}
     for text in texts:
@@ -180,13 +178,13 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
 
 
 def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
-    """The press, without its fingers where the scene has no earth, and a line that says so."""
+    """The press, without its fingers where the scene has no earth, and a remark on that."""
     if scene.surroundings is not None:
         return press_on(scene, text), []
     press = parse_press(text, strength_of(scene.press), scene)
     rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
-    told = f"what presses say of fingers, for {scene.name} has no [surroundings]"
-    return check_press(rods, scene), [told] if press.fingers else []
+    remark = f"fingers of presses, because {scene.name} has no [surroundings]"
+    return check_press(rods, scene), [remark] if press.fingers else []
 
 
 def _whole_pixels(scene: Scene, press: Press) -> Press:
@@ -202,13 +200,13 @@ def _whole_pixels(scene: Scene, press: Press) -> Press:
 
 
 def _fixed(Z: NDArray[np.complex128], settings: str | None, readout: Readout) -> NDArray[np.int64]:
-    """Number of the fixed error of a session that each reading has, shape of Z.
+    """Number of the fixed error of a session that each reading has, in the shape of Z.
 
-    settings: of the meter that recorded the sweeps, as JSON. A meter has one error in each of its
-    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|. So
-    near a decade that the error of the reading decides it, the range is not known, unless all
-    readings are.
-    Without a meter (None) each interface has its own, as `readout.read_out` draws them.
+    settings: JSON of the meter that recorded the sweeps. A meter has one error in each of its
+    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|. The
+    range is unknown where |Z| is so near a decade that the error of the reading decides, unless all
+    readings are that near. Without a meter (None) each interface has its own error, as
+    `readout.read_out` draws them.
     """
     if settings is None:
         return np.broadcast_to(np.arange(Z.shape[1])[:, None], Z.shape)
@@ -239,7 +237,7 @@ def _readings(
 
 
 def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> MeasuredSweep:
-    """Of the skin at rest, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
+    """Mean baseline sweep, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
     own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], UNKNOWN_RANGE)
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
     deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None

@@ -1,4 +1,4 @@
-"""What explains a gap: parameters one by one, and the ideal capacitance."""
+"""Explanations of a misfit: single parameters, and the ideal capacitance."""
 
 from __future__ import annotations
 
@@ -16,45 +16,44 @@ from ..models.parameters import own_values
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
-from .centered_model import Around, Model, checked_model, model_of
+from .centered_model import CenteredModel, Model, checked_model, model_of
 from .estimates import changed
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
 from .fit_options import Options, candidates
 from .measurements import measurements_of
 from .prior import Prior, effect_prior, noise_of, priors
 from .problem import FitSpec, LeastSquaresProblem, difference
-from .surroundings_trials import Trials, addable, in_words
+from .surroundings_trials import Trials, addable_effects, effect_text
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 @dataclass(frozen=True)
-class Explained:
-    """What one parameter alone does for the misfit.
+class ParameterEffect:
+    """Effect of one parameter alone on the misfit.
 
-    value: as `Forward` counts it, at its best. before, after: chi-squared with the scene as it
-    stands and with that value. told: the change in words, of one of EFFECTS what it then is.
+    value: its best value, as `Forward` counts it. before, after: chi-squared with the scene's value
+    and with the best one. description: text of the change, for one of EFFECTS of its best value.
     """
 
     name: str
     value: float
     before: float
     after: float
-    told: str
+    description: str
 
     @property
     def removed(self) -> float:
-        """Part of chi-squared that it removes, from 0 to 1."""
+        """Share of chi-squared that the parameter removes, from 0 to 1."""
         return max(0.0, 1 - self.after / self.before) if self.before > 0 else 0.0
 
 
 @dataclass(frozen=True)
-class Together:
-    """What two causes do for the misfit when both are fitted.
+class JointEffect:
+    """Effect of two parameters together on the misfit.
 
-    names: of the parameters. before, after: as in `Explained`. descriptions: what each then is, in
-    words.
+    names: of the parameters. before, after: see `ParameterEffect`. descriptions: text of each.
     """
 
     names: tuple[str, str]
@@ -64,20 +63,20 @@ class Together:
 
     @property
     def removed(self) -> float:
-        """Part of chi-squared that they remove, from 0 to 1."""
+        """Share of chi-squared that they remove, from 0 to 1."""
         return max(0.0, 1 - self.after / self.before) if self.before > 0 else 0.0
 
 
 @dataclass(frozen=True)
-class Causes:
-    """What explains a misfit.
+class MisfitCauses:
+    """Causes of a misfit.
 
-    alone: every parameter that was fitted alone, the one that removes most first. together: pairs
-    that were fitted jointly, the one that removes most first. remarks: what could not be tried.
+    alone: effect of every parameter that was fitted alone. together: effect of pairs that were
+    fitted jointly. Both have the largest effect first. remarks: causes that could not be tried.
     """
 
-    alone: tuple[Explained, ...] = ()
-    together: tuple[Together, ...] = ()
+    alone: tuple[ParameterEffect, ...] = ()
+    together: tuple[JointEffect, ...] = ()
     remarks: tuple[str, ...] = ()
 
 
@@ -88,121 +87,128 @@ def gap_by_parameter(
     *,
     model: Model | None = None,
     progress: ProgressCallback = silent,
-) -> Causes:
-    """Fits every parameter of the scene alone, and the best of them with what surrounds the skin.
+) -> MisfitCauses:
+    """Fits every parameter of the scene alone, and the best one jointly with surroundings.
 
-    Strengths of presses and the meter's fixed errors are fitted with each, within their own
-    spreads. Factors are looked for within the model's reach. Where there is a misfit, those of
-    EFFECTS that the scene has not are tried, too: each alone, and each together with the best
-    parameter and with the best of EFFECTS. Arguments, errors: as of `calibrate`; of `options.fit`,
-    where given, only those.
+    Strengths of presses and the meter's fixed errors are fitted in all cases, within their own
+    spreads. Factors stay within the model's training range. Where there is a misfit, those of
+    EFFECTS that the scene lacks are tried too: each alone, and each jointly with the best parameter
+    and with the best of EFFECTS. Arguments and errors: see `calibrate`; `options.fit`, where given,
+    restricts the parameters.
     """
     data = measurements_of(scene, sweeps, options.band, options.session)
     effects = effects_of(data.scene) if options.prior == "wide" else ()
     readout, known = noise_of(data).readout, priors(data, options.prior, effects=effects)
-    asked = FitSpec(data, readout, {}, own_values(data.scene), options.strengths)
+    spec = FitSpec(data, readout, {}, own_values(data.scene), options.strengths)
     own = checked_model(model, data.scene) if model else None
-    ready = Around(own or model_of(data.scene, model_tolerance(readout), progress), {})
-    unknown = candidates(data, ready.model.free, known, options.fit, options.fix)
-    names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.held]
+    centered = CenteredModel(own or model_of(data.scene, model_tolerance(readout), progress), {})
+    unknown = candidates(data, centered.model.free, known, options.fit, options.fix)
+    names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.not_fitted]
     with one_blas_thread():
-        before = solve_from(LeastSquaresProblem(asked, ready), asked.fixed).chi_squared
-        alone = [_alone(asked, ready, name, known[name], before) for name in names]
-        if options.fit or before <= EXPLAINED * data.numbers or not addable(data.scene):
-            return Causes(_ordered(alone))
+        before = solve_from(LeastSquaresProblem(spec, centered), spec.fixed).chi_squared
+        alone = [_alone(spec, centered, name, known[name], before) for name in names]
+        if options.fit or before <= EXPLAINED * data.numbers or not addable_effects(data.scene):
+            return MisfitCauses(_ordered(alone))
         try:
-            trials = Trials(asked, {}, progress)
-            alone = _ordered([*alone, *_tried(trials, before)])
-            return Causes(alone, _together(trials, alone, known, data.numbers))
+            trials = Trials(spec, {}, progress)
+            alone = _ordered([*alone, *_surroundings_effects(trials, before)])
+            return MisfitCauses(alone, _together(trials, alone, known, data.numbers))
         except (InputError, ToleranceError) as error:
-            return Causes(_ordered(alone), (), (f"what surrounds the skin was not tried: {error}",))
+            return MisfitCauses(
+                _ordered(alone), (), (f"surroundings of the skin were not tried: {error}",)
+            )
 
 
-Found = TypeVar("Found", Explained, Together)
+Found = TypeVar("Found", ParameterEffect, JointEffect)
 
 
 def _ordered(found: Sequence[Found]) -> tuple[Found, ...]:
     return tuple(sorted(found, key=lambda each: each.after))
 
 
-def _tried(trials: Trials, before: float) -> list[Explained]:
-    """What each of EFFECTS alone does that the scene has not."""
+def _surroundings_effects(trials: Trials, before: float) -> list[ParameterEffect]:
+    """Effect on the misfit of each of EFFECTS that the scene lacks."""
     fits = {name: trials.fit(name) for name in trials.names}
     return [
-        Explained(name, fit.values[name], before, fit.chi_squared, trials.in_words(fit, name))
+        ParameterEffect(name, fit.values[name], before, fit.chi_squared, trials.text_of(fit, name))
         for name, fit in fits.items()
     ]
 
 
 def _together(
-    trials: Trials, alone: Sequence[Explained], known: Mapping[str, Prior], numbers: int
-) -> tuple[Together, ...]:
-    """Pairs of the first cause, and of the first of EFFECTS, with each of these that the scene has
-    not; none where the first cause alone explains the readings."""
+    trials: Trials, alone: Sequence[ParameterEffect], known: Mapping[str, Prior], numbers: int
+) -> tuple[JointEffect, ...]:
+    """Joint effects of the best parameter, and of the best of EFFECTS, with each lacking effect.
+
+    Empty where the best parameter alone explains the readings.
+    """
     first = alone[0]
     if first.after <= EXPLAINED * numbers:
         return ()
     best = next(each for each in alone if each.name in trials.names)
-    found: dict[frozenset[str], Together] = {}
+    found: dict[frozenset[str], JointEffect] = {}
     for own in (first, best):
-        prior = known.get(own.name) or effect_prior(trials.asked.measurements, own.name)
+        prior = known.get(own.name) or effect_prior(trials.spec.measurements, own.name)
         for name in trials.names:
             both = own.name, name
             if own.name == name or frozenset(both) in found:
                 continue
             fit = trials.fit(name, {own.name: prior}, {own.name: own.value})
-            words = tuple(_in_words(trials.asked, each, fit.values[each]) for each in both)
-            found[frozenset(both)] = Together(both, own.before, fit.chi_squared, words)
+            words = tuple(_text_of(trials.spec, each, fit.values[each]) for each in both)
+            found[frozenset(both)] = JointEffect(both, own.before, fit.chi_squared, words)
     return _ordered(list(found.values()))
 
 
-def _in_words(asked: FitSpec, name: str, value: float) -> str:
-    """The change of a parameter; of one of EFFECTS what it then is."""
+def _text_of(spec: FitSpec, name: str, value: float) -> str:
+    """Text of the change of a parameter, or of the value of one of EFFECTS."""
     if name in EFFECTS:
-        return in_words(asked.measurements.scene, name, value)
-    return changed(name, value - asked.fixed[name])
+        return effect_text(spec.measurements.scene, name, value)
+    return changed(name, value - spec.fixed[name])
 
 
-def _alone(asked: FitSpec, ready: Around, name: str, prior: Prior, before: float) -> Explained:
-    alone = replace(asked, fitted={name: prior})
-    fit = solve_from(LeastSquaresProblem(alone, ready), asked.fixed)
+def _alone(
+    spec: FitSpec, centered: CenteredModel, name: str, prior: Prior, before: float
+) -> ParameterEffect:
+    alone = replace(spec, fitted={name: prior})
+    fit = solve_from(LeastSquaresProblem(alone, centered), spec.fixed)
     value = fit.values[name]
-    return Explained(name, value, before, fit.chi_squared, _in_words(asked, name, value))
+    return ParameterEffect(name, value, before, fit.chi_squared, _text_of(spec, name, value))
 
 
 IDEAL = {"phase_exponent": 1.0, "loss_tangent": 0.0}
 LOW_END = 6
-"""Part of the frequencies that are its low end."""
+"""The low end of a sweep is its number of frequencies over this."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The fit beside the best one of an ideal capacitance, and what sets them apart."""
+    """Comparison of a fit with the best one of an ideal capacitance, also in sentences."""
 
     ideal: Fit = field(repr=False)
     rms_error: float
     ideal_rms_error: float
-    told: tuple[str, ...]
+    sentences: tuple[str, ...]
 
 
 def compared(fit: Fit, progress: ProgressCallback) -> Comparison:
-    """With the exponent held at 1 and without loss, all else fitted alike."""
+    """Compares a fit with one whose exponent is fixed at 1 and whose loss is 0."""
     fixed = {**fit.spec.fixed, **IDEAL}
     others = {name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL}
-    asked = replace(fit.spec, fitted=others, fixed=fixed)
-    ideal = best_fit(asked, fit.problem.around, progress=progress)
-    told = _told(fit, ideal)
-    return Comparison(ideal, fit.rms_error, ideal.rms_error, told)
+    spec = replace(fit.spec, fitted=others, fixed=fixed)
+    ideal = best_fit(spec, fit.problem.model, progress=progress)
+    sentences = _comparison_sentences(fit, ideal)
+    return Comparison(ideal, fit.rms_error, ideal.rms_error, sentences)
 
 
-def _told(fit: Fit, ideal: Fit) -> tuple[str, ...]:
+def _comparison_sentences(fit: Fit, ideal: Fit) -> tuple[str, ...]:
     frequency, Z = fit.spec.measurements.first
     read = fit.spec.measurements.read[0]
     ours, theirs = (each.problem.fitted(each.u)[0, 0, read] for each in (fit, ideal))
     exponent = fit.values["phase_exponent"]
     lines = [
-        f"with an ideal capacitance (exponent 1) the best fit leaves {100 * ideal.rms_error:.1f} % "
-        f"rms of Z, with the exponent {exponent:.3f} {100 * fit.rms_error:.1f} %"
+        f"the best fit with an ideal capacitance (exponent 1) has an rms error of Z of "
+        f"{100 * ideal.rms_error:.1f} %; with the exponent {exponent:.3f} it is "
+        f"{100 * fit.rms_error:.1f} %"
     ]
     if len(frequency) >= 2 * LOW_END:
         lines += [_systematic(theirs, Z), _low_end(frequency, Z, ours, theirs, exponent)]
@@ -214,8 +220,8 @@ def _systematic(fitted: NDArray[np.complex128], Z: NDArray[np.complex128]) -> st
     runs = 1 + int((np.diff(np.sign(phase)) != 0).sum())
     return (
         f"the phase of the ideal fit is off by {phase.min():+.1f} to {phase.max():+.1f} degrees, "
-        f"in {runs} runs of one sign over {len(phase)} frequencies (chance makes about "
-        f"{(len(phase) + 1) // 2}): it is the wrong curve, not noise"
+        f"in {runs} runs of one sign over {len(phase)} frequencies (noise would make about "
+        f"{(len(phase) + 1) // 2}): the ideal model has the wrong curve"
     )
 
 
@@ -229,19 +235,19 @@ def _low_end(
     low = slice(0, max(4, len(frequency) // LOW_END))
     read, own, ideal = (_slopes(frequency[low], each[low]) for each in (Z, ours, theirs))
     return (
-        f"from {frequency[0]:.3g} to {frequency[low][-1]:.3g} Hz |Z| was measured to go as "
-        f"f^{read[0]:.2f}, Rs as f^{read[1]:.2f}, at {read[2]:.1f} degrees. An ideal line's Rs "
-        f"levels off where its |Z| nears 1/f: at its best f^{ideal[0]:.2f}, f^{ideal[1]:.2f} and "
-        f"{ideal[2]:.1f} degrees. Where |Z| and Rs both go on, the capacitance itself turns the "
-        f"phase: exponent {exponent:.3f} gives f^{own[0]:.2f}, f^{own[1]:.2f} and "
-        f"{own[2]:.1f} degrees"
+        f"from {frequency[0]:.3g} to {frequency[low][-1]:.3g} Hz the measured |Z| goes as "
+        f"f^{read[0]:.2f} and Rs as f^{read[1]:.2f}, at {read[2]:.1f} degrees. Rs of an ideal line "
+        f"is constant where |Z| goes as 1/f: the best ideal fit has f^{ideal[0]:.2f}, "
+        f"f^{ideal[1]:.2f} and {ideal[2]:.1f} degrees. Where both |Z| and Rs fall with f, the "
+        f"capacitance itself has a loss: exponent {exponent:.3f} gives f^{own[0]:.2f}, "
+        f"f^{own[1]:.2f} and {own[2]:.1f} degrees"
     )
 
 
 def _slopes(
     frequency: NDArray[np.float64], Z: NDArray[np.complex128]
 ) -> tuple[float, float, float]:
-    """Powers of f that |Z| and Rs go as, and the mean phase in degrees."""
+    """Exponents of f in |Z| and Rs, and the mean phase in degrees."""
     logarithm = np.log(frequency)
     magnitude, resistance = (
         float(np.polyfit(logarithm, np.log(np.abs(each)), 1)[0]) for each in (Z, Z.real)

@@ -1,4 +1,4 @@
-"""A calibration told: a table for the terminal, and files that appear whole or not at all."""
+"""Report of a calibration: tables on the terminal, and files that are written all or none."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from .estimates import Quantity
+    from .estimates import FittedQuantity
     from .run import Calibration
 
 WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
 WRITTEN += ("correlation.csv", "residuals-*")
-"""Patterns of the names of what is written."""
+"""Name patterns of the written files."""
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
 BY = {True: "data", False: "prior"}
 TIED = 0.95
 WIDEST = 1000
-"""Characters: of any console."""
+"""Widest console, in characters."""
 LONGEST = 60
-"""Letters of an interface's name in the name of a file, which has at most 255 bytes."""
+"""Letters of an interface's name in a file name, which has at most 255 bytes."""
 WIDENED = 1.2
-"""Chi-squared per degree of freedom from which it is said that intervals are wider for it."""
+"""Chi-squared per degree of freedom from which the report states that it widens intervals."""
 
 
 def write_report(
     calibration: Calibration, source: str, folder: Path, ending: str = ".png"
 ) -> Sequence[str]:
-    """All files into a folder, each whole; their names.
+    """Writes all files of a calibration into a folder and returns their names.
 
-    source: what was fitted to, in words. ending: of the charts.
+    source: names of the fitted files. ending: of the charts.
     """
     with filled_at_once(folder) as made:
         write_text(made / "calibrated.toml", calibrated_text(calibration, source))
@@ -54,7 +54,7 @@ def write_report(
         write_rows(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
         write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
         names = "parameter", *_names(calibration)
-        write_rows(made / "correlation.csv", names, _tied(calibration))
+        write_rows(made / "correlation.csv", names, _correlation_rows(calibration))
         interfaces = calibration.fit.spec.measurements.scene.interfaces
         for k, name in enumerate(_file_names([each.name for each in interfaces])):
             draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
@@ -62,21 +62,21 @@ def write_report(
 
 
 def calibrated_text(calibration: Calibration, source: str) -> str:
-    """The calibrated scene as TOML, with what was fitted from what above it."""
+    """The calibrated scene as TOML, with the fitted quantities in a comment above it."""
     scene = calibration.scene
-    told = "; ".join(filter(None, (scene.description, f"calibrated to {source}")))
+    description = "; ".join(filter(None, (scene.description, f"calibrated to {source}")))
     lines = [
         f"Calibrated to {source} by rcskin calibrate.",
-        "Fitted, with 95 % intervals, each whatever the others are that are not known:",
+        "Fitted quantities with marginal 95 % intervals:",
         *(f"  {_sentence(each)}" for each in calibration.quantities),
-        *_not_told(calibration),
+        *_assumptions(calibration),
     ]
     comment = "".join(f"# {escaped(line)}\n" for line in lines)
-    return f"{comment}\n{scene_text(scene.model_copy(update={'description': told}))}"
+    return f"{comment}\n{scene_text(scene.model_copy(update={'description': description}))}"
 
 
 def table(calibration: Calibration) -> Table:
-    """Every fitted quantity."""
+    """Table of all fitted quantities."""
     from rich.table import Column, Table
 
     left = [Column(name, no_wrap=True) for name in HEADER[:2]]
@@ -88,24 +88,24 @@ def table(calibration: Calibration) -> Table:
 
 
 def correlations(calibration: Calibration, console: Console) -> Table | str:
-    """Of the fitted parameters, or where they stand if the console is too narrow for them."""
+    """Table of correlations, or the file that has them where the console is too narrow."""
     from rich.measure import Measurement
 
     heads = ["correlation", *(str(k + 1) for k in range(len(_names(calibration))))]
     rows = (
         [f"{k + 1} {name}", *(f"{float(each):.2f}" for each in row[: k + 1])]
-        for k, (name, *row) in enumerate(_tied(calibration))
+        for k, (name, *row) in enumerate(_correlation_rows(calibration))
     )
     found = in_columns(heads, rows, range(1, len(heads)))
     room = console.options.update(max_width=WIDEST)
     if Measurement.get(console, room, found).minimum <= console.width:
         return found
-    return f"correlations of {len(_names(calibration))} parameters: see correlation.csv"
+    return f"correlations of {len(_names(calibration))} parameters are in correlation.csv"
 
 
 def explanations(calibration: Calibration) -> list[str]:
-    """What else is to be said, a line each."""
-    readout, asked = calibration.noise.readout, calibration.fit.spec
+    """Remarks on the fit, a line each."""
+    readout, spec = calibration.noise.readout, calibration.fit.spec
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
@@ -115,19 +115,19 @@ def explanations(calibration: Calibration) -> list[str]:
     ]
     if calibration.information.scale > WIDENED:
         lines.append(
-            f"intervals are {calibration.information.scale**0.5:.2g} times as wide as the noise "
-            "alone would make them, because the fit leaves more than the noise"
+            f"intervals are {calibration.information.scale**0.5:.2g} times as wide as by the noise "
+            "alone, because the residuals exceed the noise"
         )
-    if asked.touch_count:
-        lines.append(_strengths_told(calibration))
-    lines += _not_told(calibration)
-    lines += _ties(calibration)
+    if spec.touch_count:
+        lines.append(_strength_range(calibration))
+    lines += _assumptions(calibration)
+    lines += _strong_correlations(calibration)
     lines += calibration.remarks
-    return [*lines, *(calibration.ideal.told if calibration.ideal else ())]
+    return [*lines, *(calibration.ideal.sentences if calibration.ideal else ())]
 
 
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
-    """All of it, for JSON."""
+    """All results, for JSON."""
     fit, noise = calibration.fit, calibration.noise
     readings = zip(fit.spec.measurements.sweeps, calibration.strengths, strict=True)
     ideal = calibration.ideal
@@ -136,9 +136,11 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
         "scene": fit.spec.measurements.scene.name,
         "values": calibration.values,
         "intervals_95": calibration.intervals,
-        "told": calibration.told,
-        "quantities": [asdict(each) for each in calibration.quantities],
-        "correlation": {name: list(map(float, row)) for name, *row in _tied(calibration)},
+        "told": calibration.identified,
+        "quantities": [_quantity_row(each) for each in calibration.quantities],
+        "correlation": {
+            name: list(map(float, row)) for name, *row in _correlation_rows(calibration)
+        },
         "strengths": [
             {"press": str(reading.press), "session": reading.session, "rises": rises.tolist()}
             for reading, rises in readings
@@ -152,82 +154,89 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
             "source": noise.source,
         },
         "certificate": fit.certificate,
-        "held": list(calibration.held),
+        "held": list(calibration.not_fitted),
         "unclear": list(calibration.unclear),
         "remarks": list(calibration.remarks),
         "ideal_capacitance": None
         if ideal is None
-        else {"rms_relative_error": ideal.ideal_rms_error, "why_not": list(ideal.told)},
+        else {"rms_relative_error": ideal.ideal_rms_error, "why_not": list(ideal.sentences)},
     }
+
+
+def _quantity_row(each: FittedQuantity) -> dict[str, Any]:
+    """A quantity by the keys of the file."""
+    return {"told" if key == "identified" else key: value for key, value in asdict(each).items()}
 
 
 def _names(calibration: Calibration) -> tuple[str, ...]:
     return calibration.information.names
 
 
-def _row(each: Quantity) -> tuple[object, ...]:
-    return each.name, each.unit, each.start, each.value, each.low, each.high, each.told_by
+def _row(each: FittedQuantity) -> tuple[object, ...]:
+    return each.name, each.unit, each.start, each.value, each.low, each.high, each.source
 
 
 def _parameter_rows(calibration: Calibration) -> Iterable[tuple[object, ...]]:
     for name, (low, high) in calibration.intervals.items():
         counted = "logarithm of a factor" if name in FACTORS else "as it is"
-        yield name, counted, calibration.values[name], low, high, BY[calibration.told[name]]
+        yield name, counted, calibration.values[name], low, high, BY[calibration.identified[name]]
 
 
-def _tied(calibration: Calibration) -> list[tuple[Any, ...]]:
+def _correlation_rows(calibration: Calibration) -> list[tuple[Any, ...]]:
     rows = calibration.information.correlation.tolist()
     return [(name, *row) for name, row in zip(_names(calibration), rows, strict=True)]
 
 
-def _ties(calibration: Calibration) -> list[str]:
-    """Pairs whose estimates hang on each other."""
+def _strong_correlations(calibration: Calibration) -> list[str]:
+    """A line for each pair of strongly correlated estimates."""
     names, rows = _names(calibration), calibration.information.correlation
     return [
-        f"{names[i]} and {names[j]} hang together (correlation {rows[i, j]:+.3f})"
+        f"{names[i]} and {names[j]} are strongly correlated ({rows[i, j]:+.3f})"
         for i in range(len(names))
         for j in range(i)
         if abs(rows[i, j]) > TIED
     ]
 
 
-def _strengths_told(calibration: Calibration) -> str:
+def _strength_range(calibration: Calibration) -> str:
     problem, nothing = calibration.fit.problem, np.zeros_like(calibration.fit.u)
     stated = [problem.strengths(nothing, k) for k in range(len(problem.cells))]
     pairs = zip(calibration.strengths, stated, strict=True)
     over = [
-        float(own / said) for rises, saids in pairs for own, said in zip(rises, saids, strict=True)
+        float(own / stated_rise)
+        for rises, stated_rises in pairs
+        for own, stated_rise in zip(rises, stated_rises, strict=True)
     ]
     return (
-        f"{len(over)} touches rose by {min(over):.2f} to {max(over):.2f} times what is said of them"
+        f"rises of {len(over)} touches are {min(over):.2f} to {max(over):.2f} times the stated ones"
     )
 
 
-def _not_told(calibration: Calibration) -> list[str]:
-    """What is assumed and not told, a line each."""
-    left = ", ".join(name for name in calibration.held if name != MISMATCH)
-    held = f"left as in the scene, and allowed for within their priors: {left}"
-    return [*([held] if left else []), *calibration.unclear]
+def _assumptions(calibration: Calibration) -> list[str]:
+    """Quantities that are assumed, not identified, a line each."""
+    left = ", ".join(name for name in calibration.not_fitted if name != MISMATCH)
+    kept = f"not fitted; scene's values kept, uncertain within their priors: {left}"
+    return [*([kept] if left else []), *calibration.unclear]
 
 
-def _sentence(each: Quantity) -> str:
+def _sentence(each: FittedQuantity) -> str:
     low, high = f"{each.low:.6g}", f"{each.high:.6g}"
     value = f"{each.value:.6g} {each.unit}".strip()
     return f"{each.name}: {value} ({low} to {high}), {_by(each)}, was {each.start:.6g}"
 
 
-def _by(each: Quantity) -> str:
-    if each.told:
-        return "told by the data"
+def _by(each: FittedQuantity) -> str:
+    if each.identified:
+        return "identified by the data"
     if each.name == RATIO:
-        return "not told by the data but assumed from the scene, within its prior"
+        return "not identified by the data; assumed from the scene, within its prior"
     if MISMATCH in each.parameters:
-        return f"told by the data only together with {RATIO}, which is assumed"
-    return "told by the prior and not by the data"
+        return f"identified by the data only together with {RATIO}, which is assumed"
+    return "not identified by the data; prior kept"
 
 
 def _file_names(interfaces: Sequence[str]) -> list[str]:
-    """What files are named by, distinct wherever large letters are small ones, too."""
+    """Parts of file names, distinct also where file names ignore case."""
     named = [re.sub(r"[^\w-]", "-", each)[:LONGEST] for each in interfaces]
     distinct = len({each.casefold() for each in named}) == len(named)
     return named if distinct else [f"{k}-{each}" for k, each in enumerate(named, 1)]

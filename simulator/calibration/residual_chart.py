@@ -1,4 +1,4 @@
-"""A calibrated skin as a chart, and what it leaves."""
+"""Residuals of a calibration, and their chart."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ if TYPE_CHECKING:
 
 
 def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
-    """Measured less fitted over the error of a reading by noise.
+    """Measured minus fitted values over the noise of a reading, by quantity.
 
-    Of |Z|, phase, Rs and Cp, each of shape (reading, interface, frequency); the meter's fixed
-    errors of the session are part of what is fitted. Nothing is left where nothing was read.
+    Quantities are |Z|, phase, Rs and Cp, each of shape (sweep, interface, frequency). The meter's
+    fixed errors of the session are part of the fit. Residuals are 0 where nothing was read.
     """
-    asked = fit.spec
-    Z = np.stack([reading.Z for reading in asked.measurements.sweeps])
-    averaged = np.sqrt([reading.averaged for reading in asked.measurements.sweeps])[:, None, None]
-    magnitude = asked.readout.magnitude_noise / averaged
-    phase = asked.readout.phase_noise / averaged
-    off = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
-    fitted = Z * np.exp(off[:, 0] * magnitude + 1j * off[:, 1] * phase)
-    frequency = asked.measurements.scene.frequencies
+    spec = fit.spec
+    Z = np.stack([reading.Z for reading in spec.measurements.sweeps])
+    averaged = np.sqrt([reading.averaged for reading in spec.measurements.sweeps])[:, None, None]
+    magnitude = spec.readout.magnitude_noise / averaged
+    phase = spec.readout.phase_noise / averaged
+    residual = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
+    fitted = Z * np.exp(residual[:, 0] * magnitude + 1j * residual[:, 1] * phase)
+    frequency = spec.measurements.scene.frequencies
     omega, Y = 2 * np.pi * frequency, 1 / fitted
     of_Rs = np.hypot(fitted.real * magnitude, fitted.imag * phase)
     of_Cp = np.hypot(Y.imag * magnitude, Y.real * phase) / omega
     Cp, fitted_Cp = (parallel_capacitance(each, frequency) for each in (Z, fitted))
     return {
-        "|Z|": -off[:, 0],
-        "phase": -off[:, 1],
+        "|Z|": -residual[:, 0],
+        "phase": -residual[:, 1],
         "Rs": (Z.real - fitted.real) / of_Rs,
         "Cp": (Cp - fitted_Cp) / of_Cp,
     }
 
 
 LIKELY = 2.0
-MOST_NAMED = 6
+MAX_NAMED = 6
 FAINT = 0.35
 
 
@@ -57,8 +57,8 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
     frequency = measured.scene.frequencies[read]
     with chart(path, 9, 6.2) as figure:
         grid = figure.subplots(2, 2, sharex=True)
-        for axes, (name, left) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
-            _draw(axes, frequency, left[:, interface, read], measured.sweeps)
+        for axes, (name, values) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
+            _draw(axes, frequency, values[:, interface, read], measured.sweeps)
             axes.set_title(name)
         for axes in grid[1]:
             frequency_axis(axes)
@@ -68,7 +68,7 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
         name = measured.scene.interfaces[interface].name
         figure.suptitle(
-            f"{measured.scene.name}, interface {name}\nWhat the fit leaves, in units of the "
+            f"{measured.scene.name}, interface {name}\nResiduals of the fit in units of the "
             f"meter's error; chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         )
 
@@ -76,28 +76,28 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
 def _draw(
     axes: Axes,
     frequency: NDArray[np.float64],
-    left: NDArray[np.float64],
+    values: NDArray[np.float64],
     readings: tuple[MeasuredSweep, ...],
 ) -> None:
-    """Readings at rest black, presses in colours: each a line while they are few.
+    """Draws baseline sweeps black and presses in colours, each as a line while they are few.
 
-    Of more, those of a column are dots, and their mean the line.
+    With more sweeps, those of a column are dots, and their mean is a line.
     """
-    kHz, few = frequency / 1e3, len(readings) <= MOST_NAMED + 1
+    kHz, few = frequency / 1e3, len(readings) <= MAX_NAMED + 1
     axes.axhspan(-LIKELY, LIKELY, color="0.93", label="within 2 errors")
-    told = [_told(reading, few) for reading in readings]
-    for label, colour in dict.fromkeys(told):
-        group = left[[each == (label, colour) for each in told]]
+    labels = [_label_and_colour(reading, few) for reading in readings]
+    for label, colour in dict.fromkeys(labels):
+        group = values[[each == (label, colour) for each in labels]]
         if len(group) > 1:
             axes.plot(kHz, group.T, ".", color=colour, alpha=FAINT, markersize=3, label="_")
             label = f"{label}, mean"
         axes.plot(kHz, group.mean(axis=0), marker=".", linewidth=1, color=colour, label=label)
 
 
-def _told(reading: MeasuredSweep, few: bool) -> tuple[str, str]:
-    """Name and colour of a reading, or of all that are drawn together."""
+def _label_and_colour(reading: MeasuredSweep, few: bool) -> tuple[str, str]:
+    """Label and colour of a sweep, or of all sweeps that are drawn together."""
     if not reading.press.touches:
-        return "at rest", UNPRESSED_COLOUR
+        return "unpressed", UNPRESSED_COLOUR
     row, column = reading.press.pixel
     colour = COLOURS[(max(column, 1) - 1) % len(COLOURS)]
     if few:

@@ -1,4 +1,4 @@
-"""A scene fitted to measured sweeps: its parameters, how surely each is told, and what is left."""
+"""Calibration: a scene fitted to measured sweeps, with intervals and remarks."""
 
 from __future__ import annotations
 
@@ -21,61 +21,62 @@ from ..models.uniform import folded
 from ..progress import ProgressCallback, silent
 from ..safe_text import Tabular
 from ..scene.scene import Scene
-from .centered_model import Around, Model, around, checked_model, model_of
-from .estimates import HEADER, Quantity, intervals, quantile, quantities, told_together
+from .centered_model import CenteredModel, Model, centered_model, checked_model, model_of
+from .estimates import HEADER, FittedQuantity, intervals, quantile, quantities, weakly_identified
 from .fit import Fit, best_fit, certificate_limit, model_tolerance
 from .fit_options import Options, candidates
-from .identifiability import Information, information, with_unknown
-from .initial_values import capacitance_off
-from .likelihood.distributions import Laws
+from .identifiability import Information, information, with_all_unknown
+from .initial_values import capacitance_offset
+from .likelihood.distributions import Distributions
 from .measurements import Measurements, measurements_of
 from .misfit import Comparison, compared
-from .prior import Noise, Prior, drawn_uneven, noise_of, priors, with_noise
+from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import FitSpec
 from .sheet_intervals import MISMATCH
-from .surroundings_trials import gains, surrounded
+from .surroundings_trials import trial_remarks, with_effects
 
 if TYPE_CHECKING:
     import xarray as xr
 
 NOISE_ROUNDS = 3
 ROUNDED = 1e-6
-"""Of an exponent: so near to 1 it is 1."""
+"""Distance of an exponent from 1 within which it counts as 1."""
 
 
 @dataclass(frozen=True, repr=False)
 class Calibration(Tabular):
-    """What the sweeps say of a scene.
+    """Result of a calibration.
 
-    values: all parameters as `Forward` counts them about the scene given. intervals: 95 %, of all
-    that are not known, each whatever the others are. told: whether the data tell each of them, or
-    its prior does. held: parameters that are not known, but left as the scene has them. scene: the
-    calibrated one. quantities: the fitted in physical units. strengths: of the touches of each
-    press. noise: of the meter. unclear: what the data cannot tell apart. remarks: what was done on
-    the way. ideal: where the exponent was fitted, why an ideal capacitance would not do.
+    values: all parameters, relative to the given scene as `Forward` counts them. intervals:
+    marginal 95 % intervals of all unknown parameters. identified: for each of them, True if the
+    data determine it, False if its prior does. not_fitted: unknown parameters that kept the scene's
+    values. scene: the calibrated scene. quantities: the fitted quantities in physical units.
+    noise: of the meter. unclear: combinations that the data do not identify, a line each. remarks:
+    notes on the fit. ideal: comparison with an ideal capacitance, where the exponent was fitted
+    below 1.
     """
 
     values: dict[str, float]
     intervals: dict[str, tuple[float, float]]
     scene: Scene
-    told: dict[str, bool]
-    quantities: tuple[Quantity, ...]
+    identified: dict[str, bool]
+    quantities: tuple[FittedQuantity, ...]
     information: Information
     fit: Fit
     noise: Noise
     unclear: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
-    held: tuple[str, ...] = ()
+    not_fitted: tuple[str, ...] = ()
     ideal: Comparison | None = None
 
     @property
     def chi_squared(self) -> float:
-        """Per degree of freedom."""
+        """Chi-squared per degree of freedom."""
         return self.fit.chi_squared / self.information.freedom
 
     @property
     def rms_error(self) -> float:
-        """Of Z, relative to |Z|."""
+        """Rms error of Z relative to |Z|."""
         return self.fit.rms_error
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
@@ -83,7 +84,7 @@ class Calibration(Tabular):
 
     @property
     def strengths(self) -> list[NDArray[np.float64]]:
-        """Rise of capacitance (factor - 1) of each touch of each reading."""
+        """Rises of capacitance (factor - 1) of the touches of each sweep."""
         readings = range(len(self.fit.spec.measurements.sweeps))
         return [self.fit.problem.strengths(self.fit.u, k) for k in readings]
 
@@ -96,59 +97,60 @@ def calibrate(
     model: Model | None = None,
     progress: ProgressCallback = silent,
 ) -> Calibration:
-    """Fit a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
+    """Fits a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
-    model: of the scene at the sweeps' interfaces and frequencies, where there is one at hand; its
-    training is the slow part. progress: as of `ProgressCallback`.
-    Raises InputError where sweeps and scene do not fit, ToleranceError where no model holds.
+    model: a trained model of the scene at the sweeps' interfaces and frequencies, if there is one:
+    training is the slow part. progress: see `ProgressCallback`.
+    Raises InputError where sweeps and scene do not match, ToleranceError where no model reaches its
+    tolerance.
     """
     scene = forces_as_depths(scene)
     unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
-    scene = surrounded(scene, options.also)
+    scene = with_effects(scene, options.also)
     folded(scene, "a calibration")
     data = measurements_of(scene, sweeps, options.band, options.session)
-    job = _Job(data, options, unknown_effects, model, progress)
-    fit, noise = job.done()
-    told = information(fit, job.held)
-    degrees = told.freedom if noise.guessed else noise.freedom
-    unknown = with_unknown(fit, job.held)
-    laws = _laws(scene, unknown, told, degrees, job.held)
-    bounds = intervals(scene, unknown, told, degrees, laws)
-    gained = [] if noise.guessed else gains(fit, told.freedom, progress)
+    job = _CalibrationRun(data, options, unknown_effects, model, progress)
+    fit, noise = job.run()
+    info = information(fit, job.not_fitted)
+    degrees = info.freedom if noise.guessed else noise.freedom
+    unknown = with_all_unknown(fit, job.not_fitted)
+    distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
+    bounds = intervals(scene, unknown, info, degrees, distributions)
+    gained = [] if noise.guessed else trial_remarks(fit, info.freedom, progress)
     names = fit.spec.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
         values=fit.values,
         intervals=bounds,
         scene=_fitted_scene(scene, fit.values),
-        told=told.told,
-        quantities=quantities(scene, unknown, told, degrees, names, laws),
-        information=told,
+        identified=info.identified,
+        quantities=quantities(scene, unknown, info, degrees, names, distributions),
+        information=info,
         fit=fit,
         noise=noise,
-        unclear=tuple(told_together(scene, unknown, told)),
+        unclear=tuple(weakly_identified(scene, unknown, info)),
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *gained])),
-        held=tuple(job.held),
+        not_fitted=tuple(job.not_fitted),
         ideal=compared(fit, progress) if beaten else None,
     )
 
 
-def _laws(
-    scene: Scene, unknown: Fit, told: Information, freedom: float, held: Mapping[str, Prior]
-) -> Laws | None:
-    """None where the scene's values were kept that the data may say are others."""
-    if held.keys() - {MISMATCH}:
+def _distributions(
+    scene: Scene, unknown: Fit, info: Information, freedom: float, not_fitted: Mapping[str, Prior]
+) -> Distributions | None:
+    """Profile distributions; None where parameters other than the mismatch were not fitted."""
+    if not_fitted.keys() - {MISMATCH}:
         return None
-    return Laws(scene, unknown, told, quantile(freedom))
+    return Distributions(scene, unknown, info, quantile(freedom))
 
 
 def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with its parameters, and with the slow waves as maps."""
+    """The scene with the fitted parameters, and with the cosine modes as maps."""
     return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
 
 
-class _Job:
-    """A calibration under way: the model at hand, and what is to be remarked."""
+class _CalibrationRun:
+    """A calibration in progress: its current model and its remarks."""
 
     def __init__(
         self,
@@ -158,7 +160,7 @@ class _Job:
         model: Model | None,
         progress: ProgressCallback,
     ) -> None:
-        """effects: as of `priors`."""
+        """effects: see `priors`."""
         self.measured, self.options, self._progress = measured, options, progress
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
@@ -168,11 +170,14 @@ class _Job:
         free = (*at_hand.free, *self._uneven.names)
         fit = (*options.fit, *options.also) if options.fit else ()
         asked = candidates(measured, free, self.priors, fit, options.fix)
-        self.names, self.held = asked.fitted, {name: self.priors[name] for name in asked.held}
+        self.names, self.not_fitted = (
+            asked.fitted,
+            {name: self.priors[name] for name in asked.not_fitted},
+        )
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None
 
-    def done(self) -> tuple[Fit, Noise]:
+    def run(self) -> tuple[Fit, Noise]:
         """The fit, and the noise it was made with."""
         if self.noise.guessed:
             for _ in range(NOISE_ROUNDS):
@@ -189,19 +194,21 @@ class _Job:
             self.options.strengths,
         )
         fit = best_fit(asked, self._ready, self._begin, self._remark)
-        self._ready, self._begin = fit.problem.around, fit.values
+        self._ready, self._begin = fit.problem.model, fit.values
         return fit
 
-    def _prepared(self, model: Model, trained: bool) -> Around:
-        """A model about the scene, or about the capacitance that is seen where that is far off."""
+    def _prepared(self, model: Model, trained: bool) -> CenteredModel:
+        """A model around the scene, or around the measured capacitance where that is far off."""
         scene = self.measured.scene
         if trained or isinstance(model, LineModel):
-            return Around(checked_model(model, scene, self._uneven), {}, self._uneven)
+            return CenteredModel(checked_model(model, scene, self._uneven), {}, self._uneven)
         wide = self.options.prior == "wide" and "capacitance" in self.names
-        off = capacitance_off(self.measured) if wide else 0.0
+        off = capacitance_offset(self.measured) if wide else 0.0
         if not off:
-            return Around(model, {}, self._uneven)
-        return around(scene, {"capacitance": off}, self._tolerance, self._progress, self._uneven)
+            return CenteredModel(model, {}, self._uneven)
+        return centered_model(
+            scene, {"capacitance": off}, self._tolerance, self._progress, self._uneven
+        )
 
     @property
     def _tolerance(self) -> float:
@@ -220,8 +227,8 @@ class _Job:
 
 
 def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> FittedModes:
-    """What slow waves are fitted; raises InputError where the scene has such maps already."""
-    drawn = options.prior == "session" and drawn_uneven(scene) and model is None
+    """Cosine modes to fit. Raises InputError where the scene has such maps already."""
+    drawn = options.prior == "session" and sessions_vary_smoothly(scene) and model is None
     found = FittedModes(options.uneven or drawn, options.uneven_sheets)
     if found.foam:
         check_uniform_foam(scene)
@@ -231,7 +238,7 @@ def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Fitt
 
 
 def _left_out(fit: Fit) -> list[str]:
-    """What the model leaves out, where that is not small beside the meter's error."""
+    """A remark on the model's error, where that is not small compared with the meter's."""
     if fit.certificate <= certificate_limit(fit.spec):
         return []
-    return [f"the model leaves out up to {fit.certificate:.1e} of Rs and Cp at the solution"]
+    return [f"the model's error at the solution is up to {fit.certificate:.1e} of Rs and Cp"]

@@ -1,7 +1,8 @@
-"""What is told of two sheets: each of them, their ratio, and where one field sees both their sum.
+"""Intervals of two sheets: each one, their ratio, and their sum where one field describes both.
 
-Of that sum S alone each sheet hangs on the ratio r, of which no more is known than beforehand. That
-is much, so it is carried through S r / (1 + r) and S / (1 + r) as it is, not by its slope.
+One field depends on the sum S only. Each sheet then follows from S and the ratio r, which keeps its
+prior. That prior is wide, so its full distribution enters S r / (1 + r) and S / (1 + r), not a
+linear approximation.
 """
 
 from __future__ import annotations
@@ -18,18 +19,18 @@ from ..models.parameters import BOTTOM_MODES, TOP_MODES
 from ..scene.scene import Scene
 from .fit import Fit
 from .identifiability import Information
-from .likelihood.profile_distribution import CONFIDENCE, Interval, Law
+from .likelihood.profile_distribution import CONFIDENCE, Interval, ProfileDistribution
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"
 RATIOS, SUMS = 2001, 101
-"""Places of equal chance along the law of the ratio, and of the sum at each ratio."""
+"""Number of equally likely values of the ratio, and of the sum at each ratio."""
 
 
 class Product(NamedTuple):
-    """A quantity of the scene: its value there and as fitted, and its slopes.
+    """A quantity of the scene: its value there (`start`), its fitted value, and its slopes.
 
-    slopes: of its logarithm, to each parameter that it depends on.
+    slopes: derivatives of its logarithm by the parameters that it depends on.
     """
 
     name: str
@@ -40,7 +41,10 @@ class Product(NamedTuple):
 
 
 def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
-    """values: of all parameters."""
+    """Both sheets, their ratio, and their sum where one field describes both.
+
+    values: of all parameters.
+    """
     before = scene.skin.sheet_resistances
     both, half = values[COMMON], values[MISMATCH] / 2
     top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
@@ -52,15 +56,15 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
     yield Product(RATIO, "", before[0] / before[1], top / bottom, {MISMATCH: 1.0})
 
 
-def hang_on_ratio(scene: Scene, information: Information) -> bool:
-    """Whether one field sees both sheets, and neither is known."""
+def depend_on_ratio(scene: Scene, information: Information) -> bool:
+    """True if one field describes both sheets, and both are unknown."""
     return single_field(scene) is not None and {COMMON, MISMATCH} <= set(information.names)
 
 
-class Pair(NamedTuple):
-    """Two parameters that one field sees a sum of alone, to first order.
+class SeriesPair(NamedTuple):
+    """Two parameters of which one field depends only on a sum, to first order.
 
-    name: of the sum, where it has none of its own. shares: of each in it.
+    name: of the sum, empty where another quantity describes it. shares: weights in the sum.
     """
 
     first: str
@@ -69,37 +73,43 @@ class Pair(NamedTuple):
     shares: tuple[float, float] = (0.0, 0.0)
 
 
-def in_series(scene: Scene, values: Mapping[str, float], names: Sequence[str]) -> Iterator[Pair]:
-    """Of sheets that one field sees: their ratio beside their mean, and each slow wave of both.
+def series_pairs(
+    scene: Scene, values: Mapping[str, float], names: Sequence[str]
+) -> Iterator[SeriesPair]:
+    """Pairs of sheets that one field describes: mean and ratio, and each cosine mode of both.
 
-    values: of all parameters. names: of those that are not known.
+    values: of all parameters. names: of the unknown ones.
     """
     if single_field(scene) is None:
         return
     if {COMMON, MISMATCH} <= set(names):
-        yield Pair(COMMON, MISMATCH)
+        yield SeriesPair(COMMON, MISMATCH)
     of = {each.name: each.value for each in sheets(scene, values)}
     shares = of[TOP] / of[SUM], of[BOTTOM] / of[SUM]
     for first, second in zip(TOP_MODES, BOTTOM_MODES, strict=True):
         if {first, second} <= set(names):
-            yield Pair(first, second, f"both sheets, {first.removeprefix('top_')}", shares)
+            yield SeriesPair(first, second, f"both sheets, {first.removeprefix('top_')}", shares)
 
 
-def of_series(
-    scene: Scene, fit: Fit, information: Information, width: float, law: Law | None = None
+def series_intervals(
+    scene: Scene,
+    fit: Fit,
+    information: Information,
+    width: float,
+    distribution: ProfileDistribution | None = None,
 ) -> dict[str, Interval]:
-    """95 % intervals of sheets that `hang_on_ratio`: TOP, BOTTOM in ohm/sq, the parameter COMMON.
+    """95 % intervals of sheets that `depend_on_ratio`: TOP, BOTTOM in ohm/sq, parameter COMMON.
 
-    fit, information: of all that is not known. width: half of an interval over its deviation. law:
-    of the logarithm of the sum, where that is not normal.
+    fit, information: with all unknown parameters. width: half of an interval over its standard
+    deviation. distribution: of the logarithm of the sum, where that is not normal.
     """
     of = {each.name: each for each in sheets(scene, fit.values)}
     steps = np.array([prior.deviation for prior in fit.spec.fitted.values()])
     pair = np.array([slopes_of(of[name], information.names) for name in (RATIO, SUM)]) * steps
     covariance = pair @ information.covariance @ pair.T
     log_ratio, log_sum = _law(covariance, width)
-    if law:
-        log_sum = law.at(log_sum / math.sqrt(covariance[1, 1])) - math.log(of[SUM].value)
+    if distribution:
+        log_sum = distribution.at(log_sum / math.sqrt(covariance[1, 1])) - math.log(of[SUM].value)
     ratio, total = of[RATIO].value * np.exp(log_ratio), of[SUM].value * np.exp(log_sum)
     top, bottom = total * ratio / (1 + ratio), total / (1 + ratio)
     both = np.log(top * bottom / (of[TOP].start * of[BOTTOM].start)) / 2
@@ -107,16 +117,16 @@ def of_series(
 
 
 def slopes_of(product: Product, names: tuple[str, ...]) -> NDArray[np.float64]:
-    """To each of these parameters, shape (parameter,)."""
+    """Slopes by each of these parameters, shape (parameter,)."""
     return np.array([product.slopes.get(name, 0.0) for name in names])
 
 
 def _law(
     covariance: NDArray[np.float64], width: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Two numbers of a joint normal law about 0, at places of equal chance: (RATIOS, SUMS).
+    """Equally likely pairs of a joint normal distribution around 0, shape (RATIOS, SUMS).
 
-    width: times its deviation that a number lies within in 95 of 100 cases.
+    width: half of a 95 % interval over its standard deviation.
     """
     from scipy.special import ndtri
 
@@ -128,16 +138,16 @@ def _law(
 
 
 def _middle(values: NDArray[np.float64]) -> Interval:
-    """What 95 of 100 lie within."""
+    """The central interval that contains 95 % of the values."""
     low, high = np.quantile(values, (0.025, 0.975))
     return float(low), float(high)
 
 
 def _likeliest(values: NDArray[np.float64]) -> Interval:
-    """The shortest interval that 95 of 100 lie within.
+    """The shortest interval that contains 95 % of the values.
 
-    The mean of two sheets in series is largest, and likeliest, where both are equal: equal sheets
-    lie at an end of their law, which an interval about its middle would leave out.
+    The mean of two sheets in series is largest, and likeliest, where both are equal. Equal sheets
+    lie at an end of the distribution, which a central interval would leave out.
     """
     ordered = np.sort(values, axis=None)
     within = round(CONFIDENCE * ordered.size)

@@ -1,4 +1,4 @@
-"""What surrounds a skin, tried where a scene says nothing of it: a body, the rim and a finger."""
+"""Trial fits of surroundings that a scene does not state: a body, the rim and a finger."""
 
 from __future__ import annotations
 
@@ -14,27 +14,28 @@ from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
-from .centered_model import Around, around
+from .centered_model import CenteredModel, centered_model
 from .fit import EXPLAINED, Fit, certificate_limit, solve_from
 from .prior import Prior, effect_prior
 from .problem import FitSpec, LeastSquaresProblem
 
 BODY = 8e-3
-"""m: of a body from the sheet that is not touched, where none is known; a factor of 30 on its
+"""m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its
 capacitance reaches from 0.3 mm to 0.24 m."""
 RIM = 0.6 * VACUUM_PERMITTIVITY
-"""F/m: between the sheets, and of each to earth, of a sheet of 0.12 m with 4 mm of foam that a
-virtual earth reads: by charges of three-dimensional solves 0.61, 0.62 and 0.62 of vacuum's."""
+"""F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
+three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
+foam and a virtual earth."""
 WORTH = 0.1
-"""Of chi-squared: what an effect takes off at least to be named."""
+"""Smallest share of chi-squared that an effect must remove to be reported."""
 NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
-"""Values at which an effect is as good as none."""
+"""Parameter values at which an effect is negligible."""
 
 
-def surrounded(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene with what it needs to have these of EFFECTS among its parameters.
+def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
+    """The scene with the surroundings that these of EFFECTS need as parameters.
 
-    Raises InputError for a name that is none of them, or that it cannot have.
+    Raises InputError for a name that is not in EFFECTS, or that the scene cannot have.
     """
     for name in names:
         if name not in EFFECTS:
@@ -56,8 +57,8 @@ def surrounded(scene: Scene, names: Sequence[str]) -> Scene:
     return found
 
 
-def addable(scene: Scene) -> list[str]:
-    """Those of EFFECTS that a scene has not and can have."""
+def addable_effects(scene: Scene) -> list[str]:
+    """Those of EFFECTS that a scene lacks and can have."""
     around = scene.surroundings
     solved = around is not None and around.solved
     can = {
@@ -68,81 +69,82 @@ def addable(scene: Scene) -> list[str]:
     return [name for name in EFFECTS if can[name] and name not in effects_of(scene)]
 
 
-def in_words(scene: Scene, name: str, value: float) -> str:
-    """One of EFFECTS of a scene that has it, at a value."""
+def effect_text(scene: Scene, name: str, value: float) -> str:
+    """Text of one of EFFECTS of a scene at a value of its parameter."""
     if name == "finger":
-        return f"a finger of about {_about(1e12 * value)} pF"
+        return f"a finger of about {_two_digits(1e12 * value)} pF"
     around = scene_with(scene, {name: value}).surroundings
     assert around is not None
     if name == "rim":
         rim = rim_densities(scene_with(scene, {name: value}))
-        return f"a rim of about {_about(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
+        return f"a rim of about {_two_digits(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
     nearest = max(around.body, key=lambda body: body.per_area)
     if nearest.distance is None:
         return f"a body of about {nearest.per_area:.2g} F/m²"
-    return f"a body at about {_about(1e3 * nearest.distance)} mm"
+    return f"a body at about {_two_digits(1e3 * nearest.distance)} mm"
 
 
-def _about(value: float) -> str:
-    """To two digits."""
+def _two_digits(value: float) -> str:
+    """Number with two significant digits."""
     return f"{float(f'{value:.2g}'):g}"
 
 
-def gains(fit: Fit, freedom: float, progress: ProgressCallback = silent) -> list[str]:
-    """What each of EFFECTS that the scene has not would leave beside what was fitted, a line each.
+def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent) -> list[str]:
+    """Remarks on the misfit that would remain with each of EFFECTS that the scene lacks.
 
-    freedom: of the fit. Nothing where the fit explains the readings.
+    freedom: degrees of freedom of the fit. Empty where the fit explains the readings.
     """
-    asked, left = fit.spec, fit.chi_squared / freedom
-    if left < EXPLAINED or not addable(asked.measurements.scene):
+    spec, left = fit.spec, fit.chi_squared / freedom
+    if left < EXPLAINED or not addable_effects(spec.measurements.scene):
         return []
     try:
-        trials = Trials(asked, fit.values, progress)
+        trials = Trials(spec, fit.values, progress)
         found = {name: trials.fit(name) for name in trials.names}
     except (InputError, ToleranceError) as error:
-        return [f"what surrounds the skin was not tried: {error}"]
+        return [f"surroundings of the skin were not tried: {error}"]
     lines = [
-        f"{trials.in_words(each, name)} beside what is fitted would leave "
-        f"{each.chi_squared / (freedom - 1):.3g} of chi-squared per degree of freedom in place of "
-        f"{left:.3g}; --also {name} fits it"
+        f"{trials.text_of(each, name)} in addition would reduce chi-squared per degree of freedom "
+        f"from {left:.3g} to {each.chi_squared / (freedom - 1):.3g}; fit it with --also {name}"
         for name, each in sorted(found.items(), key=lambda pair: pair[1].chi_squared)
         if each.chi_squared < (1 - WORTH) * fit.chi_squared
     ]
-    return lines or ["neither a body near the skin nor its rim nor a finger explains what is left"]
+    return lines or [
+        "neither a body near the skin nor its rim nor a finger explains the remaining misfit"
+    ]
 
 
 class Trials:
-    """Each of EFFECTS that a scene has not, fitted beside what a problem has already."""
+    """Fits of a problem with one more parameter: each of EFFECTS that its scene lacks."""
 
     def __init__(
-        self, asked: FitSpec, at: dict[str, float], progress: ProgressCallback = silent
+        self, spec: FitSpec, at: dict[str, float], progress: ProgressCallback = silent
     ) -> None:
-        """asked: of the scene without them. at: values of its parameters that a fit begins at."""
-        self.names = addable(asked.measurements.scene)
-        scene = surrounded(asked.measurements.scene, self.names)
+        """spec: for the scene without these effects. at: initial values of its parameters."""
+        self.names = addable_effects(spec.measurements.scene)
+        scene = with_effects(spec.measurements.scene, self.names)
         none = {name: NONE[name] for name in self.names}
-        self.asked = replace(
-            asked,
-            measurements=replace(asked.measurements, scene=scene),
-            fixed={**asked.fixed, **none},
+        self.spec = replace(
+            spec, measurements=replace(spec.measurements, scene=scene), fixed={**spec.fixed, **none}
         )
         self._at = at
-        self._ready: Around = around(scene, at, certificate_limit(asked), progress)
+        self._ready: CenteredModel = centered_model(scene, at, certificate_limit(spec), progress)
 
     def fit(
         self,
         name: str,
-        beside: Mapping[str, Prior] = MappingProxyType({}),
+        also: Mapping[str, Prior] = MappingProxyType({}),
         at: Mapping[str, float] = MappingProxyType({}),
     ) -> Fit:
-        """The best fit with one of them. beside: priors of parameters that are fitted with it. at:
-        values that these begin at."""
-        own = {name: effect_prior(self.asked.measurements, name)}
-        both = {**self.asked.fitted, **beside, **own}
-        fixed = {n: value for n, value in self.asked.fixed.items() if n not in both}
-        asked = replace(self.asked, fitted=both, fixed=fixed)
-        return solve_from(LeastSquaresProblem(asked, self._ready), {**self._at, **at, name: 0.0})
+        """The best fit with one of these effects.
 
-    def in_words(self, fit: Fit, name: str) -> str:
-        """What it found of one."""
-        return in_words(self.asked.measurements.scene, name, fit.values[name])
+        also: priors of further parameters to fit. at: initial values of these.
+        """
+        own = {name: effect_prior(self.spec.measurements, name)}
+        both = {**self.spec.fitted, **also, **own}
+        fixed = {n: value for n, value in self.spec.fixed.items() if n not in both}
+        spec = replace(self.spec, fitted=both, fixed=fixed)
+        return solve_from(LeastSquaresProblem(spec, self._ready), {**self._at, **at, name: 0.0})
+
+    def text_of(self, fit: Fit, name: str) -> str:
+        """Text of the fitted effect."""
+        return effect_text(self.spec.measurements.scene, name, fit.values[name])

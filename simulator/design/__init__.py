@@ -1,1 +1,1 @@
-"""The skin, its wiring and its readings that tell most within what a designer must keep."""
+"""Design search: the best skin, wiring and readings within a designer's constraints."""

@@ -25,68 +25,73 @@ def design(
     target: Annotated[
         str | None,
         typer.Option(
-            help="What is to be told: pixel, column, row, pair or position.",
+            help="What the readings are to identify: pixel, column, row, pair or position.",
             autocompletion=lambda: ["pixel", "column", "row", "pair", "position"],
         ),
     ] = None,
     want: Annotated[
-        float | None, typer.Option(help="Share of sweeps that is to be right, 0 to 1.")
+        float | None, typer.Option(help="Required share of correct sweeps, 0 to 1.")
     ] = None,
     within: Annotated[
-        float | None, typer.Option(help="mm: of positions, so near half of all answers come.")
+        float | None, typer.Option(help="mm: required median error of positions.")
     ] = None,
-    wires: Annotated[int | None, typer.Option(help="Foils with a wire, at most.")] = None,
-    readings: Annotated[int | None, typer.Option(help="Readings of a sweep, at most.")] = None,
+    wires: Annotated[int | None, typer.Option(help="Largest number of foils with a wire.")] = None,
+    readings: Annotated[
+        int | None, typer.Option(help="Largest number of readings in a sweep.")
+    ] = None,
     frequencies: Annotated[
-        int | None, typer.Option(help="Frequencies of each reading, at most.")
+        int | None, typer.Option(help="Largest number of frequencies of a reading.")
     ] = None,
     own_frequencies: Annotated[
         bool | None,
-        typer.Option("--own-frequencies", help="Each reading may have its own, as many in all."),
+        typer.Option(
+            "--own-frequencies",
+            help="Each reading may have its own frequencies, the same number in total.",
+        ),
     ] = None,
     seconds: Annotated[
-        float | None, typer.Option(help="What a sweep may take on the meter, at most.")
+        float | None, typer.Option(help="Longest time of a sweep on the meter.")
     ] = None,
     band: Annotated[
         str | None,
-        typer.Option(help="LOW:HIGH in Hz; what is absent is the scene's lowest or highest."),
+        typer.Option(help="LOW:HIGH in Hz; default: the scene's lowest and highest frequency."),
     ] = None,
     sheet_resistance: Annotated[
-        str | None, typer.Option(help="LOW:HIGH in ohm/sq, of both sheets.")
+        str | None, typer.Option(help="LOW:HIGH in ohm/sq, for both sheets.")
     ] = None,
     sheet_ratio: Annotated[
-        float | None, typer.Option(help="One sheet's resistance over the other's, at most.")
+        float | None, typer.Option(help="Largest ratio of one sheet's resistance to the other's.")
     ] = None,
     foam_thickness: Annotated[
-        str | None, typer.Option(help="LOW:HIGH in m, of a foam whose thickness the scene gives.")
+        str | None, typer.Option(help="LOW:HIGH in m, if the scene states the foam's thickness.")
     ] = None,
     grading: Annotated[
         float | None,
-        typer.Option(help="Sheet resistance at one edge over that at the other, 1 to 10, at most."),
+        typer.Option(help="Largest ratio of a sheet's resistance at opposite edges, 1 to 10."),
     ] = None,
     foils: Annotated[
-        bool | None, typer.Option("--foils", help="Places and lengths of foils may change.")
+        bool | None, typer.Option("--foils", help="Positions and lengths of foils may change.")
     ] = None,
     foil_length: Annotated[
-        str | None, typer.Option(help="LOW:HIGH of a foil's length over that of its edge.")
+        str | None, typer.Option(help="LOW:HIGH, a foil's length over that of its edge.")
     ] = None,
     against_rest: Annotated[
-        int | None, typer.Option(help="Sweeps at rest that each sweep is compared with.")
+        int | None, typer.Option(help="Number of baseline sweeps that each sweep is compared with.")
     ] = None,
     casts: Annotated[
-        int | None, typer.Option(help="Skins drawn as `dataset.session` of the scene says.")
+        int | None, typer.Option(help="Number of skin samples, drawn from `dataset.session`.")
     ] = None,
-    draws: Annotated[int, typer.Option(help="Sweeps drawn for each bound.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 1,
+    draws: Annotated[int, typer.Option(help="Number of sweeps drawn for each bound.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 1,
 ) -> None:
-    """Find the skin and the readings that tell most within what must be kept.
+    """Find the best skin and readings within given constraints.
 
-    Options stand before the table [design] of the scene. FOLDER/design.toml
-    is the scene that was found, which every command takes; wiring.csv says
-    which wires go to H and to L for each reading, report.html what each step
-    gained, how flat the optimum is, and what to cast.
+    Options override the table [design] of the scene. FOLDER/design.toml is
+    the designed scene, which every command accepts. wiring.csv lists the
+    wires at H and at L for each reading. report.html has the gain of each
+    step, the sensitivity of the optimum and what to make.
 
-    A search that was killed goes on with the same command.
+    Run the same command again to continue an interrupted search.
     """
     from ..bounds.sets import own_band
     from ..models.uniform import folded
@@ -95,10 +100,10 @@ def design(
     from ..scene.frequency import parse_band
     from ..scene.scene_files import scene_text
     from ..sweeps.accuracy_text import bound_text
-    from .bench import Asking
-    from .journal import Journal
-    from .report.folder import answer, write_folder
+    from .evaluator import SearchSettings
+    from .report.design_folder import answer, write_folder
     from .search import search
+    from .search_journal import SearchJournal
 
     loaded = folded(requested_scene(scene), "a design")
     given = {
@@ -120,23 +125,23 @@ def design(
         "against_rest": against_rest,
         "casts": casts,
     }
-    asked = _asked(loaded, {name: value for name, value in given.items() if value is not None})
+    request = _request(loaded, {name: value for name, value in given.items() if value is not None})
     bare = loaded.model_copy(update={"design": None})
-    header = {"asked": asked.model_dump(mode="json"), "seed": seed, "draws": draws}
-    journal = Journal(_journal_of(output), {"scene": scene_text(bare), **header})
+    header = {"asked": request.model_dump(mode="json"), "seed": seed, "draws": draws}
+    journal = SearchJournal(_journal_of(output), {"scene": scene_text(bare), **header})
     with on_terminal() as progress:
-        asking = Asking(asked, seed, draws, journal, progress)
-        found = search(bare, asking)
-        write_folder(found, asking, output)
+        settings = SearchSettings(request, seed, draws, journal, progress)
+        found = search(bare, settings)
+        write_folder(found, settings, output)
     journal.done()
-    say(answer(found, asking))
-    if asked.target != "position":
-        skins = f"each of {asked.casts} known casts" if asked.casts else "a known skin"
-        say(bound_text(asked.against_rest, skins))
-    say(f"design, wiring and report in {output}")
+    say(answer(found, settings))
+    if request.target != "position":
+        skins = f"each of {request.casts} known samples" if request.casts else "a known skin"
+        say(bound_text(request.against_rest, skins))
+    say(f"design, wiring and report written to {output}")
 
 
-def _asked(scene: Scene, given: dict[str, object]) -> Design:
+def _request(scene: Scene, given: dict[str, object]) -> Design:
     from pydantic import ValidationError
 
     from ..scene.design_goals import Design
@@ -174,6 +179,6 @@ def _metres(option: str, millimetres: float | None) -> float | None:
 
 def _journal_of(output: Path) -> Path:
     from ..sweeps import checked_folder
-    from .report.folder import WRITTEN
+    from .report.design_folder import WRITTEN
 
     return checked_folder(output, *WRITTEN).with_name(f".{output.name}.search")

@@ -1,4 +1,4 @@
-"""Skins beside a scene's own: other places and lengths of its foils, graded sheets."""
+"""Variants of a scene's geometry: other positions and lengths of its foils, graded sheets."""
 
 from __future__ import annotations
 
@@ -9,39 +9,41 @@ from functools import partial
 from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .pool import terminals
+from .reading_pool import terminals
 
 LENGTHS, PLACES = 3, (0.0, 0.5, 1.0)
-"""Of a foil: how many within its bounds, and where between both ends of its edge."""
+"""Number of lengths of a foil within its bounds, and its positions between the ends of its edge."""
 UNEVEN = 1.0 + 1e-9
 
 
 Others = Callable[[Scene], list[Scene]]
-"""A scene with one thing in all other ways that are looked at."""
+"""Function from a scene to its variants in one property."""
 
 
-def geometries(scene: Scene, asked: Design) -> list[tuple[str, Others]]:
-    """What of a geometry may change, by name; nothing where all of it is to stay.
+def geometries(scene: Scene, request: Design) -> list[tuple[str, Others]]:
+    """Properties of the geometry that may change, by name; empty where all are fixed.
 
-    Foils on one edge that lie alike on both sheets move together; sheets are graded together, along
-    x or y, where they do not vary already.
+    Foils on one edge with the same span on both sheets move together. Both sheets are graded
+    together, along x or y, unless they have maps already.
     """
     found: list[tuple[str, Others]] = []
-    if asked.foils and scene.skin.rectangular:
-        alike: dict[tuple[str, tuple[float, float]], list[str]] = {}
+    if request.foils and scene.skin.rectangular:
+        same_span: dict[tuple[str, tuple[float, float]], list[str]] = {}
         for contact in scene.contacts:
-            alike.setdefault((contact.edge, contact.span), []).append(contact.name)
-        for (edge, _), names in alike.items():
-            found.append((f"foils on the {edge} edge", partial(moved, names, asked.foil_length)))
+            same_span.setdefault((contact.edge, contact.span), []).append(contact.name)
+        for (edge, _), names in same_span.items():
+            found.append((f"foils on the {edge} edge", partial(moved, names, request.foil_length)))
     even = scene.skin.top.map is None and scene.skin.bottom.map is None
-    if asked.grading > UNEVEN and even:
-        found.append(("graded sheets", partial(graded, asked.grading)))
+    if request.grading > UNEVEN and even:
+        found.append(("graded sheets", partial(graded, request.grading)))
     return found
 
 
 def moved(names: Sequence[str], bounds: tuple[float, float], scene: Scene) -> list[Scene]:
-    """With foils of these names elsewhere on their edge, all alike. bounds: of their length over
-    that of the edge. As many terminals stay apart."""
+    """Scenes with these foils at other positions on their edge, all with the same span.
+
+    bounds: of their length over that of the edge. Scenes in which terminals touch are left out.
+    """
     own = scene.contact(names[0]).span
     made = [
         _with(scene, {f"contact.{name}.span": list(span) for name in names})
@@ -52,10 +54,10 @@ def moved(names: Sequence[str], bounds: tuple[float, float], scene: Scene) -> li
     return [each for each in made if each is not None and len(terminals(each)) == wires]
 
 
-def graded(most: float, scene: Scene) -> list[Scene]:
-    """With both sheets rising along x or y, or falling. most: of one end over the other."""
+def graded(largest: float, scene: Scene) -> list[Scene]:
+    """Scenes with both sheets graded along x or y, up or down. most: largest ratio of the ends."""
     made = []
-    for ratio in (math.sqrt(most), most):
+    for ratio in (math.sqrt(largest), largest):
         rise = 2 * (ratio - 1) / (ratio + 1)
         for axis, sign in (("x", 1), ("x", -1), ("y", 1), ("y", -1)):
             gradient = {"kind": "gradient", axis: sign * rise}
@@ -64,7 +66,7 @@ def graded(most: float, scene: Scene) -> list[Scene]:
 
 
 def _spans(bounds: tuple[float, float]) -> list[tuple[float, float]]:
-    """Over an edge; foils keep as far from its ends as the longest of them does."""
+    """Spans on an edge; all foils keep the margin of the longest one from its ends."""
     low, high = bounds
     margin, found = (1 - high) / 2, []
     for k in range(LENGTHS):
@@ -77,7 +79,7 @@ def _spans(bounds: tuple[float, float]) -> list[tuple[float, float]]:
 
 
 def _with(scene: Scene, keys: Mapping[str, object]) -> Scene | None:
-    """The scene with keys changed; None where foils would then overlap or nearly touch."""
+    """The scene with changed keys; None where foils would overlap or nearly touch."""
     try:
         return scene.with_(keys)
     except InputError:

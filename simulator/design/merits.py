@@ -1,13 +1,13 @@
-"""What information is worth: two merits, 1 at most, and concave in it.
+"""Two merits of Fisher information, at most 1 and concave in the information.
 
-Right: of two presses, the distance of their readings at the strengths that hide it best is the
-least of sums of squares, so it is concave in the information: d² = min over strengths. Phi(-d/2) of
-all pairs, summed, is at least the share of errors of the best classifier of known strengths; it is
-convex in d², so that the share right is concave.
+Accuracy: the squared distance d² of the readings of two presses is the minimum of sums of squares
+over their strengths, so it is concave in the information. The sum of Phi(-d/2) over all pairs is at
+least the error of the best classifier of known strengths. It is convex in d², so the share of
+correct answers is concave.
 
-Near: of a touch somewhere, x and y err by no less than Cramér and Rao's bound. 1 / (the trace of
-its part for x and y) is concave in the information, and the root of that trace convex: the root
-mean square of the distance, over that of a guess, is what is left of the merit.
+Position: the errors of x and y of a touch are at least Cramér and Rao's bound. 1 / (the trace of
+its part for x and y) is concave in the information, and the root of that trace is convex. The merit
+is 1 minus this root mean square distance over that of a guess.
 """
 
 from __future__ import annotations
@@ -23,49 +23,52 @@ from scipy.special import ndtr
 
 TINY = 1e-12
 FARTHEST_STRENGTH = 10.0
-"""Deviation of how strong a touch is before it is read, of the capacitance at rest."""
+"""Prior standard deviation of a touch's strength, over the unpressed capacitance."""
 
 
-Lower = Mapping[tuple[int, int], NDArray[np.float64]]
-"""Entries of symmetric matrices, each of shape (...), by row and column, row >= column."""
+LowerTriangle = Mapping[tuple[int, int], NDArray[np.float64]]
+"""Entries of symmetric matrices by (row, column), row >= column, each of shape (...)."""
 
 
-class Told(NamedTuple):
-    """value: of the merit, shape (...). ways: shape (..., case, k, p), and coefficients, shape
-    (..., case, k): the derivative by the information is the sum of coefficient times way way'."""
+class MeritValue(NamedTuple):
+    """A merit and its derivative by the information, as a sum of weighted outer products.
+
+    value: shape (...). ways: vectors w, shape (..., case, k, p). coefficients: c, shape
+    (..., case, k). The derivative is the sum of c w w'.
+    """
 
     value: NDArray[np.float64]
     ways: NDArray[np.float64]
     coefficients: NDArray[np.float64]
 
     def slope(self) -> NDArray[np.float64]:
-        """By the information of each case, shape (..., case, p, p)."""
+        """Derivative by the information of each case, shape (..., case, p, p)."""
         weighed = self.ways * self.coefficients[..., None]
         return np.einsum("...ka,...kb->...ab", weighed, self.ways)
 
 
 class Merit(Protocol):
-    """From information (..., case, p, p) and the weight of each case (case,)."""
+    """Function of the information (..., case, p, p) and the weight of each case (case,)."""
 
-    def value(self, found: Lower, weight: NDArray[np.float64], /) -> NDArray:
-        """The merit alone, shape (...), in a fraction of the time. found: entries (..., case)."""
+    def value(self, found: LowerTriangle, weight: NDArray[np.float64], /) -> NDArray:
+        """The merit without its derivative, shape (...), which is faster. Entries: (..., case)."""
         ...
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64], /) -> Told:
-        """The merit and how it changes."""
+    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64], /) -> MeritValue:
+        """The merit and its derivative."""
         ...
 
 
-def lower(found: NDArray[np.float64]) -> Lower:
-    """Of matrices, shape (..., p, p)."""
+def lower_triangle(found: NDArray[np.float64]) -> LowerTriangle:
+    """Lower triangle of matrices of shape (..., p, p)."""
     return {(a, b): found[..., a, b] for a in range(found.shape[-1]) for b in range(a + 1)}
 
 
-def remaining(found: Lower, known: Sequence[float], kept: int) -> Lower:
-    """Information of the first `kept` unknown where the others are known no closer than that.
+def remaining(found: LowerTriangle, known: Sequence[float], kept: int) -> LowerTriangle:
+    """Information on the first `kept` unknowns, with the others marginalized.
 
-    By elimination of one after the other (Schur's complements), of all cases at once. known: of
-    each unknown beforehand.
+    Eliminates the others one by one (Schur complements), for all cases at once. known: prior
+    information on each unknown.
     """
     left = {(a, b): entry + known[a] if a == b else entry for (a, b), entry in found.items()}
     for last in range(len(known) - 1, kept - 1, -1):
@@ -77,18 +80,22 @@ def remaining(found: Lower, known: Sequence[float], kept: int) -> Lower:
 
 
 @dataclass(frozen=True)
-class Right:
-    """The share of sweeps right, by pairs: unknown are 1, then strengths in their deviations."""
+class AccuracyMerit:
+    """Share of correct sweeps, by pairs.
 
-    def value(self, found: Lower, weight: NDArray[np.float64]) -> NDArray:
-        """As of `Merit`."""
+    Row 0 of the information is the difference of a pair, the others are its strengths in standard
+    deviations.
+    """
+
+    def value(self, found: LowerTriangle, weight: NDArray[np.float64]) -> NDArray:
+        """See `Merit`."""
         strengths, _ = max(found)
         known = [0.0] + [1.0] * strengths
         squared = np.maximum(remaining(found, known, 1)[0, 0], 0.0)
         return 1 - ndtr(-np.sqrt(squared) / 2) @ weight
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> Told:
-        """weight: what share of all sweeps is lost where a pair is always mistaken."""
+    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
+        """weight: share of all sweeps that is wrong if a pair is always confused."""
         own = found + np.diag([0.0] + [1.0] * (found.shape[-1] - 1))
         way = np.ones(own.shape[:-1])
         if own.shape[-1] > 1:
@@ -97,38 +104,41 @@ class Right:
         value = 1 - ndtr(-np.sqrt(squared) / 2) @ weight
         d = np.sqrt(np.maximum(squared, TINY))
         by = weight * np.exp(-squared / 8) / (math.sqrt(2 * math.pi) * 4 * d)
-        return Told(value, way[..., None, :], by[..., None])
+        return MeritValue(value, way[..., None, :], by[..., None])
 
 
 @dataclass(frozen=True)
-class Near:
-    """How near touches are told; unknown are x, y in m and the strength. room: along x and y, m."""
+class PositionMerit:
+    """Precision of positions; the unknowns are x, y in m and the strength.
+
+    room: range of positions along x and y, m.
+    """
 
     room: tuple[float, float]
 
     @property
     def guess(self) -> float:
-        """Root mean square distance of a guess, m: what is left of the merit at 0."""
+        """Root mean square distance of a guess, m, at which the merit is 0."""
         return math.hypot(*self.room) / math.sqrt(12)
 
     @property
     def known(self) -> NDArray[np.float64]:
-        """1/deviation² before anything is read, shape (3,)."""
+        """Prior 1/deviation² of x, y and strength, shape (3,)."""
         least = 1e-3 * max(self.room)
         sides = [12 / max(side, least) ** 2 for side in self.room]
         return np.array([*sides, FARTHEST_STRENGTH**-2])
 
-    def value(self, found: Lower, weight: NDArray[np.float64]) -> NDArray:
-        """As of `Merit`."""
+    def value(self, found: LowerTriangle, weight: NDArray[np.float64]) -> NDArray:
+        """See `Merit`."""
         left = remaining(found, self.known.tolist(), 2)
         xx, xy, yy = left[0, 0], left[1, 0], left[1, 1]
         return 1 - np.sqrt((xx + yy) / (xx * yy - xy**2)) @ weight / self.guess
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> Told:
-        """weight: of each place, 1 in all."""
+    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
+        """weight: of each position, 1 in total."""
         inverse = np.linalg.inv(found + np.diag(self.known))
         ways = inverse[..., :2, :].astype(np.float64)
         far = np.sqrt(ways[..., 0, 0] + ways[..., 1, 1])
         value = 1 - far @ weight / self.guess
         by = weight / (2 * far * self.guess)
-        return Told(value, ways, np.repeat(by[..., None], 2, axis=-1))
+        return MeritValue(value, ways, np.repeat(by[..., None], 2, axis=-1))

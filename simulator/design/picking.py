@@ -1,4 +1,4 @@
-"""Readings and frequencies picked for a material: turn by turn, until neither changes."""
+"""Picks of readings and frequencies for a material, in turn until neither changes."""
 
 from __future__ import annotations
 
@@ -16,136 +16,139 @@ from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.reading_time import SETTLE, reading_time
-from .choosing import Choice, bound, chosen, exchanged_by_slope
-from .curves import Pairs, check_comparable, pairs
+from .candidate_merit import RIGHT, SessionErrors, by_both, by_frequency, by_reading
+from .candidate_selection import Selection, best_selection, exchanged_by_slope, selection_bound
 from .merits import Merit
-from .on_skin import Material, OnSkin
-from .places import Touches
-from .proxy import RIGHT, Ties, by_both, by_frequency, by_reading
-from .trained import Trained
+from .pair_separation import Pairs, check_comparable, pairs
+from .skin_readout import Material, SkinReadout
+from .touch_positions import TouchPositions
+from .trained_skins import TrainedSkins
 
 GRID = 24
-"""Frequencies to pick from, beside the scene's own, where no more are asked for."""
+"""Smallest number of candidate frequencies, in addition to the scene's own."""
 CASTS = 4
-"""Drawn skins that picks are made for, all together."""
+"""Largest number of skin samples for which picks are made jointly."""
 TURNS = 4
 
 
 @dataclass(frozen=True)
 class Picked:
-    """Numbers of readings in the pool and of frequencies among the candidates.
+    """Indices of readings in the pool and of frequencies among the candidates.
 
-    share: told right by the pairs of `proxy`. most_by_readings, most_by_frequencies: what no other
-    so many readings, or frequencies, exceed while the others stay.
+    share: their merit, see `candidate_merit`. bound_over_readings, bound_over_frequencies: upper
+    bounds of the merit for any readings at these frequencies, and for any frequencies of these
+    readings, of the same number.
     """
 
     readings: tuple[int, ...]
     frequencies: tuple[int, ...]
     share: float
-    most_by_readings: float
-    most_by_frequencies: float
+    bound_over_readings: float
+    bound_over_frequencies: float
 
     @classmethod
     def of(cls, answer: Mapping[str, Any]) -> Picked:
-        """From what a journal keeps of it."""
+        """Restores it from the result in a journal."""
         numbers = {name: tuple(answer[name]) for name in ("readings", "frequencies")}
         return cls(**{**answer, **numbers})
 
 
 def sweep_time(of_each: Sequence[Sequence[float]]) -> float:
-    """s, to a nanosecond, that a meter takes for a sweep of readings at frequencies in Hz, with a
-    switch between."""
+    """Time of a sweep in s, rounded to a nanosecond, with a switch between readings.
+
+    of_each: frequencies of each reading, Hz.
+    """
     settled = SETTLE * len(of_each) * (len(of_each) > 1)
     return round(settled + sum(reading_time(f) for own in of_each for f in own), 9)
 
 
-def budgets(scene: Scene, asked: Design, low: float, pool: int) -> list[tuple[int, int]]:
-    """How many readings at how many frequencies each may be picked; low: of the band, Hz.
+def budgets(scene: Scene, request: Design, low: float, pool: int) -> list[tuple[int, int]]:
+    """Numbers of readings and of frequencies of each that may be picked; low: of the band, Hz.
 
-    Within a time every frequency is taken to be as slow as the lowest. More readings at as many
-    frequencies never tell less, so fewer are not looked at. Raises InputError where not even one
-    fits.
+    For a limit of time, every frequency counts as slow as the lowest. More readings at the same
+    number of frequencies are never worse, so fewer are not considered. Raises InputError where the
+    limit is too short for one reading.
     """
-    most, each = min(asked.readings, pool), asked.frequencies or len(scene.frequencies)
-    if asked.seconds is None:
-        return [(most, each)]
+    highest, each = min(request.readings, pool), request.frequencies or len(scene.frequencies)
+    if request.seconds is None:
+        return [(highest, each)]
     found: list[tuple[int, int]] = []
-    for readings in range(1, most + 1):
+    for readings in range(1, highest + 1):
         count = each
-        while count and sweep_time([[low] * count] * readings) > asked.seconds:
+        while count and sweep_time([[low] * count] * readings) > request.seconds:
             count -= 1
         if count:
             found = [each for each in found if each[1] > count]
             found.append((readings, count))
     if not found:
         raise InputError(
-            f"`design.seconds` must be >= {sweep_time([[low]]):.3g} s, what one reading at "
-            f"{low:g} Hz takes, got {asked.seconds:g}"
+            f"`design.seconds` must be >= {sweep_time([[low]]):.3g} s, the time of one reading at "
+            f"{low:g} Hz, got {request.seconds:g}"
         )
     return found
 
 
-class Tells(Protocol):
-    """What one skin tells at some frequencies in Hz, and what that is worth."""
+class Comparison(Protocol):
+    """Function from one skin and frequencies in Hz to pairs, with their merit."""
 
     merit: Merit
 
-    def __call__(self, on: OnSkin, frequency: NDArray[np.float64], /) -> Pairs:
-        """All readings and frequencies."""
+    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64], /) -> Pairs:
+        """Pairs at all readings and frequencies."""
         ...
 
 
 class PixelPairs:
-    """Pairs of hypotheses: see `curves`."""
+    """Comparison of pairs of hypotheses; see `pair_separation`."""
 
     merit: Merit = RIGHT
 
-    def __init__(self, scene: Scene, asked: Design) -> None:
-        """Raises InputError for a meter without noise, and for more pixels than memory bears."""
-        check_comparable(scene, asked.target)
-        self._among = hypotheses(scene, asked.target)
-        model = ErrorModel(scene.readout, np.ones((1, 1), bool), against_rest=asked.against_rest)
+    def __init__(self, scene: Scene, request: Design) -> None:
+        """Raises InputError for a meter without noise, and for too many pixels for the memory."""
+        check_comparable(scene, request.target)
+        self._among = hypotheses(scene, request.target)
+        model = ErrorModel(scene.readout, np.ones((1, 1), bool), against_rest=request.against_rest)
         self._noise = float(model.deviation[0] / scene.readout.magnitude_noise)
 
-    def __call__(self, on: OnSkin, frequency: NDArray[np.float64]) -> Pairs:
-        """Of one skin."""
+    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64]) -> Pairs:
+        """Pairs of one skin."""
         return pairs(on, self._among, frequency, self._noise)
 
 
 class TouchedPlaces:
-    """Places of touches: see `places`."""
+    """Comparison of positions of touches; see `touch_positions`."""
 
-    def __init__(self, touches: Touches, asked: Design) -> None:
-        self._touches, self._against_rest = touches, asked.against_rest
-        self.merit: Merit = touches.near
+    def __init__(self, touches: TouchPositions, request: Design) -> None:
+        self._touches, self._against_rest = touches, request.against_rest
+        self.merit: Merit = touches.merit
 
-    def __call__(self, on: OnSkin, frequency: NDArray[np.float64]) -> Pairs:
-        """Of one skin."""
+    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64]) -> Pairs:
+        """Positions of one skin."""
         return self._touches.pairs(on, frequency, self._against_rest)
 
 
 class Picker:
-    """Picks from a pool of readings and some frequencies in Hz, for a skin and its casts."""
+    """Picks from a pool of readings and candidate frequencies in Hz, for samples of a skin."""
 
     def __init__(
         self,
-        trained: Trained,
-        told: Tells,
+        trained: TrainedSkins,
+        comparison: Comparison,
         pool: Sequence[Interface],
         frequency: NDArray[np.float64],
-        asked: Design,
+        request: Design,
     ) -> None:
-        """told: how pairs or places differ. Raises InputError for a meter without noise."""
+        """comparison: of pairs or positions. Raises InputError for a meter without noise."""
         scene = trained.scene
-        self._trained, self._told, self._pool = trained, told, list(pool)
+        self._trained, self._comparison, self._pool = trained, comparison, list(pool)
         self.frequency = frequency
-        self._budgets = budgets(scene, asked, float(frequency[0]), len(self._pool))
-        self._casts = min(CASTS, asked.casts)
+        self._budgets = budgets(scene, request, float(frequency[0]), len(self._pool))
+        self._casts = min(CASTS, request.casts)
         readout = scene.readout
         self._ties = (
-            Ties()
-            if asked.against_rest
-            else Ties(
+            SessionErrors()
+            if request.against_rest
+            else SessionErrors(
                 _known(readout.magnitude_noise, readout.magnitude_accuracy),
                 _known(readout.phase_noise, readout.phase_accuracy),
             )
@@ -155,41 +158,51 @@ class Picker:
     def share_of(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> float:
-        """Told right by pairs."""
+        """Merit of these readings and frequencies."""
         own = self._pairs(material).of(readings, frequencies)
-        told = by_reading(own, self._ties, self._told.merit)
-        return told.slope(np.ones(told.candidates))[0]
+        candidates = by_reading(own, self._ties, self._comparison.merit)
+        return candidates.slope(np.ones(candidates.candidates))[0]
 
     def readings_at(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Picked:
-        """The best readings at these frequencies, begun at some; as many as may be at most."""
-        most = max(count for count, _ in self._budgets)
-        by = self._readings(material, most, readings, frequencies)
-        return Picked(by.numbers, tuple(frequencies), by.share, by.most, by.share)
+        """The best readings at these frequencies, of the largest allowed number.
 
-    def most_by_each(self, material: Material, picked: Picked) -> float | None:
-        """What no choice of as many frequencies exceeds, where each reading has its own; None
-        without sweeps at rest, as then the errors of a session tie frequencies together."""
-        if self._ties != Ties():
+        readings: choice from which exchanges begin.
+        """
+        highest = max(count for count, _ in self._budgets)
+        by = self._readings(material, highest, readings, frequencies)
+        return Picked(by.candidates, tuple(frequencies), by.share, by.upper_bound, by.share)
+
+    def bound_with_own_frequencies(self, material: Material, picked: Picked) -> float | None:
+        """Upper bound of the merit where each reading has own frequencies, the same total number.
+
+        None without baseline sweeps: the errors of a session are then common to all frequencies.
+        """
+        if self._ties != SessionErrors():
             return None
         every = len(self.frequency)
-        told = by_both(self._pairs(material).of(picked.readings, range(every)), self._told.merit)
-        return bound(told.slope, _by_both(picked, every), told.candidates)
+        candidates = by_both(
+            self._pairs(material).of(picked.readings, range(every)), self._comparison.merit
+        )
+        return selection_bound(candidates.slope, _by_both(picked, every), candidates.candidates)
 
-    def of_each(self, material: Material, picked: Picked) -> list[list[int]]:
-        """Frequencies for each of the readings picked, as many in all as were picked together: the
-        best found by exchanges that the slope of the share names. A reading may be left with none.
+    def own_frequencies(self, material: Material, picked: Picked) -> list[list[int]]:
+        """Own frequencies for each picked reading, with the same total number.
+
+        They are the best found by exchanges along the slope of the merit. A reading may get none.
         """
         every = len(self.frequency)
-        told = by_both(self._pairs(material).of(picked.readings, range(every)), self._told.merit)
-        best = exchanged_by_slope(told.slope, _by_both(picked, every), told.candidates)
+        candidates = by_both(
+            self._pairs(material).of(picked.readings, range(every)), self._comparison.merit
+        )
+        best = exchanged_by_slope(candidates.slope, _by_both(picked, every), candidates.candidates)
         return [(best[best // every == k] % every).tolist() for k in range(len(picked.readings))]
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Picked:
-        """The best within what is asked, begun at these readings and frequencies."""
+        """The best picks within the constraints; exchanges begin at these."""
         every = [self._within(material, budget, readings, frequencies) for budget in self._budgets]
         return max(every, key=lambda each: each.share)
 
@@ -202,13 +215,19 @@ class Picker:
     ) -> Picked:
         picks = self._turn(material, budget, readings, frequencies)
         for _ in range(TURNS):
-            again = self._turn(material, budget, picks[0].numbers, picks[1].numbers)
+            again = self._turn(material, budget, picks[0].candidates, picks[1].candidates)
             if again[1].share <= picks[1].share:
                 break
             picks = again
         by, at = picks
-        others = self._readings(material, budget[0], by.numbers, at.numbers)
-        return Picked(by.numbers, at.numbers, at.share, max(at.share, others.most), at.most)
+        others = self._readings(material, budget[0], by.candidates, at.candidates)
+        return Picked(
+            by.candidates,
+            at.candidates,
+            at.share,
+            max(at.share, others.upper_bound),
+            at.upper_bound,
+        )
 
     def _turn(
         self,
@@ -216,12 +235,14 @@ class Picker:
         budget: tuple[int, int],
         readings: Sequence[int],
         frequencies: Sequence[int],
-    ) -> tuple[Choice, Choice]:
+    ) -> tuple[Selection, Selection]:
         by = self._readings(material, budget[0], readings, frequencies)
         everything = self._pairs(material)
-        seen = everything.of(by.numbers, range(len(self.frequency)))
-        told = by_frequency(seen, self._ties, self._told.merit)
-        return by, chosen(told.score, told.slope, told.candidates, budget[1], [frequencies])
+        some = everything.of(by.candidates, range(len(self.frequency)))
+        candidates = by_frequency(some, self._ties, self._comparison.merit)
+        return by, best_selection(
+            candidates.score, candidates.slope, candidates.candidates, budget[1], [frequencies]
+        )
 
     def _readings(
         self,
@@ -229,30 +250,32 @@ class Picker:
         count: int,
         readings: Sequence[int],
         frequencies: Sequence[int],
-    ) -> Choice:
+    ) -> Selection:
         everything = self._pairs(material).of(range(len(self._pool)), frequencies)
-        told = by_reading(everything, self._ties, self._told.merit)
-        return chosen(told.score, told.slope, told.candidates, count, [readings])
+        candidates = by_reading(everything, self._ties, self._comparison.merit)
+        return best_selection(
+            candidates.score, candidates.slope, candidates.candidates, count, [readings]
+        )
 
     def _pairs(self, material: Material) -> Pairs:
-        """Of all casts, each with its share of the weight."""
+        """Pairs of all samples, each with its share of the weight."""
         if self._kept is None or self._kept[0] != material:
             found = []
             for number in range(self._casts):
-                on = self._trained.on(self._trained.cast(number), material, self._pool)
-                found.append(self._told(on, self.frequency))
-            apart = np.concatenate([each.apart for each in found])
+                on = self._trained.readout(self._trained.sample(number), material, self._pool)
+                found.append(self._comparison(on, self.frequency))
+            separation = np.concatenate([each.separation for each in found])
             weight = np.concatenate([each.weight for each in found]) / len(found)
-            self._kept = material, Pairs(apart, weight)
+            self._kept = material, Pairs(separation, weight)
         return self._kept[1]
 
 
 def _by_both(picked: Picked, every: int) -> NDArray[np.int64]:
-    """What was picked, among candidates of `by_both` of so many frequencies."""
+    """Indices of the picks among the candidates of `by_both`. every: number of frequencies."""
     own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
     return own.ravel().astype(np.int64)
 
 
 def _known(noise: float, accuracy: float) -> float:
-    """1/deviation² of what is alike in all readings of a session, over the noise of one."""
+    """1/deviation² of an error that is common to a session, in units of the noise."""
     return (noise / accuracy) ** 2 if accuracy else np.inf

@@ -1,4 +1,4 @@
-"""The search itself: step by step, each judged by the exact bound."""
+"""The design search: steps in fixed order, each scored by the exact bound."""
 
 from __future__ import annotations
 
@@ -12,232 +12,246 @@ import numpy as np
 
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .bench import Asking, Bench, first_bench
+from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
 from .geometry import geometries
-from .judged import Layout, tenth
-from .on_skin import Material
 from .picking import Picked, sweep_time
-from .trained import foam_bounds
+from .scoring import Layout, lowest_tenth
+from .skin_readout import Material
+from .trained_skins import foam_bounds
 
-POINTS, CLOSER = 7, 6
-"""Values of a number over its bounds that are looked at, and then in closing in on the best."""
+POINTS, GOLDEN_STEPS = 7, 6
+"""Grid points of a number within its bounds, and golden-section steps around the best of them."""
 DIGITS = 2
-"""Of sheet resistance and thickness: nobody mixes rubber closer."""
+"""Significant digits of sheet resistance and thickness: materials are not made more precisely."""
 ROUNDING = 1e-9
 GOLDEN = (math.sqrt(5) - 1) / 2
-WORTH = 3e-3
-"""Of the merit, that sheets unlike each other, another foam or other foils must gain."""
+MIN_GAIN = 3e-3
+"""Smallest gain in merit for different sheets, another foam or other foils."""
 
-Bounds = tuple[float, float]
+Interval = tuple[float, float]
 
 
-class Move(NamedTuple):
-    """A number of a material: its bounds, what it is of one, and a material with another."""
+class MaterialChange(NamedTuple):
+    """A number of a material that may change: bounds, its value (`of`), and its change (`to`)."""
 
     name: str
-    bounds: Bounds
+    bounds: Interval
     of: Callable[[Material], float]
     to: Callable[[Material, float], Material]
 
 
 @dataclass(frozen=True)
-class Step:
-    """Where the search stood after a step, and what can be told then at best.
+class SearchStep:
+    """State of the search after a step.
 
-    shares: merits at best (see `judged`), on the skin as it was meant and on each cast. taken:
-    whether the step was worth it, and within what was asked.
+    merits: best merits (see `scoring`) of the nominal skin, then of each sample. taken: True if the
+    step gained enough and meets the constraints.
     """
 
     name: str
     layout: Layout
-    shares: tuple[float, ...]
+    merits: tuple[float, ...]
     taken: bool
 
     @property
     def tenth(self) -> float:
-        """What nine of ten casts reach."""
-        return tenth(self.shares[1:])
+        """Merit that nine of ten samples reach."""
+        return lowest_tenth(self.merits[1:])
 
     @property
     def nominal(self) -> float:
-        """Of the skin as it was meant."""
-        return self.shares[0]
+        """Merit of the nominal skin."""
+        return self.merits[0]
 
 
 @dataclass(frozen=True)
-class Found:
-    """All steps, the first of them the scene as it was; what was picked last, with its bounds."""
+class SearchResult:
+    """Result of a search: all steps, beginning with the given scene, and the last picks."""
 
-    bench: Bench
-    steps: tuple[Step, ...]
+    evaluator: SceneEvaluator
+    steps: tuple[SearchStep, ...]
     picked: Picked
 
     @property
-    def before(self) -> Step:
-        """The scene as it was."""
+    def before(self) -> SearchStep:
+        """The given scene."""
         return self.steps[0]
 
     @property
-    def best(self) -> Step:
-        """The design. Raises InputError where none is within what was asked."""
+    def best(self) -> SearchStep:
+        """The design. Raises InputError where none meets the constraints."""
         taken = [step for step in self.steps[1:] if step.taken]
         if not taken:
-            name = self.bench.scene.name
-            raise InputError(f"{name}: no design is within all that was asked; ask for less")
+            name = self.evaluator.scene.name
+            raise InputError(f"{name}: no design meets all constraints; relax some of them")
         return taken[-1]
 
 
-def search(scene: Scene, asking: Asking) -> Found:
-    """The best design found. Raises InputError where what is asked does not suit the scene."""
-    bench = first_bench(scene, asking)
-    return _Walk(bench, asking).run()
+def search(scene: Scene, settings: SearchSettings) -> SearchResult:
+    """The best design found. Raises InputError where the constraints do not fit the scene."""
+    evaluator = first_evaluator(scene, settings)
+    return _Search(evaluator, settings).run()
 
 
-class _Walk:
-    """Steps one after the other, each from where the best one ended."""
+class _Search:
+    """Steps in order, each of which begins at the best one before it."""
 
-    def __init__(self, bench: Bench, asking: Asking) -> None:
-        self._bench, self._asking = bench, asking
-        self._steps: list[Step] = []
+    def __init__(self, evaluator: SceneEvaluator, settings: SearchSettings) -> None:
+        self._evaluator, self._settings = evaluator, settings
+        self._steps: list[SearchStep] = []
 
-    def run(self) -> Found:
-        """All steps."""
-        bench, own = self._bench, self._bench.own
-        self._judged("as it is", own)
-        readings, frequencies = bench.own_readings, _nearest(bench, own)
+    def run(self) -> SearchResult:
+        """Runs all steps."""
+        evaluator, own = self._evaluator, self._evaluator.own
+        self._add_step("as it is", own)
+        readings, frequencies = evaluator.own_readings, _nearest(evaluator, own)
         material = own.material
-        bounds = _of_mean(material, self._asking.asked.sheet_resistance)
+        bounds = _of_mean(material, self._settings.request.sheet_resistance)
 
-        def told(sheets: float) -> float:
-            return bench.share_of(_sheets(material, sheets), readings, frequencies)
+        def score(sheets: float) -> float:
+            return evaluator.share_of(_sheets(material, sheets), readings, frequencies)
 
         if readings:
-            best = best_along(self._counted("sheet resistance", told), bounds, _mean(material))
+            best = best_value(
+                self._with_progress("sheet resistance", score), bounds, _mean(material)
+            )
             material = _sheets(material, best)
-            self._judged("sheet resistance", replace(own, material=material))
-            readings = bench.readings_at(material, readings, frequencies).readings
+            self._add_step("sheet resistance", replace(own, material=material))
+            readings = evaluator.readings_at(material, readings, frequencies).readings
             picked = Picked(tuple(readings), tuple(frequencies), 0.0, 0.0, 0.0)
-            self._judged("readings", bench.layout(material, picked))
-        picked = bench.picked(material, readings, frequencies)
-        self._judged("frequencies" if readings else "readings", bench.layout(material, picked))
-        for move in self._moves(material):
-            found = self._moved(material, picked, move)
-            worth = found[1].share > picked.share + WORTH
-            if worth and self._judged(move.name, bench.layout(*found), WORTH):
+            self._add_step("readings", evaluator.layout(material, picked))
+        picked = evaluator.picked(material, readings, frequencies)
+        self._add_step(
+            "frequencies" if readings else "readings", evaluator.layout(material, picked)
+        )
+        for move in self._changes(material):
+            found = self._best_change(material, picked, move)
+            worth = found[1].share > picked.share + MIN_GAIN
+            if worth and self._add_step(move.name, evaluator.layout(*found), MIN_GAIN):
                 material, picked = found
-        for name, others in geometries(bench.scene, self._asking.asked):
-            picked = self._elsewhere(name, others(self._bench.scene), material, picked)
-        if self._asking.asked.own_frequencies:
-            own = self._bench.of_each(material, picked)
-            self._judged("frequencies of each reading", own)
-        return Found(self._bench, tuple(self._steps), picked)
+        for name, others in geometries(evaluator.scene, self._settings.request):
+            picked = self._best_geometry(name, others(self._evaluator.scene), material, picked)
+        if self._settings.request.own_frequencies:
+            own = self._evaluator.with_own_frequencies(material, picked)
+            self._add_step("frequencies of each reading", own)
+        return SearchResult(self._evaluator, tuple(self._steps), picked)
 
-    def _elsewhere(
+    def _best_geometry(
         self, name: str, scenes: Sequence[Scene], material: Material, picked: Picked
     ) -> Picked:
-        """What is picked on the best of other skins, if that is worth it; else what was."""
-        best, before = (picked, self._bench), self._bench
+        """Picks on the best of other geometries if it gains enough, else the given picks."""
+        best, before = (picked, self._evaluator), self._evaluator
         for number, scene in enumerate(scenes):
-            self._asking.progress(name, number / len(scenes))
-            bench = Bench(scene, self._asking, before.wired)
-            found = bench.picked(material, picked.readings, picked.frequencies)
-            if found.share > best[0].share + WORTH:
-                best = found, bench
-        self._bench = best[1]
-        if best[1] is before or self._judged(name, best[1].layout(material, best[0]), WORTH):
+            self._settings.progress(name, number / len(scenes))
+            evaluator = SceneEvaluator(scene, self._settings, before.wired)
+            found = evaluator.picked(material, picked.readings, picked.frequencies)
+            if found.share > best[0].share + MIN_GAIN:
+                best = found, evaluator
+        self._evaluator = best[1]
+        if best[1] is before or self._add_step(name, best[1].layout(material, best[0]), MIN_GAIN):
             return best[0]
-        self._bench = before
+        self._evaluator = before
         return picked
 
-    def _moves(self, material: Material) -> list[Move]:
-        """Numbers of a material that may change."""
-        asked = self._asking.asked
-        low, high = asked.sheet_resistance
-        ratio = asked.sheet_ratio
+    def _changes(self, material: Material) -> list[MaterialChange]:
+        """Numbers of a material that the constraints allow to change."""
+        request = self._settings.request
+        low, high = request.sheet_resistance
+        ratio = request.sheet_ratio
 
         def mismatched(material: Material, by: float) -> Material:
-            """Both sheets within bounds, as near to the same mean as they can be."""
+            """Both sheets within bounds at a given ratio, with their mean changed least."""
             root = math.sqrt(by)
-            least, most = low * max(root, 1 / root), high * min(root, 1 / root)
-            mean = min(max(_mean(material), least), max(most, least))
+            lowest, highest = low * max(root, 1 / root), high * min(root, 1 / root)
+            mean = min(max(_mean(material), lowest), max(highest, lowest))
             return replace(
                 material,
-                top=_rounded(mean * root, asked.sheet_resistance),
-                bottom=_rounded(mean / root, asked.sheet_resistance),
+                top=_rounded(mean * root, request.sheet_resistance),
+                bottom=_rounded(mean / root, request.sheet_resistance),
             )
 
         moves = [
-            Move("sheet resistance again", _of_mean(material, (low, high)), _mean, _sheets),
-            Move("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
-            Move("foam", foam_bounds(self._bench.scene, asked), _foam, _with_foam),
+            MaterialChange(
+                "sheet resistance again", _of_mean(material, (low, high)), _mean, _sheets
+            ),
+            MaterialChange("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
+            MaterialChange("foam", foam_bounds(self._evaluator.scene, request), _foam, _with_foam),
         ]
         return [move for move in moves if move.bounds[0] < move.bounds[1]]
 
-    def _moved(self, material: Material, picked: Picked, move: Move) -> tuple[Material, Picked]:
-        """The best along one number, everything picked anew for each."""
+    def _best_change(
+        self, material: Material, picked: Picked, move: MaterialChange
+    ) -> tuple[Material, Picked]:
+        """The best value of one number, with new picks for each value."""
 
         def anew(value: float) -> Picked:
             changed = move.to(material, value)
-            return self._bench.picked(changed, picked.readings, picked.frequencies)
+            return self._evaluator.picked(changed, picked.readings, picked.frequencies)
 
-        told = self._counted(move.name, lambda value: anew(value).share)
-        best = best_along(told, move.bounds, move.of(material))
+        score = self._with_progress(move.name, lambda value: anew(value).share)
+        best = best_value(score, move.bounds, move.of(material))
         return move.to(material, best), anew(best)
 
-    def _counted(self, name: str, told: Callable[[float], float]) -> Callable[[float], float]:
-        """The same, that shows how far a search along a number has come."""
-        asked = itertools.count()
+    def _with_progress(
+        self, name: str, score: Callable[[float], float]
+    ) -> Callable[[float], float]:
+        """A score that also reports the progress of a search along a number."""
+        request = itertools.count()
 
         def counted(value: float) -> float:
-            self._asking.progress(name, min(next(asked) / (POINTS + CLOSER), 1.0))
-            return told(value)
+            self._settings.progress(name, min(next(request) / (POINTS + GOLDEN_STEPS), 1.0))
+            return score(value)
 
         return counted
 
-    def _judged(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
-        """Whether it is within what was asked and gains what it is worth; a step either way."""
-        self._asking.progress(f"{name}: the exact bound")
-        step = Step(name, layout, self._bench.shares(layout), self._allowed(layout))
+    def _add_step(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
+        """Adds a step, and returns True if it meets the constraints and gains enough."""
+        self._settings.progress(f"{name}: the exact bound")
+        step = SearchStep(name, layout, self._evaluator.merits(layout), self._allowed(layout))
         best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=-math.inf)
         self._steps.append(replace(step, taken=step.taken and step.tenth >= best))
         return self._steps[-1].taken
 
     def _allowed(self, layout: Layout) -> bool:
-        asked, sheets = self._asking.asked, (layout.material.top, layout.material.bottom)
-        most = asked.frequencies or len(self._bench.scene.frequencies)
-        time = sweep_time(layout.of_each)
-        low, high = asked.sheet_resistance
+        request, sheets = self._settings.request, (layout.material.top, layout.material.bottom)
+        highest = request.frequencies or len(self._evaluator.scene.frequencies)
+        time = sweep_time(layout.frequencies_of_each)
+        low, high = request.sheet_resistance
         return (
-            len(layout.readings) <= asked.readings
-            and layout.numbers <= most * (asked.readings if layout.own else len(layout.readings))
-            and (asked.seconds is None or time <= asked.seconds)
+            len(layout.readings) <= request.readings
+            and layout.count
+            <= highest * (request.readings if layout.has_own_frequencies else len(layout.readings))
+            and (request.seconds is None or time <= request.seconds)
             and low * (1 - ROUNDING) <= min(sheets)
             and max(sheets) <= high * (1 + ROUNDING)
         )
 
 
-def best_along(told: Callable[[float], float], bounds: Bounds, own: float) -> float:
-    """The number within bounds of which most is told, to DIGITS: on an even grid of its logarithm,
-    then by golden section about the best of them. own: looked at as well, where it is within."""
+def best_value(score: Callable[[float], float], bounds: Interval, own: float) -> float:
+    """The number within bounds of the highest score, to DIGITS.
+
+    Evaluates a logarithmic grid, then does golden-section steps around its best point. own: another
+    point of the grid, where it is within the bounds.
+    """
     low, high = bounds
     grid = {float(each) for each in np.geomspace(low, high, POINTS)}
     points = sorted(
         _rounded(each, bounds) for each in grid | ({own} if low <= own <= high else set())
     )
-    shares = {each: told(each) for each in points}
+    shares = {each: score(each) for each in points}
     best = max(points, key=lambda each: shares[each])
     place = points.index(best)
     left, right = (
         math.log(points[max(place - 1, 0)]),
         math.log(points[min(place + 1, len(points) - 1)]),
     )
-    for _ in range(CLOSER):
+    for _ in range(GOLDEN_STEPS):
         first, second = (
             _rounded(math.exp(right - GOLDEN * (right - left)), bounds),
             _rounded(math.exp(left + GOLDEN * (right - left)), bounds),
         )
         for each in (first, second):
-            shares[each] = shares[each] if each in shares else told(each)
+            shares[each] = shares[each] if each in shares else score(each)
         if shares[first] >= shares[second]:
             right = math.log(second)
         else:
@@ -245,7 +259,7 @@ def best_along(told: Callable[[float], float], bounds: Bounds, own: float) -> fl
     return max(sorted(shares), key=lambda each: shares[each])
 
 
-def _rounded(value: float, bounds: Bounds) -> float:
+def _rounded(value: float, bounds: Interval) -> float:
     return min(max(float(f"{value:.{DIGITS}g}"), bounds[0]), bounds[1])
 
 
@@ -257,20 +271,20 @@ def _sheets(material: Material, mean: float) -> Material:
     return material.times(mean / _mean(material))
 
 
-def _of_mean(material: Material, bounds: Bounds) -> Bounds:
-    """Of the mean of both sheets, of which the ratio stays: both are within these bounds then.
+def _of_mean(material: Material, bounds: Interval) -> Interval:
+    """Bounds of the mean of both sheets, at their ratio, that keep both within given bounds.
 
-    Raises InputError where no mean does that.
+    Raises InputError where there is no such mean.
     """
     mean, (low, high) = _mean(material), bounds
-    least = low * mean / min(material.top, material.bottom)
-    most = high * mean / max(material.top, material.bottom)
-    if least > most:
+    lowest = low * mean / min(material.top, material.bottom)
+    highest = high * mean / max(material.top, material.bottom)
+    if lowest > highest:
         raise InputError(
-            f"`sheet_resistance` from {low:g} to {high:g} ohm/sq has no room for sheets of which "
-            f"one has {max(_ratio(material), 1 / _ratio(material)):.3g} times the other's"
+            f"`sheet_resistance` from {low:g} to {high:g} ohm/sq is too narrow for sheets with a "
+            f"ratio of {max(_ratio(material), 1 / _ratio(material)):.3g}"
         )
-    return least, most
+    return lowest, highest
 
 
 def _ratio(material: Material) -> float:
@@ -285,8 +299,8 @@ def _with_foam(material: Material, foam: float) -> Material:
     return replace(material, foam=foam)
 
 
-def _nearest(bench: Bench, layout: Layout) -> list[int]:
-    """Candidates nearest to the frequencies of a layout."""
-    at = np.log(bench.frequency)
+def _nearest(evaluator: SceneEvaluator, layout: Layout) -> list[int]:
+    """Indices of the candidates nearest to the frequencies of a layout."""
+    at = np.log(evaluator.frequency)
     numbers = [int(np.abs(at - math.log(f)).argmin()) for f in layout.frequencies]
     return sorted(set(numbers))

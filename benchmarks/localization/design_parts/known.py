@@ -9,7 +9,7 @@ from rcskin.benchmarks.localization.twin_parts.known import known_accuracy, know
 from rcskin.benchmarks.localization.twin_parts.scenes import PLACED_SIZE
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
-from rcskin.simulator.design.places import Touches
+from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits import hand_accuracy, hand_distance
 from rcskin.simulator.models.reduced.model import Reduced
 
@@ -18,7 +18,7 @@ def whole(kept: Kept) -> dict[str, object]:
     """Of the skin as it was meant, as the search tells: pixels hit whole, or by Cramér and Rao."""
     merit, trial = kept.as_meant(), kept.goal.trial
     if trial.placed:
-        guess = Touches(trial.believed).near.guess
+        guess = TouchPositions(trial.believed).merit.guess
         told = {"skins": "a known skin, no bias", "median": f"{1e3 * guess * (1 - merit):.2f}"}
     else:
         told = {"skins": "a known skin, pixels hit whole", "mean": f"{100 * merit:.1f}"}

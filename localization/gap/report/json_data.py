@@ -84,7 +84,7 @@ def numbers(findings: GapFindings) -> dict[str, Any]:
         "discrepancy": {name: _discrepancy(stage) for name, stage in findings.stages.items()},
         "calibration": [{key: getattr(each, key) for key in ESTIMATED} for each in trial.estimates],
         "causes": [
-            {"parameter": each.name, "share": each.removed, "told": each.told}
+            {"parameter": each.name, "share": each.removed, "told": each.description}
             for each in findings.causes
         ],
         "causes_together": [

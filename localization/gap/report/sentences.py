@@ -12,8 +12,8 @@ from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
-    from ....simulator.calibration.estimates import Quantity
-    from ....simulator.calibration.misfit import Explained
+    from ....simulator.calibration.estimates import FittedQuantity
+    from ....simulator.calibration.misfit import ParameterEffect
     from ..gap_findings import GapFindings
     from ..mean_accuracy import MeanAccuracy
 
@@ -122,12 +122,12 @@ def _pairs(findings: GapFindings) -> str:
     return "; ".join(shares) + "."
 
 
-def cause_label(cause: Explained) -> str:
+def cause_label(cause: ParameterEffect) -> str:
     """A parameter by its name; one of EFFECTS by what it is, as `a body at about 6 mm`."""
-    return cause.told if cause.name in EFFECTS else _spaced(cause.name)
+    return cause.description if cause.name in EFFECTS else _spaced(cause.name)
 
 
-def estimate_row(estimate: Quantity) -> tuple[str, str, str, str]:
+def estimate_row(estimate: FittedQuantity) -> tuple[str, str, str, str]:
     """Name, value in the scene, calibrated value and its interval."""
     start, value, low, high = (
         _written(number, estimate.unit)

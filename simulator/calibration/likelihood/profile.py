@@ -1,8 +1,8 @@
-"""The likelihood along one quantity, all else at its best: what intervals follow that bend or end.
+"""Profile likelihood of one quantity, for likelihoods that are not normal or end at a limit.
 
-At each place of the quantity g the least of J(u) = chi-squared and priors is sought under
-g(u) = place. The square root of its rise above the least of all counts the deviations from there,
-however the likelihood bends (Cox and Hinkley, Theoretical Statistics, 1974, section 9.3).
+For each value v of the quantity g, J(u) = chi-squared and priors is minimized under g(u) = v. The
+square root of the rise of this minimum above the global one is the distance in standard deviations,
+for any form of the likelihood (Cox and Hinkley, Theoretical Statistics, 1974, section 9.3).
 """
 
 from __future__ import annotations
@@ -18,24 +18,27 @@ from scipy.optimize import least_squares
 
 from ...fem.factors import one_blas_thread
 from ..fit import INSIDE, Fit
-from .profile_distribution import Interval, Law
+from .profile_distribution import Interval, ProfileDistribution
 
 Gradient = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
-STEP, MOST_STEPS, MOST_SOLVER_STEPS = 0.8, 14, 60
-"""Deviations between places where all is linear; places on each side; evaluations at a place."""
-LEAST_SHARE, MOST_GAIN = 0.1, 2.5
-"""Of the way to a place that is too far; how much longer a step may be than the one before it."""
+STEP, MAX_STEPS, MAX_SOLVER_STEPS = 0.8, 14, 60
+"""Linear deviations between points; largest number of points on each side; evaluations a point."""
+MIN_SHARE, MAX_GAIN = 0.1, 2.5
+"""Smallest share of a step that was too long; largest ratio of a step to the one before it."""
 LINEAR = 0.1
-"""Of J at an end of an interval, and of the drop that is left there: so little off is linear."""
+"""Largest relative deviation of J at an end of a linear interval, and of its remaining drop."""
 OVER = 0.1
-"""Of its deviation: so far an unknown may be carried over its bound, and all be linear still."""
+"""Largest excess of an unknown over its bound, in its standard deviation, in a linear interval."""
 SETTLED = 1e-6
-"""Relative change of J, of unknowns and of slopes at which a place is found."""
+"""Relative change of J, of unknowns and of slopes at which a minimum is accepted."""
 
 
-class Along(NamedTuple):
-    """A quantity. read: its value at unknowns, and its slopes to them. pivot: an unknown that it
-    is linear in, and that is had from it. limits: of the quantity."""
+class ProfiledQuantity(NamedTuple):
+    """A quantity with its value and slopes by the unknowns (`read`).
+
+    pivot: index of an unknown in which it is linear, and which its value determines. limits: of the
+    quantity.
+    """
 
     read: Gradient
     pivot: int
@@ -43,8 +46,8 @@ class Along(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Place:
-    """The best unknowns there, and their J."""
+class ProfilePoint:
+    """A value of the quantity (`at`), the best unknowns there, and their J (`misfit`)."""
 
     at: float
     u: NDArray[np.float64]
@@ -52,10 +55,10 @@ class Place:
 
 
 class Profile:
-    """Of one solution; intervals widened as `information` has them."""
+    """Profile likelihoods of one solution, widened by the scale of `Information`."""
 
     def __init__(self, fit: Fit, scale: float, width: float) -> None:
-        """scale: that chi-squared is over. width: half of an interval over its deviation."""
+        """scale: divides chi-squared. width: half of an interval over its standard deviation."""
         self._problem, self._scale, self.width = fit.problem, scale, width
         self._low, self._high = fit.problem.bounds()
         self._begin = fit.u
@@ -63,8 +66,8 @@ class Profile:
 
     @cached_property
     def best(self) -> NDArray[np.float64]:
-        """Unknowns at the least of J: those of the fit, where nothing is scaled."""
-        return self._least(self._begin, None, 0.0) if self._moved else self._begin
+        """Unknowns at the minimum of J: those of the fit, unless the scale moves it."""
+        return self._minimum(self._begin, None, 0.0) if self._moved else self._begin
 
     @cached_property
     def _covariance(self) -> NDArray[np.float64]:
@@ -73,93 +76,108 @@ class Profile:
 
     @cached_property
     def _spread(self) -> NDArray[np.float64]:
-        """Deviation of each unknown at the fit, where all is linear."""
+        """Linear standard deviation of each unknown at the fit."""
         J = self._at(self._begin)[1]
         return np.sqrt(np.linalg.inv(J.T @ J).diagonal()).astype(np.float64)
 
-    def deviation(self, along: Along) -> float:
-        """Of the quantity where all is linear."""
-        slopes = along.read(self.best)[1]
+    def deviation(self, quantity: ProfiledQuantity) -> float:
+        """Linear standard deviation of the quantity."""
+        slopes = quantity.read(self.best)[1]
         return float(np.sqrt(slopes @ self._covariance @ slopes))
 
-    def linear(self, along: Along) -> bool:
-        """Whether both ends of the linear interval are where the profile has them, and uncut."""
-        value, slopes = along.read(self.best)
-        way = self._covariance @ slopes / self.deviation(along)
+    def linear(self, quantity: ProfiledQuantity) -> bool:
+        """True if the profile confirms both ends of the linear interval, and no limit cuts it."""
+        value, slopes = quantity.read(self.best)
+        direction = self._covariance @ slopes / self.deviation(quantity)
         over = OVER * np.sqrt(self._covariance.diagonal())
         start = self._place(value, self.best)
         for side in (-self.width, self.width):
-            end = self.best + side * way
+            end = self.best + side * direction
             if np.any(end < self._low - over) or np.any(end > self._high + over):
                 return False
-            if not along.limits[0] <= value + side * self.deviation(along) <= along.limits[1]:
+            if (
+                not quantity.limits[0]
+                <= value + side * self.deviation(quantity)
+                <= quantity.limits[1]
+            ):
                 return False
-            end = self._held(along, value + side * self.deviation(along), self._inside(end))
-            place = self._place(value + side * self.deviation(along), end)
-            rise = (place.misfit - start.misfit) / self.width**2
-            if abs(rise - 1) > LINEAR or self._left(along, end) > LINEAR * self.width**2:
+            end = self._constrained(
+                quantity, value + side * self.deviation(quantity), self._inside(end)
+            )
+            point = self._place(value + side * self.deviation(quantity), end)
+            rise = (point.misfit - start.misfit) / self.width**2
+            if (
+                abs(rise - 1) > LINEAR
+                or self._remaining_drop(quantity, end) > LINEAR * self.width**2
+            ):
                 return False
         return True
 
-    def law(self, along: Along) -> Law:
-        """Of the quantity, from places that reach as far as an interval, or its limits."""
+    def distribution(self, quantity: ProfiledQuantity) -> ProfileDistribution:
+        """Distribution of the quantity, from points that reach to the interval or its limits."""
         with one_blas_thread():
-            start = self._place(along.read(self.best)[0], self.best)
-            below, above = (self._walk(along, start, way) for way in (-1.0, 1.0))
-        found = sorted([*below, start, *above], key=lambda place: place.at)
+            start = self._place(quantity.read(self.best)[0], self.best)
+            below, above = (self._walk(quantity, start, direction) for direction in (-1.0, 1.0))
+        found = sorted([*below, start, *above], key=lambda point: point.at)
         misfits = np.array([each.misfit for each in found])
         roots = np.sqrt(misfits - misfits.min())
         roots[: int(misfits.argmin())] *= -1
         rising = np.flatnonzero(np.diff(np.maximum.accumulate(roots), prepend=-np.inf) > 0)
         places = np.array([each.at for each in found])
-        return Law(places[rising], roots[rising], along.limits)
+        return ProfileDistribution(places[rising], roots[rising], quantity.limits)
 
-    def _walk(self, along: Along, start: Place, way: float) -> list[Place]:
-        """Places on one side, at most twice STEP deviations apart, to a limit or past an end.
+    def _walk(
+        self, quantity: ProfiledQuantity, start: ProfilePoint, direction: float
+    ) -> list[ProfilePoint]:
+        """Points on one side, at most twice STEP deviations apart, to a limit or past an end.
 
-        Each is sought from where the two before it point to.
+        Each minimization starts from an extrapolation of the two points before it.
         """
-        limit = along.limits[int(way > 0)]
-        found, last, beyond = list[Place](), start, list[Place]()
-        onward = self._covariance @ along.read(self.best)[1] / self.deviation(along) ** 2
-        step = STEP * self.deviation(along)
-        for _ in range(MOST_STEPS):
+        limit = quantity.limits[int(direction > 0)]
+        found, last, beyond = list[ProfilePoint](), start, list[ProfilePoint]()
+        onward = self._covariance @ quantity.read(self.best)[1] / self.deviation(quantity) ** 2
+        step = STEP * self.deviation(quantity)
+        for _ in range(MAX_STEPS):
             if beyond:
                 share = STEP / (_root(beyond[-1], start) - _root(last, start))
                 way_on = beyond[-1].at - last.at
-                at = last.at + max(share, LEAST_SHARE) * way_on if share < 1 else beyond.pop().at
+                at = last.at + max(share, MIN_SHARE) * way_on if share < 1 else beyond.pop().at
             else:
-                at = limit if step >= abs(limit - last.at) else last.at + way * step
-            place = self._solved(along, at, last.u + (at - last.at) * onward)
-            found.append(place)
-            gone = _root(place, start) - _root(last, start)
+                at = limit if step >= abs(limit - last.at) else last.at + direction * step
+            point = self._solved(quantity, at, last.u + (at - last.at) * onward)
+            found.append(point)
+            gone = _root(point, start) - _root(last, start)
             if gone > 2 * STEP:
-                beyond.append(place)
+                beyond.append(point)
                 continue
-            if at == limit or _root(place, start) > self.width:
+            if at == limit or _root(point, start) > self.width:
                 break
-            onward = (place.u - last.u) / (place.at - last.at)
-            last, step = place, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MOST_GAIN))
+            onward = (point.u - last.u) / (point.at - last.at)
+            last, step = point, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MAX_GAIN))
         return found
 
-    def _solved(self, along: Along, at: float, begin: NDArray[np.float64]) -> Place:
-        return self._place(at, self._held(along, at, self._least(begin, along, at)))
+    def _solved(
+        self, quantity: ProfiledQuantity, at: float, begin: NDArray[np.float64]
+    ) -> ProfilePoint:
+        return self._place(at, self._constrained(quantity, at, self._minimum(begin, quantity, at)))
 
-    def _least(
-        self, begin: NDArray[np.float64], along: Along | None, at: float
+    def _minimum(
+        self, begin: NDArray[np.float64], quantity: ProfiledQuantity | None, at: float
     ) -> NDArray[np.float64]:
-        """Unknowns where J is least, of those where the quantity is at its place."""
-        rest = np.arange(len(begin)) != (-1 if along is None else along.pivot)
+        """Unknowns of minimal J among those at which the quantity has the value `at`."""
+        rest = np.arange(len(begin)) != (-1 if quantity is None else quantity.pivot)
         low, high = self._low[rest], self._high[rest]
         inside = np.minimum(INSIDE * self._spread[rest], (high - low) / 4)
         u = np.array(begin)
 
         def full(own: NDArray[np.float64]) -> NDArray[np.float64]:
             u[rest] = own
-            return u.copy() if along is None else self._held(along, at, u)
+            return u.copy() if quantity is None else self._constrained(quantity, at, u)
 
         def by_rest(own: NDArray[np.float64]) -> NDArray[np.float64]:
-            return self._at(full(own))[1] if along is None else self._reduced(along, full(own))
+            return (
+                self._at(full(own))[1] if quantity is None else self._reduced(quantity, full(own))
+            )
 
         exact: Any = by_rest
         found = least_squares(
@@ -171,39 +189,41 @@ class Profile:
             ftol=SETTLED,
             xtol=SETTLED,
             gtol=SETTLED,
-            max_nfev=MOST_SOLVER_STEPS,
+            max_nfev=MAX_SOLVER_STEPS,
         )
         return full(np.asarray(found.x, dtype=np.float64))
 
-    def _held(self, along: Along, at: float, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same unknowns with the pivot where the quantity is at its place."""
-        value, slopes = along.read(u)
+    def _constrained(
+        self, quantity: ProfiledQuantity, at: float, u: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """The unknowns with the pivot changed such that the quantity has the value `at`."""
+        value, slopes = quantity.read(u)
         moved = u.copy()
-        moved[along.pivot] += (at - value) / slopes[along.pivot]
+        moved[quantity.pivot] += (at - value) / slopes[quantity.pivot]
         return moved
 
     def _inside(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.clip(u, self._low, self._high)
 
     def _at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return self._problem.condensed(u, self._scale)
+        return self._problem.reduced_system(u, self._scale)
 
-    def _reduced(self, along: Along, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slopes to all but the pivot, which follows them."""
-        J, slopes = self._at(u)[1], along.read(u)[1]
-        rest = J - np.outer(J[:, along.pivot], slopes / slopes[along.pivot])
-        return np.asarray(np.delete(rest, along.pivot, axis=1), dtype=np.float64)
+    def _reduced(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Jacobian by all unknowns but the pivot, which follows from them."""
+        J, slopes = self._at(u)[1], quantity.read(u)[1]
+        rest = J - np.outer(J[:, quantity.pivot], slopes / slopes[quantity.pivot])
+        return np.asarray(np.delete(rest, quantity.pivot, axis=1), dtype=np.float64)
 
-    def _left(self, along: Along, u: NDArray[np.float64]) -> float:
-        """By how much J would fall yet at this place, as its slopes there say."""
-        J, r = self._reduced(along, u), self._at(u)[0]
+    def _remaining_drop(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> float:
+        """Further decrease of J at this value that its slopes predict."""
+        J, r = self._reduced(quantity, u), self._at(u)[0]
         downhill = J.T @ r
         return float(downhill @ np.linalg.solve(J.T @ J, downhill))
 
-    def _place(self, at: float, u: NDArray[np.float64]) -> Place:
+    def _place(self, at: float, u: NDArray[np.float64]) -> ProfilePoint:
         r = self._at(u)[0]
-        return Place(at, u, float(r @ r))
+        return ProfilePoint(at, u, float(r @ r))
 
 
-def _root(place: Place, start: Place) -> float:
-    return float(np.sqrt(max(place.misfit - start.misfit, 0.0)))
+def _root(point: ProfilePoint, start: ProfilePoint) -> float:
+    return float(np.sqrt(max(point.misfit - start.misfit, 0.0)))

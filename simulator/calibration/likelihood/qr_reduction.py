@@ -1,8 +1,9 @@
-"""Least squares of many readings turned to few rows: no reading knows of another's touches.
+"""QR reduction of a least-squares problem of many sweeps, each with touches of its own.
 
-Of each reading alone, Q'[J r] with the orthogonal Q that leaves rows of its touches, and the rest
-in as few rows as there are other unknowns. Only these are joined, and turned again. Source: G. H.
-Golub, C. F. Van Loan, Matrix Computations, 4th ed. (2013), sections 5.2 and 5.3.
+A QR factorization of each sweep alone, Q'[J r], separates the rows of its own touches; the others
+are as few rows as there are shared unknowns. Only these rows of all sweeps are stacked and reduced
+again. Source: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed. (2013), sections 5.2 and
+5.3.
 """
 
 from __future__ import annotations
@@ -13,38 +14,39 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Condensed = tuple[NDArray[np.float64], NDArray[np.float64]]
+ReducedSystem = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
-class Block:
-    """Residuals of readings that are alike, and their slopes to the unknowns they depend on.
+class ResidualBlock:
+    """Residuals of sweeps with the same number of unknowns, and their derivatives.
 
-    readings: which, shape (reading,). columns: of the unknowns, the touches of each first, shape
-    (reading, unknown). touches: how many. Z: fitted, ohm, shape (reading, interface, frequency).
-    off: shape (reading, residual). slopes: shape (reading, residual, unknown).
+    readings: numbers of the sweeps, shape (sweep,). columns: indices of the unknowns that each
+    depends on, its own touches first, shape (sweep, unknown). touches: number of own touches. Z:
+    fitted, ohm, shape (sweep, interface, frequency). residuals: shape (sweep, residual). slopes:
+    derivatives of the residuals, shape (sweep, residual, unknown).
     """
 
     readings: NDArray[np.int64]
     columns: NDArray[np.int64]
     touches: int
     Z: NDArray[np.complex128]
-    off: NDArray[np.float64]
+    residuals: NDArray[np.float64]
     slopes: NDArray[np.float64]
 
 
-def condensed(
-    blocks: Sequence[Block], u: NDArray[np.float64], parameters: int, scale: float
-) -> Condensed:
-    """Residuals r and slopes J of blocks, and of a prior u of each unknown, in fewer rows.
+def reduced_system(
+    blocks: Sequence[ResidualBlock], u: NDArray[np.float64], parameters: int, scale: float
+) -> ReducedSystem:
+    """Residuals r and Jacobian J of blocks and of the priors of all unknowns u, in fewer rows.
 
-    r'r, J'r and J'J are those of the whole ones. All but priors of the first unknowns, the
-    parameters, is divided by the root of the scale.
+    r'r, J'r and J'J are those of the full problem. All rows are divided by the root of the scale,
+    except priors of the first unknowns, the parameters.
     """
     size, share = len(u), scale**-0.5
     own, shared = [np.zeros((0, size + 1))], [_priors(blocks, u, parameters, share)]
     for block in blocks:
-        touches, others = _turned(block, u, share)
+        touches, others = _eliminated(block, u, share)
         columns = np.column_stack([block.columns, np.full(len(block.columns), size)])
         own.append(_spread(touches, columns, size + 1))
         shared.append(_spread(others, columns[:, block.touches :], size + 1))
@@ -57,24 +59,24 @@ def condensed(
 
 
 def _priors(
-    blocks: Sequence[Block], u: NDArray[np.float64], parameters: int, share: float
+    blocks: Sequence[ResidualBlock], u: NDArray[np.float64], parameters: int, share: float
 ) -> NDArray[np.float64]:
-    """Of what is no touch, shape (prior, unknown and residual)."""
+    """Rows of the priors of all unknowns but touches, shape (prior, unknown and residual)."""
     weights = np.where(np.arange(len(u)) < parameters, 1.0, share)
     whole = np.column_stack([np.diag(weights), weights * u])
     touches = [block.columns[:, : block.touches].ravel() for block in blocks]
     return np.delete(whole, np.concatenate(touches), axis=0)
 
 
-def _turned(
-    block: Block, u: NDArray[np.float64], share: float
+def _eliminated(
+    block: ResidualBlock, u: NDArray[np.float64], share: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Rows of touches with their priors, and of all else: each (reading, row, unknown and r)."""
+    """Rows of touches, and all other rows: each of shape (sweep, row, unknown and residual)."""
     count, unknowns = block.columns.shape
     priors = np.zeros((count, block.touches, unknowns + 1))
     priors[:, range(block.touches), range(block.touches)] = 1.0
     priors[:, :, -1] = u[block.columns[:, : block.touches]]
-    read = np.concatenate([block.slopes, block.off[:, :, None]], axis=2)
+    read = np.concatenate([block.slopes, block.residuals[:, :, None]], axis=2)
     rows = share * np.concatenate([priors, read], axis=1)
     R = np.asarray(np.linalg.qr(rows, mode="r"), dtype=np.float64)
     return R[:, : block.touches], R[:, block.touches :, block.touches :]
@@ -83,7 +85,7 @@ def _turned(
 def _spread(
     rows: NDArray[np.float64], columns: NDArray[np.int64], size: int
 ) -> NDArray[np.float64]:
-    """Rows of each reading among all columns, shape (row, size)."""
+    """Rows of each sweep, placed among all columns, shape (row, size)."""
     found = np.zeros((*rows.shape[:2], size))
     found[np.arange(len(rows))[:, None], :, columns] = rows.transpose(0, 2, 1)
     return found.reshape(-1, size)

@@ -1,1 +1,1 @@
-"""What a search leaves: the scene, tables, charts and a page."""
+"""Files of a design search: the scene, tables, charts and a page."""

@@ -128,7 +128,7 @@ def uncalibrated(monkeypatch):
     monkeypatch.setattr("rcskin.simulator.calibration.misfit.gap_by_parameter", refuse)
 
 
-ADDABLE = "rcskin.simulator.calibration.misfit.addable"
+ADDABLE = "rcskin.simulator.calibration.misfit.addable_effects"
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ from rcskin.localization.gap.report import html_report
 from rcskin.localization.gap.report.chart_list import charts_of
 from rcskin.localization.gap.report.json_data import KEYS, numbers
 from rcskin.localization.gap.report.sentences import accuracy_rows, cause_sentence
-from rcskin.simulator.calibration.misfit import Causes, Explained, Together
+from rcskin.simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 from rcskin.simulator.chart_style import STYLE
 
 CHARTS = {
@@ -170,14 +170,14 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
 )  # fmt: skip
 def test_words_and_share_of_a_cause_agree(findings, shares, told):
     named = zip(("foam", "sheet"), shares, strict=True)
-    causes = [Explained(name, 0.0, 1.0, 1 - share, name) for name, share in named]
+    causes = [ParameterEffect(name, 0.0, 1.0, 1 - share, name) for name, share in named]
     assert cause_sentence(replace(findings, causes=causes)) == told
 
 
 def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
-    body = Explained("body", 0.29, 1.0, 0.29, "a body at about 6 mm")
+    body = ParameterEffect("body", 0.29, 1.0, 0.29, "a body at about 6 mm")
     found = replace(
-        findings, causes=[body, Explained("finger", 1e-12, 1.0, 0.8, "a finger of 1 pF")]
+        findings, causes=[body, ParameterEffect("finger", 1e-12, 1.0, 0.8, "a finger of 1 pF")]
     )
     assert cause_sentence(found) == (
         "A body at about 6 mm explains most of the gap: fitted alone, it removes 71 % of the "
@@ -192,8 +192,8 @@ def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
 
 def test_a_pair_is_told_with_what_was_tried_beside_it(findings):
     pairs = [
-        Together(("body", "rim"), 1.0, 0.01, ("a body at about 6 mm", "a rim of about 5 pF/m")),
-        Together(("lead_resistance", "rim"), 1.0, 0.2, ("lead_resistance +5 ohm", "a rim")),
+        JointEffect(("body", "rim"), 1.0, 0.01, ("a body at about 6 mm", "a rim of about 5 pF/m")),
+        JointEffect(("lead_resistance", "rim"), 1.0, 0.2, ("lead_resistance +5 ohm", "a rim")),
     ]
     told = cause_sentence(replace(findings, together=pairs))
     assert told.endswith(
@@ -212,7 +212,7 @@ def test_what_could_not_be_tried_is_a_remark(pair_of_sweeps, make_findings, tmp_
     remark = "what surrounds the skin was not tried: no thickness"
     monkeypatch.setattr(
         "rcskin.simulator.calibration.misfit.gap_by_parameter",
-        lambda *given, **more: Causes(remarks=(remark,)),
+        lambda *given, **more: MisfitCauses(remarks=(remark,)),
     )
     found = make_findings(*pair_of_sweeps)
     assert "What surrounds the skin was not tried: no thickness." in found.notes

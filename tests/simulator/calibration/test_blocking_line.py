@@ -89,6 +89,6 @@ def test_why_the_ideal_line_cannot(calibrated):
     told, out = calibrated(*CONSTANT_PHASE)
     ideal = told["ideal_capacitance"]
     assert 100 * ideal["rms_relative_error"] == pytest.approx(8.2, abs=0.1)
-    assert "leaves 8.2 % rms of Z, with the exponent 0.922 3.1 %" in out
-    assert "it is the wrong curve, not noise" in out
-    assert "|Z| was measured to go as f^-0.93, Rs as f^-0.53" in out
+    assert "has an rms error of Z of 8.2 %; with the exponent 0.922 it is 3.1 %" in out
+    assert "the ideal model has the wrong curve" in out
+    assert "the measured |Z| goes as f^-0.93 and Rs as f^-0.53" in out

@@ -36,9 +36,9 @@ def test_what_the_data_tell_is_found(line, read):
     for name, value in truth.items():
         low, high = found.intervals[name]
         assert low < value < high
-        assert found.told[name] == (name != "sheet_resistance")
+        assert found.identified[name] == (name != "sheet_resistance")
     assert found.intervals["lead_inductance"][0] > 0
-    assert found.held == ("sheet_mismatch",)
+    assert found.not_fitted == ("sheet_mismatch",)
     assert 0.5 < found.chi_squared < 1.6
 
 
@@ -110,9 +110,9 @@ def test_strengths_taken_as_stated_are_not_fitted(line, read):
 
 def test_sheets_of_one_field_are_told_only_together(line, read):
     found = calibrate(line, read(line, TRUTH, REST), only(("sheet_resistance", "sheet_mismatch")))
-    assert not found.told["sheet_mismatch"]
+    assert not found.identified["sheet_mismatch"]
     assert "sheet_mismatch" in found.unclear[0]
-    assert "told only together, as both sheets in series" in found.unclear[0]
+    assert "the data identify only both sheets in series" in found.unclear[0]
     assert abs(found.values["sheet_mismatch"]) < 2
 
 
@@ -128,8 +128,10 @@ def test_at_high_frequency_only_a_ratio_is_told(line, read):
         update={"sweep": line.sweep.model_copy(update={"frequencies": (3e7, 5e7, 1e8, 2e8)})}
     )
     found = calibrate(scene, read(scene, presses=REST), only(("sheet_resistance", "capacitance")))
-    assert found.unclear == ("capacitance and sheet_resistance: told only as their ratio",) or (
-        found.unclear == ("sheet_resistance and capacitance: told only as their ratio",)
+    assert found.unclear == (
+        "capacitance and sheet_resistance: the data identify only their ratio",
+    ) or (
+        found.unclear == ("sheet_resistance and capacitance: the data identify only their ratio",)
     )
 
 
@@ -139,7 +141,7 @@ def test_films_and_leads_of_a_line_are_told_only_together(make_scene, line, read
     sweeps = read(scene, {"contact_resistance": 0.3}, REST)
     fitted = ("sheet_resistance", "capacitance", "contact_resistance", "lead_resistance")
     found = calibrate(scene, sweeps, only(fitted))
-    assert not (found.told["lead_resistance"] or found.told["contact_resistance"])
+    assert not (found.identified["lead_resistance"] or found.identified["contact_resistance"])
     assert any("contact_resistance and lead_resistance" in each for each in found.unclear)
     assert not outside(found, {"contact_resistance": 0.3})
 
@@ -150,7 +152,7 @@ def test_repeats_at_rest_tell_the_noise_where_the_scene_does_not(line, read):
     found = calibrate(
         silent, read(silent, TRUTH, REST * 4, readout=meter), Options(fit=tuple(TRUTH))
     )
-    assert found.noise.source == "16 sweeps of the skin at rest"
+    assert found.noise.source == "16 sweeps of the unpressed skin"
     assert found.noise.readout.magnitude_noise == pytest.approx(4e-3, rel=0.15)
     assert found.noise.readout.phase_noise == pytest.approx(1e-3, rel=0.15)
 
@@ -178,7 +180,7 @@ def test_why_an_ideal_capacitance_does_not_do(line, read):
     assert found.ideal is not None
     assert found.ideal.ideal_rms_error > 3 * found.ideal.rms_error
     assert found.ideal.ideal.values["phase_exponent"] == 1
-    assert "wrong curve" in found.ideal.told[1]
+    assert "wrong curve" in found.ideal.sentences[1]
 
 
 def test_the_scenes_own_draws_can_be_the_prior(line, read):
@@ -198,7 +200,7 @@ def test_sheets_far_from_the_scene_are_found_by_training_anew(make_scene, read):
     scene = scene.model_copy(update={"readout": meter})
     truth = {"sheet_resistance": 1.6, "capacitance": -0.2}
     found = calibrate(scene, read(scene, truth, (*REST, "1,2:2")), Options(fit=tuple(truth)))
-    assert any("training it anew" in each for each in found.remarks)
+    assert any("retraining it" in each for each in found.remarks)
     assert not outside(found, truth)
     assert found.fit.certificate < 0.2 * 2e-3
 
@@ -214,7 +216,7 @@ def test_sheets_of_two_fields_are_told_apart_by_two_interfaces(make_scene, read)
     model = Forward(scene)
     found = calibrate(scene, sweeps, only(truth), model=model)
     assert not outside(found, truth)
-    assert found.told["sheet_mismatch"]
+    assert found.identified["sheet_mismatch"]
     best = gap_by_parameter(scene, sweeps, model=model).alone[0]
     assert best.removed > 0.3
 
@@ -262,10 +264,10 @@ def test_presses_that_are_no_pixels_are_left_out(line, read):
     ("options", "message"),
     [
         ({"fit": ("bulk",)}, "`parameter` must be one of sheet_resistance.*'bulk'"),
-        ({"fit": ("contact_resistance",)}, "contact_resistance changes nothing in this scene"),
+        ({"fit": ("contact_resistance",)}, "contact_resistance has no effect in this scene"),
         ({"fit": ("capacitance",), "fix": ("capacitance",)}, "both fitted and fixed"),
         ({"fix": ("others",)}, "`parameter` must be one of sheet_resistance.*'others'"),
-        ({"band": (1.0, 2.0)}, "`band` must hold frequencies of the sweeps, 1000 to 200000 Hz"),
+        ({"band": (1.0, 2.0)}, "`band` must contain frequencies of the sweeps, 1000 to 200000 Hz"),
         ({"session": 7}, "`session` must be one of 0, got 7"),
     ],
 )
@@ -281,7 +283,7 @@ def test_interfaces_must_be_the_scenes(line, read):
 
 
 def test_a_model_of_other_frequencies_is_refused(line, read, make_scene):
-    with pytest.raises(InputError, match="other sweep than were measured"):
+    with pytest.raises(InputError, match="the model's sweep differ from"):
         calibrate(line, read(line), model=Forward(make_scene(columns=3)))
     with pytest.raises(InputError, match="`cells_per_pixel` of the model must be 1, got 2"):
         calibrate(line, read(line), model=Forward(line, 2))
@@ -292,4 +294,4 @@ def test_what_is_held_though_not_known_widens_what_is_told(line, read):
     held, known = (calibrate(line, sweeps, each) for each in (Options(fit=fit), only(fit)))
     assert held.values["capacitance"] == known.values["capacitance"]
     assert np.ptp(held.intervals["capacitance"]) > 2 * np.ptp(known.intervals["capacitance"])
-    assert "phase_exponent" in held.held and not known.held
+    assert "phase_exponent" in held.not_fitted and not known.not_fitted

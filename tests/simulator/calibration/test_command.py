@@ -35,7 +35,7 @@ def test_a_scene_is_calibrated(run, files, line, earth_alone):
     assert code == 0 and earth_alone(err), err
     assert "foam capacitance" in out
     assert "chi-squared per degree of freedom" in out
-    assert "told only together, as both sheets in series; top over bottom is assumed" in out
+    assert "the data identify only both sheets in series; top over bottom is assumed" in out
     assert sorted(path.name for path in folder.iterdir()) == FILES
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
@@ -46,7 +46,9 @@ def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monk
     assert "correlation    " in run("calibrate", scene, measured, "-o", folder)[1]
     monkeypatch.setenv("COLUMNS", "60")
     out = run("calibrate", scene, measured, "-o", folder)[1]
-    assert "correlations of 8 parameters: see correlation.csv" in out and "correlation  " not in out
+    assert (
+        "correlations of 8 parameters are in correlation.csv" in out and "correlation  " not in out
+    )
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -55,22 +57,24 @@ def test_an_ideal_capacitance_that_fits_is_not_called_the_wrong_curve(run, tmp_p
     assert run("sweep", "strip-1x5", "-o", measured)[0] == 0
     code, out, _ = run("calibrate", "strip-1x5", measured, "-o", tmp_path / "found")
     assert code == 0 and "phase_exponent" in out
-    assert "wrong curve" not in out and "the best fit leaves" not in out
+    assert "wrong curve" not in out and "the best fit with an ideal" not in out
 
 
 def test_the_calibrated_scene_says_from_what_and_is_the_same_bytes_again(run, files, line):
     scene, measured, folder = files
     run("calibrate", scene, measured, "-o", folder, *TWO)
     text = (folder / "calibrated.toml").read_text()
-    assert text.startswith("# Calibrated to run.nc by rcskin calibrate.\n# Fitted, with 95 %")
+    assert text.startswith(
+        "# Calibrated to run.nc by rcskin calibrate.\n# Fitted quantities with marginal 95 %"
+    )
     calibrated, truth = read_scene(folder / "calibrated.toml"), scene_with(line, TRUTH)
     assert calibrated.description == "calibrated to run.nc"
     assert calibrated.skin.foam.unpressed_capacitance_per_area == pytest.approx(
         truth.skin.foam.unpressed_capacitance_per_area, rel=0.02
     )
-    assert "left as in the scene, and allowed for within their priors: loss_tangent" in text
+    assert "not fitted; scene's values kept, uncertain within their priors: loss_tangent" in text
     assert "both in series: " in text
-    assert "not told by the data but assumed from the scene, within its prior" in text
+    assert "not identified by the data; assumed from the scene, within its prior" in text
     code, _, err = run("sweep", folder / "calibrated.toml", "-o", folder.parent / "again.nc")
     assert (code, err) == (0, "")
     assert read_sweeps(folder.parent / "again.nc").sizes["frequency"] == 12

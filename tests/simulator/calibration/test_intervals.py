@@ -5,11 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.fit_options import Options
-from rcskin.simulator.calibration.likelihood.profile import Along, Profile
-from rcskin.simulator.calibration.likelihood.profile_distribution import NORMAL, Law, cut_normal
+from rcskin.simulator.calibration.likelihood.profile import Profile, ProfiledQuantity
+from rcskin.simulator.calibration.likelihood.profile_distribution import (
+    NORMAL,
+    ProfileDistribution,
+    cut_normal,
+)
 from rcskin.simulator.calibration.prior import Prior
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.sheet_intervals import COMMON, MISMATCH, of_series
+from rcskin.simulator.calibration.sheet_intervals import COMMON, MISMATCH, series_intervals
 from rcskin.simulator.models.parameters import own_values
 from scipy.optimize import least_squares
 from scipy.special import ndtr
@@ -26,13 +30,13 @@ def fit_of(reading, slopes, u, bounds=FREE):
         residuals = np.append(share * reading(u), u)
         return residuals, np.vstack([share * slopes(u), np.eye(2)])
 
-    problem = SimpleNamespace(condensed=condensed, bounds=lambda: bounds)
-    asked = SimpleNamespace(fitted={"first": None, "second": None})
-    return SimpleNamespace(problem=problem, asked=asked, u=np.array(u, dtype=float))
+    problem = SimpleNamespace(reduced_system=condensed, bounds=lambda: bounds)
+    spec = SimpleNamespace(fitted={"first": None, "second": None})
+    return SimpleNamespace(problem=problem, spec=spec, u=np.array(u, dtype=float))
 
 
 def along(k, limits=(-np.inf, np.inf)):
-    return Along(lambda u: (float(u[k]), np.eye(2)[k]), k, limits)
+    return ProfiledQuantity(lambda u: (float(u[k]), np.eye(2)[k]), k, limits)
 
 
 def rises(reading, k, bounds=FREE):
@@ -73,14 +77,14 @@ def test_where_all_is_linear_the_interval_is_the_linear_one():
         for k in (0, 1):
             assert profile.linear(along(k))
             reach, middle = NORMAL * profile.deviation(along(k)), profile.best[k]
-            found = profile.law(along(k)).interval(NORMAL)
+            found = profile.distribution(along(k)).interval(NORMAL)
             np.testing.assert_allclose(found, (middle - reach, middle + reach), atol=5e-3 * reach)
 
 
 def test_a_wider_interval_is_wider_by_as_much():
     fit = fit_of(straight, slopes_of_straight, least_of(straight))
     own, wide = (
-        np.ptp(Profile(fit, 1.0, width).law(along(0)).interval(width))
+        np.ptp(Profile(fit, 1.0, width).distribution(along(0)).interval(width))
         for width in (NORMAL, 1.5 * NORMAL)
     )
     assert wide == pytest.approx(1.5 * own, rel=5e-3)
@@ -103,7 +107,7 @@ def test_an_interval_on_a_curved_ridge_ends_where_the_misfit_has_risen(k, loose)
     profile = Profile(fit, 1.0, NORMAL)
     assert not profile.linear(along(k))
     exact = ends(reading, k)
-    found = np.array(profile.law(along(k)).interval(NORMAL))
+    found = np.array(profile.distribution(along(k)).interval(NORMAL))
     reach = NORMAL * profile.deviation(along(k))
     linear = profile.best[k] + np.array([-reach, reach])
     np.testing.assert_allclose(found, exact, atol=0.03 * np.ptp(exact))
@@ -117,7 +121,7 @@ def test_a_bound_of_another_unknown_moves_the_ends():
         fit_of(straight_down, lambda u: np.array([1.0, 1.0]) / 0.3, best, bounds), 1.0, NORMAL
     )
     assert not profile.linear(along(1))
-    found = profile.law(along(1)).interval(NORMAL)
+    found = profile.distribution(along(1)).interval(NORMAL)
     exact = ends(straight_down, 1, bounds)
     np.testing.assert_allclose(found, exact, atol=0.03 * np.ptp(exact))
 
@@ -134,7 +138,7 @@ def test_an_interval_ends_at_a_limit_of_the_quantity_and_is_shorter_beyond_it():
         return (u[0] + u[1] - 0.3) / 0.3
 
     fit = fit_of(above, lambda u: np.array([1.0, 1.0]) / 0.3, least_of(above, bounds), bounds)
-    low, high = Profile(fit, 1.0, NORMAL).law(along(0, (0.0, np.inf))).interval(NORMAL)
+    low, high = Profile(fit, 1.0, NORMAL).distribution(along(0, (0.0, np.inf))).interval(NORMAL)
     rise = rises(above, 0, bounds)
     at_limit = -np.sqrt(rise[np.searchsorted(GRID, 0.0)])
     _, share = cut_normal(0.0, 1.0, NORMAL, (at_limit, np.inf))
@@ -148,12 +152,14 @@ def test_an_interval_contains_a_limit_that_a_two_sided_test_does_not_reject(at_l
     """The limit is exactly an end then, on both sides of a law, and 95 % of what is left within."""
     deviations = np.linspace(-at_limit, 3.0, 9)
     places = (deviations + at_limit) / 7.0
-    law = Law(places, deviations, (0.0, np.inf))
+    law = ProfileDistribution(places, deviations, (0.0, np.inf))
     low, high = law.interval(NORMAL)
     assert (low == 0.0) == reached
     inside = ndtr(7.0 * high - at_limit) - ndtr(7.0 * low - at_limit)
     assert inside == pytest.approx(0.95 * ndtr(at_limit), abs=1e-6)
-    mirrored = Law(1.0 - places[::-1], -deviations[::-1], (0.0, 1.0)).interval(NORMAL)
+    mirrored = ProfileDistribution(1.0 - places[::-1], -deviations[::-1], (0.0, 1.0)).interval(
+        NORMAL
+    )
     assert mirrored == pytest.approx((1 - high, 1 - low))
     assert (mirrored[1] == 1.0) == reached
 
@@ -164,10 +170,10 @@ def test_equal_sheets_lie_within_the_interval_of_their_mean(line, off):
     spread, names = 5e-3, (COMMON, MISMATCH)
     fit = SimpleNamespace(
         values=own_values(line) | {COMMON: off * spread},
-        asked=SimpleNamespace(fitted=dict.fromkeys(names, Prior(0.0, 1.0))),
+        spec=SimpleNamespace(fitted=dict.fromkeys(names, Prior(0.0, 1.0))),
     )
     known = SimpleNamespace(names=names, covariance=np.diag([spread**2, 1.0]))
-    low, high = of_series(line, fit, known, NORMAL)[COMMON]
+    low, high = series_intervals(line, fit, known, NORMAL)[COMMON]
     assert low < -0.3 and 0 <= high < 5 * spread
     assert low < np.log(1 / np.cosh(0.8)) < high
 

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.centered_model import around
+from rcskin.simulator.calibration.centered_model import centered_model
 from rcskin.simulator.calibration.fit import solve_from
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
@@ -53,7 +53,7 @@ def problem_of(scene, sweeps):
     known = priors(data, "wide")
     fixed = {name: value for name, value in values.items() if name not in NAMES}
     asked = FitSpec(data, scene.readout, {name: known[name] for name in NAMES}, fixed)
-    return LeastSquaresProblem(asked, around(scene, {}, 1e-4))
+    return LeastSquaresProblem(asked, centered_model(scene, {}, 1e-4))
 
 
 def test_what_was_read_counts_as_ever_and_what_was_not_for_nothing(own, shared, read):
@@ -113,7 +113,7 @@ def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, r
     data = measurements_of(own, sweeps, (FREQUENCIES[8] - 1, np.inf))
     assert [each.name for each in data.scene.interfaces] == ["left"]
     assert data.scene.taken is None and data.scene.frequencies.size == 2
-    with pytest.raises(InputError, match="`band` must hold frequencies"):
+    with pytest.raises(InputError, match="`band` must contain frequencies"):
         measurements_of(own, sweeps, (1e7, np.inf))
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.centered_model import around
+from rcskin.simulator.calibration.centered_model import centered_model
 from rcskin.simulator.calibration.fit import solve_from
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
@@ -25,7 +25,7 @@ def asked_of(scene, sweeps, names=()):
 
 def test_slopes_are_exact(line, read):
     asked = asked_of(line, read(line, presses=PRESSES), NAMES)
-    problem = LeastSquaresProblem(asked, around(line, {}, 1e-4))
+    problem = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4))
     u = 0.3 * np.random.default_rng(1).standard_normal(
         len(NAMES) + asked.touch_count + asked.error_count
     )
@@ -49,7 +49,7 @@ def test_every_session_has_errors_of_its_own(line, read):
     sweeps = read(line, presses=PRESSES)
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
     asked = asked_of(line, sweeps, NAMES)
-    slopes = LeastSquaresProblem(asked, around(line, {}, 1e-4)).jacobian(
+    slopes = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4)).jacobian(
         np.zeros(len(NAMES) + 3 + 4)
     )
     seen = np.abs(slopes[:72, -4:]).reshape(3, 2, 12, 4).any(axis=2).any(axis=1)
@@ -59,7 +59,7 @@ def test_every_session_has_errors_of_its_own(line, read):
 def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     sweeps = read(line, {"capacitance": 0.01}, presses=("none",), seed=3)
     asked = asked_of(line, sweeps)
-    ready = around(line, {}, 1e-4)
+    ready = centered_model(line, {}, 1e-4)
     fit = solve_from(LeastSquaresProblem(asked, ready), asked.fixed)
     Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
     off = difference(Z, asked.measurements.sweeps[0].Z)
@@ -73,14 +73,14 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
     sweeps = read(line, presses=(*PRESSES, "1,1:1.7", "1,3:2.2"))
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2, 1, 3]))
     asked = replace(asked_of(line, sweeps, NAMES), strengths=strengths)
-    problem = LeastSquaresProblem(asked, around(line, {}, 1e-4))
+    problem = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4))
     u = 0.3 * np.random.default_rng(2).standard_normal(
         len(NAMES) + asked.touch_count + asked.error_count
     )
     whole = np.column_stack([problem.jacobian(u), problem.residuals(u)])
     divided = np.r_[: len(whole) - len(u), len(whole) - len(u) + len(NAMES) : len(whole)]
     whole[divided] /= np.sqrt(scale)
-    residuals, slopes = problem.condensed(u, scale)
+    residuals, slopes = problem.reduced_system(u, scale)
     few = np.column_stack([slopes, residuals])
     assert len(few) <= len(u) + 1
     products = whole.T @ whole
@@ -88,7 +88,7 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
 
 
 def test_a_model_about_other_values_answers_alike(line):
-    near, far = around(line, {}, 1e-4), around(line, {"capacitance": 0.7}, 1e-4)
+    near, far = centered_model(line, {}, 1e-4), centered_model(line, {"capacitance": 0.7}, 1e-4)
     values = own_values(line) | {"capacitance": 0.5, "sheet_resistance": -0.2}
     cells, rises = np.array([1]), np.array([0.8])
     one, other = (model.respond(cells, rises, values) for model in (near, far))

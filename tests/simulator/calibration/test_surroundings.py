@@ -10,7 +10,7 @@ from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.surroundings_trials import surrounded
+from rcskin.simulator.calibration.surroundings_trials import with_effects
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.effects import EFFECTS
@@ -43,7 +43,7 @@ def scene(line):
 @pytest.fixture(scope="module")
 def model(scene):
     """Of the scene with all of them, trained once for all that is asked here."""
-    found = model_of(surrounded(scene, EFFECTS), 1e-4)
+    found = model_of(with_effects(scene, EFFECTS), 1e-4)
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
@@ -76,7 +76,7 @@ def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words
     causes = gap_by_parameter(scene, twins[twin])
     first, second, *_ = causes.alone
     assert first.name == twin
-    assert float(re.fullmatch(words, first.told)[1]) == pytest.approx(truth, rel=0.05)
+    assert float(re.fullmatch(words, first.description)[1]) == pytest.approx(truth, rel=0.05)
     assert first.removed > 0.99
     assert first.after < 0.2 * second.after
     assert causes.together == ()
@@ -87,7 +87,7 @@ def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
     sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, "1,2:2.0:5.3pF")])
     (reading,) = (found := measurements_of(scene, sweeps)).sweeps
     assert [str(touch) for touch in reading.press.touches] == ["1,2:2.0"]
-    assert found.left_out == ("what presses say of fingers, for scene has no [surroundings]",)
+    assert found.left_out == ("fingers of presses, because scene has no [surroundings]",)
     (reading,) = measurements_of(twin, sweeps).sweeps
     assert reading.press.touches[0].finger == 5.3e-12
 
@@ -116,7 +116,7 @@ def test_what_surrounds_a_skin_and_cannot_be_tried_is_a_remark(scene, twins, mon
 
     monkeypatch.setattr("rcskin.simulator.calibration.misfit.Trials", refuse)
     causes = gap_by_parameter(scene, twins["body"])
-    assert causes.remarks == ("what surrounds the skin was not tried: the foam is unknown",)
+    assert causes.remarks == ("surroundings of the skin were not tried: the foam is unknown",)
     assert causes.together == () and len(causes.alone) > 3
 
 
@@ -124,8 +124,8 @@ def test_a_calibration_says_what_an_effect_would_gain(scene, model, twins):
     found = calibrate(scene, twins["body"], Options(fit=("stray_capacitance",)))
     assert found.chi_squared > 10
     (gained, *_) = [line for line in found.remarks if "--also" in line]
-    assert re.match(r"a body at about (5\.9|6|6\.1) mm beside what is fitted would leave ", gained)
-    assert gained.endswith("; --also body fits it")
+    assert re.match(r"a body at about (5\.9|6|6\.1) mm in addition would reduce ", gained)
+    assert gained.endswith("; fit it with --also body")
     assert found.scene.surroundings is None
 
 
@@ -137,7 +137,7 @@ def test_what_surrounds_a_skin_is_fitted_where_that_is_asked_for(scene, model, t
     truth = {"body, bottom": 6e-3, "rim, top": 4e-12, "finger": 3e-12}
     for name, unit in zip(truth, ("m", "F/m", "F"), strict=True):
         assert told[name].low < truth[name] < told[name].high
-        assert (told[name].unit, told[name].told_by) == (unit, "data")
+        assert (told[name].unit, told[name].source) == (unit, "data")
     around = found.scene.surroundings
     assert around.body[0].distance == pytest.approx(told["body, bottom"].value)
     assert around.rim.top == pytest.approx(told["rim, top"].value)
@@ -145,15 +145,15 @@ def test_what_surrounds_a_skin_is_fitted_where_that_is_asked_for(scene, model, t
 
 
 def test_a_finger_without_a_press_is_not_identified(scene, model, twins):
-    around = surrounded(scene, EFFECTS)
+    around = with_effects(scene, EFFECTS)
     rest = twins["all"].isel(sweep=slice(len(REST)))
     found = calibrate(around, rest, Options(fit=("body", "finger"), fix=("others",)), model=model)
     assert "finger: not identified by the data; prior kept" in found.unclear
-    assert not found.told["finger"]
+    assert not found.identified["finger"]
 
 
 def test_a_model_of_other_surroundings_is_refused(scene, model, twins):
-    with pytest.raises(InputError, match="the model has other surroundings than were measured"):
+    with pytest.raises(InputError, match="the model's surroundings differ from the measured ones"):
         calibrate(scene, twins["body"], Options(also=("body",)), model=model)
 
 
@@ -199,4 +199,4 @@ def test_intervals_hold_the_truth(scene, model):
 def test_what_a_scene_cannot_have_is_refused(scene, around, also, told):
     given = scene.with_({"surroundings": around}) if around else scene
     with pytest.raises(InputError, match=told):
-        surrounded(given, (also,))
+        with_effects(given, (also,))

@@ -17,7 +17,7 @@ from rcskin.simulator.sweeps import InputError
 
 FIT = ("sheet_resistance", "capacitance", *FOAM_MODES)
 UNEVEN = Options(fit=FIT, fix=("others",), strengths=False, uneven=True)
-EVEN = Options(fit=FIT[:2], fix=("others",), strengths=False)
+NO_MODES = Options(fit=FIT[:2], fix=("others",), strengths=False)
 TRUE = {"foam_x": 0.08, "foam_y": -0.06, "foam_xy": 0.04}
 
 
@@ -71,7 +71,7 @@ def test_waves_of_twins_are_found_and_their_intervals_hold_them(scene, twin, mod
         read = read_out(twin, scene.readout, random, session)
         found = calibrate(scene, read, UNEVEN, model=model)
         held += [low <= TRUE[name] <= high for name, (low, high) in _waves(found).items()]
-        assert all(found.told[name] for name in FOAM_MODES)
+        assert all(found.identified[name] for name in FOAM_MODES)
     assert sum(held) >= 12
 
 
@@ -131,7 +131,7 @@ def _waves(found):
 
 
 def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):
-    even, uneven = (calibrate(scene, twin, each, model=model) for each in (EVEN, UNEVEN))
+    even, uneven = (calibrate(scene, twin, each, model=model) for each in (NO_MODES, UNEVEN))
     assert uneven.rms_error < 0.1 * even.rms_error
     again = simulate(Solver(uneven.scene, 1e-4), every_press(scene))
     off = np.abs(again["Cp"] / twin["Cp"] - 1).max()
@@ -149,7 +149,7 @@ def test_what_a_line_does_not_tell_is_said(scene, twin):
     )
     rest = simulate(Solver(lined), every_press(lined)[:1])
     found = calibrate(lined, rest, UNEVEN)
-    assert not found.told["foam_y"] and not found.told["foam_xy"]
+    assert not found.identified["foam_y"] and not found.identified["foam_xy"]
     assert any("foam_y: not identified by the data" in line for line in found.unclear)
 
 
@@ -157,5 +157,5 @@ def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):
     mapped = scene.with_({"skin.foam.map": map_of(scene, TRUE).model_dump()})
     with pytest.raises(InputError, match="without `skin.foam.map` alone"):
         calibrate(mapped, twin, UNEVEN)
-    with pytest.raises(InputError, match="foam_x changes nothing in this scene"):
+    with pytest.raises(InputError, match="foam_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("foam_x",)))

@@ -83,7 +83,7 @@ def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(
     for seed in range(3):
         read = read_out(twin, scene.readout, np.random.default_rng(seed))
         found = calibrate(scene, read, asked(*SHEET_MODES), model=model)
-        assert all(found.told[name] for name in SHEET_MODES)
+        assert all(found.identified[name] for name in SHEET_MODES)
         assert 0.7 < found.chi_squared < 1.3
         inside += held(found, SHEETS)
     assert sum(inside) >= 14
@@ -115,7 +115,7 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
     read["Cp"].values = (1 / Z).imag / (2 * np.pi * scene.frequencies)
     read = read_out(read, scene.readout, np.random.default_rng(2))
     found = calibrate(scene, read, asked(*FOAM_MODES, *SHEET_MODES), model=model)
-    assert all(found.told[name] for name in (*FOAM_MODES, *SHEET_MODES))
+    assert all(found.identified[name] for name in (*FOAM_MODES, *SHEET_MODES))
     assert 0.7 < found.chi_squared < 1.3
     assert sum(held(found, SHEETS | FOAM)) >= 7
 
@@ -129,10 +129,10 @@ def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
     of = {each.name: each for each in found.quantities}
     R = strip.skin.sheet_resistances
     both = (R[0] * truth["top_x"] + R[1] * truth["bottom_x"]) / sum(R)
-    assert of["both sheets, x"].told_by == "data"
+    assert of["both sheets, x"].source == "data"
     assert of["both sheets, x"].low < both < of["both sheets, x"].high
-    assert not (found.told["top_x"] or found.told["bottom_x"])
-    assert "top_x and bottom_x: told only as their sum, that of both sheets, x" in " ".join(
+    assert not (found.identified["top_x"] or found.identified["bottom_x"])
+    assert "top_x and bottom_x: the data identify only their sum, both sheets, x" in " ".join(
         found.unclear
     )
     for name in ("top_y", "bottom_y", "top_xy", "bottom_xy"):
@@ -143,7 +143,7 @@ def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
     mapped = with_sheet_modes(scene, SHEETS)
     with pytest.raises(InputError, match="sheets without maps alone, got `skin.top.map`"):
         calibrate(mapped, twin, asked(*SHEET_MODES))
-    with pytest.raises(InputError, match="top_x changes nothing in this scene"):
+    with pytest.raises(InputError, match="top_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("top_x",)))
     with pytest.raises(InputError, match="`modes` of the model must be 4"):
         calibrate(scene, twin, asked(*SHEET_MODES), model=Forward(scene, rtol=1e-2))

@@ -3,7 +3,7 @@
 import csv
 
 import pytest
-from rcskin.simulator.design.bench import Bench
+from rcskin.simulator.design.evaluator import SceneEvaluator
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--casts", 1, "--draws", 40, "--sheet-ratio", 1)
@@ -13,8 +13,10 @@ def test_a_killed_search_goes_on_to_the_same_bytes(run, strip_file, tmp_path, mo
     asked = ("design", strip_file, *QUICK, "--want", 0.999999)
     code, out, err = run(*asked, "-o", tmp_path / "whole")
     assert (code, err) == (0, "")
-    assert out.startswith("99.9999 % is not reached by any design found; the best: pixels right")
-    own, left = Bench.shares, [3]
+    assert out.startswith(
+        "99.9999 % is not reached by any design found; the best: largest share of"
+    )
+    own, left = SceneEvaluator.merits, [3]
 
     def shares(bench, layout):
         if not left[0]:
@@ -22,11 +24,13 @@ def test_a_killed_search_goes_on_to_the_same_bytes(run, strip_file, tmp_path, mo
         left[0] -= 1
         return own(bench, layout)
 
-    monkeypatch.setattr(Bench, "shares", shares)
+    monkeypatch.setattr(SceneEvaluator, "merits", shares)
     assert run(*asked, "-o", tmp_path / "again")[0] != 0
     assert not (tmp_path / "again").exists() and (tmp_path / ".again.search").is_dir()
-    monkeypatch.setattr(Bench, "shares", own)
-    monkeypatch.setattr("rcskin.simulator.design.trained.Trained.cast", _counted(kept := []))
+    monkeypatch.setattr(SceneEvaluator, "merits", own)
+    monkeypatch.setattr(
+        "rcskin.simulator.design.trained_skins.TrainedSkins.sample", _counted(kept := [])
+    )
     assert run(*asked, "-o", tmp_path / "again")[0] == 0
     assert kept and not (tmp_path / ".again.search").exists()
     names = sorted(path.name for path in (tmp_path / "whole").iterdir())
@@ -38,9 +42,9 @@ def test_a_killed_search_goes_on_to_the_same_bytes(run, strip_file, tmp_path, mo
 
 
 def _counted(kept):
-    from rcskin.simulator.design.trained import Trained
+    from rcskin.simulator.design.trained_skins import TrainedSkins
 
-    own = Trained.cast
+    own = TrainedSkins.sample
 
     def cast(trained, number):
         kept.append(number)
@@ -58,7 +62,7 @@ def _check_folder(run, folder):
     assert run("sweep", folder / "design.toml", "-o", folder / "all.csv")[0] == 0
     assert run("describe", folder / "design.toml", "-o", folder / "drawn.png")[0] == 0
     page = (folder / "report.html").read_text(encoding="utf-8")
-    for told in ("What each step gained", "What to cast", "kohm/sq", "less than a point"):
+    for told in ("Gain of each step", "What to make", "kohm/sq", "less than one percentage point"):
         assert told in page
 
 
@@ -100,4 +104,4 @@ def test_sheets_unlike_each_other_stay_within_the_bounds(run, refused, strip, tm
     sheets = skin.top.sheet_resistance, skin.bottom.sheet_resistance
     assert 10e3 * (1 - 1e-6) <= min(sheets) and max(sheets) <= 100e3 * (1 + 1e-6)
     assert sheets[1] / sheets[0] == pytest.approx(3, rel=0.05)
-    assert "has no room for sheets" in refused(*asked, "10e3:20e3", "-o", tmp_path / "e")
+    assert "is too narrow for sheets" in refused(*asked, "10e3:20e3", "-o", tmp_path / "e")

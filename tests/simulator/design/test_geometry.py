@@ -1,12 +1,12 @@
 """Other places of foils and graded sheets: which there are, and what symmetry says of them."""
 
 import pytest
-from rcskin.simulator.design.bench import Asking, Bench
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
 from rcskin.simulator.design.geometry import geometries, graded, moved
-from rcskin.simulator.design.journal import Journal
-from rcskin.simulator.design.on_skin import material_of
-from rcskin.simulator.design.pool import terminals
+from rcskin.simulator.design.reading_pool import terminals
 from rcskin.simulator.design.search import search
+from rcskin.simulator.design.search_journal import SearchJournal
+from rcskin.simulator.design.skin_readout import material_of
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -60,15 +60,15 @@ def test_foils_mirrored_tell_as_much_and_the_best_for_columns_are_symmetric(stri
         sheet_resistance=(50e3, 50e3),
         sheet_ratio=1.0,
     )
-    asking = Asking(asked, 1, 100, Journal(None, {}), lambda *_: None)
+    asking = SearchSettings(asked, 1, 100, SearchJournal(None, {}), lambda *_: None)
     mirrored = scene.with_({f"contact.{name}.span": [0.7, 1.0] for name in FOILS})
     shares = [
-        Bench(each, asking, terminals(each)).share_of(material_of(each), [0], [0])
+        SceneEvaluator(each, asking, terminals(each)).share_of(material_of(each), [0], [0])
         for each in (scene, mirrored)
     ]
     assert shares[0] == pytest.approx(shares[1], abs=2e-3)
     found = search(scene, asking)
     told = [(step.name, step.tenth) for step in found.steps]
     assert found.best.name == "foils on the left edge", told
-    low, high = found.bench.scene.contact("top-left").span
+    low, high = found.evaluator.scene.contact("top-left").span
     assert low == pytest.approx(1 - high)

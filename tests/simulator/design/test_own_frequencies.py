@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from rcskin.simulator.design.choosing import bound, exchanged_by_slope
+from rcskin.simulator.design.candidate_selection import exchanged_by_slope, selection_bound
 from rcskin.simulator.scene.scene_files import load_scene
 
 
@@ -21,7 +21,7 @@ def test_exchanges_come_near_the_best_of_all(seed=3):
     def value(choice):
         return slope(np.isin(np.arange(40), choice).astype(float))[0]
 
-    most = bound(slope, found, 40)
+    most = selection_bound(slope, found, 40)
     assert len(set(found.tolist())) == 8
     assert value(begun) < value(found) <= most
     assert most - value(found) < 0.1 * (most - value(begun))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import position_slopes
-from rcskin.simulator.design.bench import Asking, Bench
-from rcskin.simulator.design.journal import Journal
-from rcskin.simulator.design.places import CELLS, Touches
-from rcskin.simulator.design.pool import terminals
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.reading_pool import terminals
+from rcskin.simulator.design.search_journal import SearchJournal
+from rcskin.simulator.design.touch_positions import CELLS, TouchPositions
 from rcskin.simulator.scene.design_goals import Design
 
 POSITIONS = {"target": "position", "casts": 1, "sheet_ratio": 1.0, "readings": 2}
@@ -28,13 +28,13 @@ def scene(make_scene):
 
 
 def bench(scene):
-    asking = Asking(Design(**POSITIONS), 1, 100, Journal(None, {}), lambda *_: None)
-    return Bench(scene, asking, terminals(scene))
+    asking = SearchSettings(Design(**POSITIONS), 1, 100, SearchJournal(None, {}), lambda *_: None)
+    return SceneEvaluator(scene, asking, terminals(scene))
 
 
 def test_bounds_are_those_of_the_full_solver(scene):
-    found, touches = bench(scene), Touches(scene)
-    on = found._trained.on(None, found.own.material, scene.interfaces)
+    found, touches = bench(scene), TouchPositions(scene)
+    on = found._trained.readout(None, found.own.material, scene.interfaces)
     told = touches.slopes(on, scene.frequencies, 6)
     fields = Fields(scene, float(scene.frequencies[-1]), CELLS)
     exact = position_slopes(fields, touches.places, touches.size, scene.frequencies, against_rest=6)
@@ -54,7 +54,9 @@ def test_a_search_for_positions_tells_millimetres(run, strip_file, tmp_path):
     quick = ("--casts", 1, "--sheet-ratio", 1, "--target", "position")
     code, out, err = run("design", strip_file, *quick, "--within", 1e-2, "-o", tmp_path / "d")
     assert (code, err) == (0, "")
-    assert out.startswith("0.01 mm is not reached by any design found; the best: positions half")
+    assert out.startswith(
+        "0.01 mm is not reached by any design found; the best: smallest median error"
+    )
     numbers = json.loads((tmp_path / "d" / "design.json").read_text())
     first, *_, last = (each["nine_of_ten_casts"] for each in numbers["steps"])
     assert first <= last < 1 and numbers["distance_of_a_guess_m"] > 0
@@ -67,4 +69,4 @@ def test_groups_of_pixels_are_refused(scene):
         update={"pixels": scene.pixels.model_copy(update={"groups": (("a", "b"), ("c", "d"))})}
     )
     with pytest.raises(ValueError, match="without `groups`"):
-        Touches(grouped)
+        TouchPositions(grouped)

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 from rcskin.simulator.design.picking import budgets, sweep_time
-from rcskin.simulator.design.pool import own_readings, pool, terminals, wirings
+from rcskin.simulator.design.reading_pool import own_readings, pool, terminals, wirings
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.design.choosing import bound, chosen
-from rcskin.simulator.design.curves import Pairs
-from rcskin.simulator.design.merits import Near, Right, lower
-from rcskin.simulator.design.proxy import Ties, by_both, by_frequency, by_reading
+from rcskin.simulator.design.candidate_merit import SessionErrors, by_both, by_frequency, by_reading
+from rcskin.simulator.design.candidate_selection import best_selection, selection_bound
+from rcskin.simulator.design.merits import AccuracyMerit, PositionMerit, lower_triangle
+from rcskin.simulator.design.pair_separation import Pairs
 
-KNOWN, UNKNOWN = Ties(), Ties(gain=0.5, turn=2.0)
+KNOWN, UNKNOWN = SessionErrors(), SessionErrors(gain=0.5, turn=2.0)
 
 
 def some_pairs(seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
@@ -43,7 +43,7 @@ def test_the_share_lies_below_all_its_tangents(told, ties):
 
 @pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
 def test_errors_of_a_session_hide_what_all_frequencies_share(ties):
-    common = np.repeat(some_pairs(frequencies=1).apart, 5, axis=2)
+    common = np.repeat(some_pairs(frequencies=1).separation, 5, axis=2)
     pairs = Pairs(common, some_pairs().weight)
     known = by_frequency(pairs, KNOWN).slope(np.ones(5))[0]
     assert by_frequency(pairs, ties).slope(np.ones(5))[0] <= known
@@ -67,26 +67,28 @@ def test_every_choice_is_looked_at_where_there_are_few_and_none_exceeds_the_boun
         share.slope(np.isin(range(7), choice).astype(float))[0]
         for choice in itertools.combinations(range(7), 3)
     )
-    found = chosen(share.score, share.slope, 7, 3)
+    found = best_selection(share.score, share.slope, 7, 3)
     assert (
-        found.every and found.share == pytest.approx(best, abs=2e-6) and found.most == found.share
+        found.exhaustive
+        and found.share == pytest.approx(best, abs=2e-6)
+        and found.upper_bound == found.share
     )
-    told = bound(share.slope, np.array(found.numbers), 7)
+    told = selection_bound(share.slope, np.array(found.candidates), 7)
     assert best <= told < 1
 
 
 def test_exchanges_come_close_to_a_bound_that_holds(monkeypatch):
     share = by_reading(some_pairs(size=0.3), KNOWN)
-    exact = chosen(share.score, share.slope, 7, 3)
-    monkeypatch.setattr("rcskin.simulator.design.choosing.ALL_AT_ONCE", 0)
-    found = chosen(share.score, share.slope, 7, 3)
-    assert not found.every
-    assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.most + 1e-5
+    exact = best_selection(share.score, share.slope, 7, 3)
+    monkeypatch.setattr("rcskin.simulator.design.candidate_selection.ALL_AT_ONCE", 0)
+    found = best_selection(share.score, share.slope, 7, 3)
+    assert not found.exhaustive
+    assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.upper_bound + 1e-5
 
 
 def test_more_is_never_less():
     share = by_reading(some_pairs(size=0.3), UNKNOWN)
-    shares = [chosen(share.score, share.slope, 7, n).share for n in range(1, 8)]
+    shares = [best_selection(share.score, share.slope, 7, n).share for n in range(1, 8)]
     assert shares == sorted(shares) and not math.isclose(shares[0], shares[-1])
 
 
@@ -100,7 +102,7 @@ def some_places(seed=1, places=12):
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
 @pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
 def test_how_near_places_are_told_is_concave_and_its_slopes_are_those_of_differences(told, ties):
-    share, random = told(some_places(), ties, Near((0.1, 0.05))), np.random.default_rng(2)
+    share, random = told(some_places(), ties, PositionMerit((0.1, 0.05))), np.random.default_rng(2)
     h = 1e-5
     for _ in range(10):
         weights, other = 0.2 + random.random((2, share.candidates))
@@ -112,7 +114,7 @@ def test_how_near_places_are_told_is_concave_and_its_slopes_are_those_of_differe
 
 
 def test_nothing_read_leaves_the_distance_of_a_guess():
-    near = Near((0.1, 0.05))
+    near = PositionMerit((0.1, 0.05))
     told = near(np.zeros((1, 3, 3)), np.ones(1))
     assert float(told.value) == pytest.approx(0, abs=1e-12)
     assert near.guess == pytest.approx(np.hypot(0.1, 0.05) / np.sqrt(12))
@@ -123,17 +125,23 @@ def test_frequencies_of_each_reading_bound_those_of_all():
     told = by_both(pairs)
     assert told.candidates == 7 * 9
     shared = by_frequency(pairs, KNOWN)
-    found = chosen(shared.score, shared.slope, 9, 3)
-    own = np.add.outer(9 * np.arange(7), np.array(found.numbers)).ravel()
+    found = best_selection(shared.score, shared.slope, 9, 3)
+    own = np.add.outer(9 * np.arange(7), np.array(found.candidates)).ravel()
     weights = np.isin(np.arange(told.candidates), own).astype(float)
     assert told.slope(weights)[0] == pytest.approx(found.share, rel=1e-12)
-    assert found.share < bound(told.slope, own, told.candidates) < shared.slope(every * 0 + 1.0)[0]
+    assert (
+        found.share
+        < selection_bound(told.slope, own, told.candidates)
+        < shared.slope(every * 0 + 1.0)[0]
+    )
 
 
-@pytest.mark.parametrize("merit", [Right(), Near((0.12, 0.08))], ids=["right", "near"])
+@pytest.mark.parametrize(
+    "merit", [AccuracyMerit(), PositionMerit((0.12, 0.08))], ids=["right", "near"]
+)
 def test_a_merit_alone_is_that_which_tells_how_it_changes(merit):
     ways = 20 * np.random.default_rng(5).standard_normal((6, 11, 5, 3))
     found = np.einsum("...ka,...kb->...ab", ways, ways)
     weight = np.full(11, 1 / 11)
     whole = merit(found, weight).value
-    assert merit.value(lower(found), weight) == pytest.approx(whole, rel=1e-12)
+    assert merit.value(lower_triangle(found), weight) == pytest.approx(whole, rel=1e-12)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.bounds.sets import equation_6
-from rcskin.simulator.design.bench import Asking, Bench
-from rcskin.simulator.design.curves import NEAREST, SAME, _nearest
-from rcskin.simulator.design.journal import Journal
-from rcskin.simulator.design.judged import Judge, designed, merits
-from rcskin.simulator.design.on_skin import Material
-from rcskin.simulator.design.pool import terminals
-from rcskin.simulator.design.search import best_along, search
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.pair_separation import NEAREST, SAME, _nearest
+from rcskin.simulator.design.reading_pool import terminals
+from rcskin.simulator.design.scoring import AccuracyScorer, designed, merits
+from rcskin.simulator.design.search import best_value, search
+from rcskin.simulator.design.search_journal import SearchJournal
+from rcskin.simulator.design.skin_readout import Material
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
@@ -26,11 +26,13 @@ BARE = {"stray_capacitance": 0.0, "lead_resistance": 0.0}
 
 
 def asking(draws=100, **asked):
-    return Asking(Design(**{**SINGLE, **asked}), 1, draws, Journal(None, {}), lambda *_: None)
+    return SearchSettings(
+        Design(**{**SINGLE, **asked}), 1, draws, SearchJournal(None, {}), lambda *_: None
+    )
 
 
 def bench(scene, **asked):
-    return Bench(scene, asking(**asked), terminals(scene))
+    return SceneEvaluator(scene, asking(**asked), terminals(scene))
 
 
 def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(strip):
@@ -72,7 +74,7 @@ def test_a_search_ends_no_worse_than_any_of_its_steps_and_keeps_its_bounds(strip
     assert 20e3 <= math.sqrt(material.top * material.bottom) <= 100e3
     assert len(found.best.layout.frequencies) <= 2
     assert found.picked.share <= min(
-        found.picked.most_by_readings, found.picked.most_by_frequencies
+        found.picked.bound_over_readings, found.picked.bound_over_frequencies
     )
     again = search(scene, asked)
     assert again.steps == found.steps
@@ -90,7 +92,7 @@ def test_the_exact_bound_of_more_readings_and_frequencies_is_never_less(strip):
         picked = found.picked(material, [], [3])
         layout = found.layout(material, picked)
         readings = tuple(found.pool[:count])
-        shares.append(found.shares(type(layout)(material, readings, (2e3, 8e3)))[0])
+        shares.append(found.merits(type(layout)(material, readings, (2e3, 8e3)))[0])
     error = 4 * 0.5 / math.sqrt(4000)
     assert all(more > less - error for less, more in itertools.pairwise(shares))
 
@@ -99,9 +101,9 @@ def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
     def told(value):
         return -(math.log(value / 37.0) ** 2)
 
-    assert best_along(told, (1.0, 1000.0), 5.0) == pytest.approx(37, rel=0.03)
-    assert best_along(told, (100.0, 1000.0), 5.0) == 100
-    assert best_along(told, (1.0, 2.0), 5.0) == 2
+    assert best_value(told, (1.0, 1000.0), 5.0) == pytest.approx(37, rel=0.03)
+    assert best_value(told, (100.0, 1000.0), 5.0) == 100
+    assert best_value(told, (1.0, 2.0), 5.0) == 2
 
 
 class CastReadings:
@@ -124,9 +126,9 @@ class CastReadings:
 def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
-    judge = Judge(scene, Design(casts=1), 4000, 1)
+    judge = AccuracyScorer(scene, Design(casts=1), 4000, 1)
     own = bench(scene, band=None).own
-    on = trained.on(trained.cast(0), own.material, own.readings)
+    on = trained.readout(trained.sample(0), own.material, own.readings)
     told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
     readings, presses = CastReadings(on, scene.frequencies, 6), own_presses(scene)
@@ -173,7 +175,7 @@ def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):
 
     scene = strip()
     found = bench(scene, band=None)
-    on = found._trained.on(None, Material(50e3, 50e3), found.pool)
+    on = found._trained.readout(None, Material(50e3, 50e3), found.pool)
     batch = PressBatch.of([(np.array([2]), np.array([1.0]))])
     told = on.observed(batch, scene.frequencies)[0]
     Z = Solver(scene, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.bounds.touches.cells import Cells
-from rcskin.simulator.design.places import Touches
+from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits.identity import Sampling, identity
 from rcskin.simulator.limits.survey import with_finger
 from rcskin.simulator.models.solver import Solver
@@ -103,7 +103,7 @@ def test_a_finger_that_cannot_be_is_refused(scene, finger, told):
 
 def test_designs_for_positions_take_no_surroundings():
     with pytest.raises(InputError, match="a design for positions cannot take `surroundings`"):
-        Touches(FINGER)
+        TouchPositions(FINGER)
 
 
 def test_a_touch_that_changes_nothing_is_refused():

@@ -1,4 +1,4 @@
-"""What pairs of presses differ by, in the meter's errors, and how their strengths hide it."""
+"""Separation of pairs of presses in the meter's errors, with the effect of unknown strengths."""
 
 from __future__ import annotations
 
@@ -15,54 +15,57 @@ from ..mesh.held import held
 from ..press.batch import PressBatch
 from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
-from .on_skin import OnSkin
+from .skin_readout import SkinReadout
 
 NEAREST = 10
-"""Other hypotheses that each may be mistaken for; those further off hardly ever are."""
+"""Number of nearest hypotheses that are compared with each; more distant ones hardly matter."""
 BYTES_FOR_NUMBER = 16
-"""Those of every two presses, and once more while equations of them are solved."""
+"""Memory for each pair of presses, doubled while their equations are solved."""
 SAME = 1e-3
-"""Of the meter's errors: presses that no candidates tell apart, mirror images above all."""
+"""Separation in the meter's errors below which presses are equal, as mirror images are."""
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """Pairs of hypotheses with different answers, of one skin.
+    """Pairs of hypotheses of one skin that have different answers.
 
-    apart: from one to the other, then how either strength changes that, each by its standard
-    deviation, over the noise: shape (pair, reading, frequency, 2, 1 + strengths). weight: what
-    share of all sweeps is lost where a pair is always mistaken, shape (pair,).
+    separation: difference of their readings, then its change by one standard deviation of each
+    strength, over the noise; shape (pair, reading, frequency, 2, 1 + strengths). weight: share of
+    all sweeps that is wrong if a pair is always confused, shape (pair,).
     """
 
-    apart: NDArray[np.float64]
+    separation: NDArray[np.float64]
     weight: NDArray[np.float64]
 
     def of(self, readings: Sequence[int], frequencies: Sequence[int]) -> Pairs:
-        """At some of the readings and frequencies."""
-        return Pairs(_some(_some(self.apart, readings, 1), frequencies, 2), self.weight)
+        """The pairs at some of the readings and frequencies."""
+        return Pairs(_some(_some(self.separation, readings, 1), frequencies, 2), self.weight)
 
 
 def check_comparable(scene: Scene, target: str) -> None:
-    """Raises InputError where every two hypotheses of a target would not fit in memory."""
+    """Raises InputError where all pairs of hypotheses of a target do not fit in memory."""
     touches = 2 if target == "pair" else 1
     count = math.comb(len(held(scene).numbers), touches)
     check_memory(
         BYTES_FOR_NUMBER * (count * (1 + 2 * touches)) ** 2,
-        "{} x {} pixels, every two presses compared,".format(*scene.pixels.shape),
+        "a comparison of all pairs of presses on {} x {} pixels".format(*scene.pixels.shape),
         "give fewer `pixels`",
     )
 
 
 def _some(values: NDArray[np.float64], which: Sequence[int], axis: int) -> NDArray[np.float64]:
-    """Entries along an axis; the array itself, which is large, for all of them in their order."""
+    """Some entries along an axis; the (large) array itself where all are wanted in order."""
     every = range(values.shape[axis])
     return values if [*which] == [*every] else np.take(values, which, axis)
 
 
 def pairs(
-    on: OnSkin, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
 ) -> Pairs:
-    """All candidates of a skin; noise: of a reading over that of a single one."""
+    """Nearest pairs of hypotheses, at all candidates of a skin.
+
+    noise: of a reading over that of a single one.
+    """
     middle, slopes = _expected(on, among, frequency, noise)
     chosen = _nearest(middle, slopes, [each.answer for each in among])
     one, other = chosen.T
@@ -73,12 +76,12 @@ def pairs(
 
 
 def _expected(
-    on: OnSkin, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Readings (hypothesis, reading, frequency, 2) and slopes (hypothesis, touch, ...) in noise.
+    """Readings (hypothesis, reading, frequency, 2) and slopes (hypothesis, touch, ...) over noise.
 
-    All touches are pressed a standard deviation more or less, in all ways: means of these are the
-    reading, differences the slope.
+    Strengths of the touches are one standard deviation above or below their mean, in all
+    combinations. The mean over these is the reading, differences are the slopes.
     """
     touches = max(len(each.pixels) for each in among)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
@@ -92,7 +95,7 @@ def _expected(
 
 
 def _presses(scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]) -> PressBatch:
-    """Each hypothesis in all ways in turn."""
+    """All combinations of hypotheses and signs of strength."""
     press = scene.press
     rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
     return PressBatch.of(each.on(scene, rise) for each in among for rise in rises)
@@ -101,22 +104,22 @@ def _presses(scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float6
 def _nearest(
     middle: NDArray[np.float64], slopes: NDArray[np.float64], answers: Sequence[tuple[int, ...]]
 ) -> NDArray[np.int64]:
-    """Pairs (one, other) by number, one < other: of each hypothesis those of its NEAREST others."""
+    """Index pairs (one, other), one < other: each hypothesis with its NEAREST others."""
     names = {answer: k for k, answer in enumerate(dict.fromkeys(answers))}
     number = np.array([names[answer] for answer in answers])
-    apart = _profiled(middle, slopes)
-    apart[number[:, None] == number] = np.inf
-    nearest = np.argsort(apart, axis=1, kind="stable")[:, :NEAREST]
+    squared = _profiled(middle, slopes)
+    squared[number[:, None] == number] = np.inf
+    nearest = np.argsort(squared, axis=1, kind="stable")[:, :NEAREST]
     one = np.repeat(np.arange(len(middle)), nearest.shape[1])
-    other, found = nearest.ravel(), np.take_along_axis(apart, nearest, axis=1).ravel()
+    other, found = nearest.ravel(), np.take_along_axis(squared, nearest, axis=1).ravel()
     kept = np.isfinite(found) & (found > SAME**2)
     return np.unique(np.sort(np.column_stack([one, other])[kept], axis=1), axis=0)
 
 
 def _profiled(middle: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Squares of distances at the strengths that bring each two nearest, shape (one, other).
+    """Squared distances at the strengths that minimize them, shape (one, other).
 
-    All of it is products of readings and slopes, and these are made once.
+    All terms are products of readings and slopes, which are computed once.
     """
     count, touches = slopes.shape[:2]
     flat, turned = middle.reshape(count, -1), slopes.reshape(count * touches, -1)
@@ -125,7 +128,7 @@ def _profiled(middle: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArr
     across = (turned @ flat.T).reshape(count, touches, count)
     of_slopes = (turned @ turned.T).reshape(count, touches, count, touches)
     own = np.diagonal(of_middle)
-    apart = own[:, None] + own - 2 * of_middle
+    squared = own[:, None] + own - 2 * of_middle
     at = np.arange(count)
     along = across[at, :, at][:, None] - across.transpose(0, 2, 1)
     along = np.concatenate([along, along.transpose(1, 0, 2)], axis=2)
@@ -136,4 +139,4 @@ def _profiled(middle: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArr
     gram[..., touches:, :touches] = -of_slopes.transpose(0, 2, 3, 1)
     gram += np.eye(2 * touches)
     hidden = (along * np.linalg.solve(gram, along[..., None])[..., 0]).sum(axis=-1)
-    return apart - hidden
+    return squared - hidden

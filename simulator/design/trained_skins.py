@@ -1,4 +1,4 @@
-"""One skin trained for all that a search asks of it: any cast, sheets, foam and readings."""
+"""Reduced model for all skins of a search: any sample, sheets, foam and readings."""
 
 from __future__ import annotations
 
@@ -18,49 +18,50 @@ from ..progress import ProgressCallback, silent
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.scene import Scene
-from .on_skin import Material, OnSkin, material_of
-from .places import Touches
+from .skin_readout import Material, SkinReadout, material_of
+from .touch_positions import TouchPositions
 
 RTOL = 1e-2
-"""Of Rs and Cp, certified for every reading; ln Z is then some ten times closer."""
+"""Certified tolerance of Rs and Cp for every reading; ln Z is about ten times more accurate."""
 RTOL_OF_TOUCHES = 2e-3
-"""As slopes are known less closely than what they are slopes of: bounds to some percent."""
+"""Tolerance for positions: slopes are less accurate than values; bounds are so to some percent."""
 FACTORS = (0.5, 3.0)
 BEYOND = 2.0
-"""Times the bounds of sheets that training reaches, for what a cast may be off by."""
+"""Factor by which training exceeds the bounds of the sheets, for the spread of samples."""
 BEYOND_LOG = math.log(BEYOND)
 
 
-class Trained:
-    """The skins that a scene's bounds allow, with the foils where they are."""
+class TrainedSkins:
+    """All skins that the constraints allow, with fixed foils."""
 
     def __init__(
         self,
         scene: Scene,
-        asked: Design,
+        request: Design,
         band: tuple[float, float],
         seed: int,
         progress: ProgressCallback = silent,
-        touches: Touches | None = None,
+        touches: TouchPositions | None = None,
     ) -> None:
-        """band: of all frequencies that are asked for, Hz. progress: as of `ProgressCallback`.
-        touches: anywhere, in place of pixels pressed whole.
+        """band: range of all frequencies, Hz. progress: see `ProgressCallback`. touches: at
+        any position, instead of presses of whole pixels.
 
-        Raises InputError where a tension spreads presses."""
+        Raises InputError where a tension spreads presses.
+        """
         require_no_spread(scene)
-        self.scene, self._asked, self._band, self._seed = scene, asked, band, seed
+        self.scene, self._request, self._band, self._seed = scene, request, band, seed
         self._progress, self._touches = progress, touches
         self._divided = scene if touches is None else touches.divided
         self.modes = len(HALF_WAVES) if scene.dataset.session.unevenness else 1
 
-    def cast(self, number: int) -> DrawnSkin:
-        """One of the skins as [dataset.session] spreads them, as factors on the scene's."""
+    def sample(self, number: int) -> DrawnSkin:
+        """A skin sample drawn from [dataset.session], as factors on the scene's."""
         return drawn_skin(self.scene, self._seed, number, self._divided.pixels.shape, self.modes)
 
-    def on(
+    def readout(
         self, cast: DrawnSkin | None, material: Material, readings: Sequence[Interface]
-    ) -> OnSkin:
-        """One skin of a material under readings; None for the cast as it was meant."""
+    ) -> SkinReadout:
+        """Readout of a skin of a material with some readings; None for the nominal skin."""
         own = read(self.reduced, readings)
         drawn = cast or _nominal(self._divided, self.modes)
         top, bottom = self.scene.skin.top, self.scene.skin.bottom
@@ -71,12 +72,11 @@ class Trained:
             capacitance=drawn.variation.capacitance * material.foam,
             beside=drawn.variation.beside * material.foam,
         )
-        return OnSkin(own, readings, DrawnSkin(variation, drawn.leads))
+        return SkinReadout(own, readings, DrawnSkin(variation, drawn.leads))
 
     @cached_property
     def reduced(self) -> Reduced:
-        """The model, trained at first use on all that the bounds allow."""
-
+        """The model, trained at first use for all that the constraints allow."""
         rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
         return trained(
             self._divided,
@@ -88,19 +88,21 @@ class Trained:
         )
 
     def _draw(self, random: np.random.Generator) -> Case:
-        scene, asked = self.scene, self._asked
-        draw = pixel_touches(scene, FACTORS) if self._touches is None else self._touches.drawn
+        scene, request = self.scene, self._request
+        draw = (
+            pixel_touches(scene, FACTORS) if self._touches is None else self._touches.training_touch
+        )
         press, grid = draw(random), self._divided.pixels.shape
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, self.modes)
         own = material_of(scene)
-        least = np.log(min(*asked.sheet_resistance, own.top, own.bottom))
-        most = np.log(max(*asked.sheet_resistance, own.top, own.bottom))
-        half = math.log(BEYOND * asked.sheet_ratio) / 2
+        lowest = np.log(min(*request.sheet_resistance, own.top, own.bottom))
+        highest = np.log(max(*request.sheet_resistance, own.top, own.bottom))
+        half = math.log(BEYOND * request.sheet_ratio) / 2
         mean, turn = (
-            random.uniform(least - BEYOND_LOG, most + BEYOND_LOG),
+            random.uniform(lowest - BEYOND_LOG, highest + BEYOND_LOG),
             random.uniform(-half, half),
         )
-        foam = random.uniform(*np.log(foam_bounds(scene, asked)))
+        foam = random.uniform(*np.log(foam_bounds(scene, request)))
         top, bottom = own.top / math.exp(mean + turn), own.bottom / math.exp(mean - turn)
         drawn = skin.variation
         variation = replace(
@@ -113,12 +115,12 @@ class Trained:
         return replace(press, variation=variation)
 
 
-def foam_bounds(scene: Scene, asked: Design) -> tuple[float, float]:
-    """Of capacitance over the scene's own, by the bounds of thickness at the same permittivity."""
+def foam_bounds(scene: Scene, request: Design) -> tuple[float, float]:
+    """Bounds of the foam's capacitance over the scene's, from those of its thickness."""
     thickness = scene.skin.foam.thickness
-    if asked.foam_thickness is None or thickness is None:
+    if request.foam_thickness is None or thickness is None:
         return 1.0, 1.0
-    low, high = asked.foam_thickness
+    low, high = request.foam_thickness
     return thickness / max(high, thickness), thickness / min(low, thickness)
 
 

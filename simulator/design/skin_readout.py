@@ -1,4 +1,4 @@
-"""A skin of one material under some readings: what the meter reads of presses on its pixels."""
+"""Readings of presses on the pixels of one skin, of one material."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ class Material:
 
 
 def material_of(scene: Scene) -> Material:
-    """As a scene has it."""
+    """The material of a scene."""
     return Material(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
 
 
-class OnSkin:
-    """One skin under some readings: what the meter tells of presses on its pixels."""
+class SkinReadout:
+    """One skin with some readings: its model, and what the meter observes of presses."""
 
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
     def reading(self, frequency: NDArray[np.float64]) -> ReadingSetup:
-        """What is read of it at these frequencies in Hz, behind its own leads."""
+        """Its readings at these frequencies in Hz, behind its own leads."""
         return ReadingSetup(self._readings, frequency, self._leads)
 
     def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:

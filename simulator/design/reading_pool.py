@@ -1,4 +1,4 @@
-"""All readings that some wires allow: any two disjoint sets of them, the others floating."""
+"""All readings between given wires: any two disjoint sets of terminals, the others floating."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from ..scene.scene import Scene
 from ..scene.wiring_checks import conductor_groups
 
 ALL_SETS = 5
-"""Wires up to which sets of any size are read; of more, sets of two at most."""
+"""Largest number of wires with sets of any size; with more wires, sets have at most two."""
 
 Sets = tuple[frozenset[str], frozenset[str]]
 
 
 def terminals(scene: Scene) -> list[str]:
-    """The first foil of each terminal: foils that touch are one, and take one wire."""
+    """The first foil of each terminal. Foils that touch are one terminal with one wire."""
     first = conductor_groups(scene.contacts, scene.skin)
     return [scene.contacts[k].name for k in sorted(set(first))]
 
 
 def wirings(scene: Scene, wires: int) -> list[tuple[str, ...]]:
-    """The terminals that may be wired, in all ways that take so many wires."""
+    """All combinations of terminals with a given number of wires."""
     names = terminals(scene)
     return list(itertools.combinations(names, min(wires, len(names))))
 
 
 def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
-    """Readings between wired terminals; those that are the scene's have its names."""
+    """Readings between wired terminals; readings of the scene keep their names."""
     own = {_sets(scene, each): each.name for each in scene.interfaces}
     found = []
     for high, low in _disjoint(wired):
@@ -41,22 +41,22 @@ def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
 
 
 def own_readings(scene: Scene, of: Sequence[Interface]) -> list[int]:
-    """Where the scene's own stand in a pool; those that more wires than there are take, nowhere."""
-    told = {frozenset(_sets(scene, each)): k for k, each in enumerate(of)}
+    """Indices of the scene's own readings in a pool, without those that need other wires."""
+    indices = {frozenset(_sets(scene, each)): k for k, each in enumerate(of)}
     sets = [frozenset(_sets(scene, each)) for each in scene.interfaces]
-    return [told[each] for each in dict.fromkeys(sets) if each in told]
+    return [indices[each] for each in dict.fromkeys(sets) if each in indices]
 
 
 def _disjoint(wired: Sequence[str]) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
-    most = len(wired) if len(wired) <= ALL_SETS else 2
-    sets = [s for n in range(1, most + 1) for s in itertools.combinations(wired, n)]
+    largest = len(wired) if len(wired) <= ALL_SETS else 2
+    sets = [s for n in range(1, largest + 1) for s in itertools.combinations(wired, n)]
     for high, low in itertools.combinations(sets, 2):
         if not set(high) & set(low):
             yield high, low
 
 
 def _sets(scene: Scene, reading: Interface) -> Sets:
-    """Both sides by the first foil of each terminal."""
+    """Both sides of a reading, each as the first foils of its terminals."""
     first = conductor_groups(scene.contacts, scene.skin)
     leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
     high, low = (frozenset(leader[name] for name in side) for side in (reading.high, reading.low))

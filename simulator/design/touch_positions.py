@@ -1,4 +1,4 @@
-"""What the readings of a skin tell of where it is touched."""
+"""Information of the readings of a skin on the position of a touch."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .curves import Pairs
-from .merits import Near
-from .on_skin import OnSkin
+from .merits import PositionMerit
+from .pair_separation import Pairs
+from .skin_readout import SkinReadout
 
 CELLS = 3
-"""Along each side of a pixel, that touches are laid on."""
+"""Number of cells along each side of a pixel on which touches are rasterized."""
 ALONG = 5
-"""Places along each side of the skin, at most."""
+"""Largest number of positions along each side of the skin."""
 
 
-class Touches:
-    """Touches as large as a pixel, anywhere on a scene."""
+class TouchPositions:
+    """Touches of the size of a pixel at any position on a scene."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises InputError for pixels that are groups, and for a scene with surroundings."""
+        """Raises InputError for pixels in groups, and for a scene with surroundings."""
         if scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
         scene.require_sheets_alone("a design for positions")
@@ -40,16 +40,16 @@ class Touches:
         self.cells = Cells.of(*self.sides, (rows, columns))
 
     @property
-    def near(self) -> Near:
-        """The merit of these."""
-        return Near(self.room)
+    def merit(self) -> PositionMerit:
+        """Merit of positions on this skin."""
+        return PositionMerit(self.room)
 
-    def drawn(self, random: np.random.Generator) -> Case:
-        """One of them, for training."""
+    def training_touch(self, random: np.random.Generator) -> Case:
+        """A random touch to train the model with."""
         return Case(None, *self.cells.drawn(self.size, random))
 
-    def slopes(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
-        """Of a skin of the divided scene, at every place; frequency in Hz, ascending."""
+    def slopes(self, on: SkinReadout, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
+        """Slopes of one skin's readings at every position; frequency in Hz, ascending."""
         reading = on.reading(frequency)
         return position_slopes(
             ReducedFields(on.scene, on.skin, 1, reading.leads),
@@ -60,7 +60,7 @@ class Touches:
             laying=self.cells,
         )
 
-    def pairs(self, on: OnSkin, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
-        """The same as `Pairs` has it, each place with its share of the weight."""
+    def pairs(self, on: SkinReadout, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
+        """The slopes as `Pairs`, each position with its share of the weight."""
         by = self.slopes(on, frequency, against_rest).by[..., : len(WANTED)]
         return Pairs(by, np.full(len(by), 1 / len(by)))

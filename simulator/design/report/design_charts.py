@@ -1,4 +1,4 @@
-"""Charts of a design: what each step gained, how flat the optimum is, the wiring."""
+"""Charts of a design: the gain of each step, the sensitivity of the optimum, the wiring."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
 from ...report.from_above import MM, draw_outline, ribbon
 from ...scene.contacts import Interface
 from ...scene.scene import Scene
-from ..flat import Along
-from ..search import Step
-from .scale import Scale
+from ..search import SearchStep
+from ..sensitivity import SensitivityCurve
+from .merit_scale import MeritScale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,17 +21,19 @@ IN_A_ROW = 5
 ALL = 100.0
 """Percent."""
 LETTER_OFF = 0.11
-"""How far outside the edge letters stand, over the skin's longer side."""
+"""Distance of letters from the edge, over the skin's longer side."""
 LETTER_AT = {"top": 0.35, "bottom": 0.65}
-"""Where along its foil the letter of each sheet stands, for both may lie on one edge."""
+"""Position of the letter of each sheet along its foil: both foils may be on one edge."""
 WIDE, TITLE = 2.4, 0.5
-"""Inches of each skin with what is around it, and of its title."""
+"""Inches: width of each skin with its margin, and height of its title."""
 AROUND_SKIN = 0.18
-"""Room around a skin, over its longer side."""
+"""Margin around a skin, over its longer side."""
 
 
-def draw_steps(steps: Sequence[Step], wanted: float | None, scale: Scale, to: Path) -> None:
-    """The bound after each step: nine of ten casts, and the skin as it was meant."""
+def draw_steps(
+    steps: Sequence[SearchStep], wanted: float | None, scale: MeritScale, to: Path
+) -> None:
+    """Draws the bound after each step: for nine of ten samples, and for the nominal skin."""
     with chart(to, 7, 0.6 + 0.45 * len(steps)) as figure:
         axes = figure.subplots()
         places = range(len(steps))
@@ -42,21 +44,21 @@ def draw_steps(steps: Sequence[Step], wanted: float | None, scale: Scale, to: Pa
             list(places),
             "o",
             color=COLOURS[1],
-            label="as it was meant",
+            label="nominal skin",
         )
         if wanted is not None:
             axes.axvline(
-                scale.number(wanted), color=UNPRESSED_COLOUR, linestyle="--", label="wanted"
+                scale.number(wanted), color=UNPRESSED_COLOUR, linestyle="--", label="required"
             )
         axes.set_yticks(list(places), [step.name for step in steps])
         axes.invert_yaxis()
-        axes.set_xlabel(f"{scale.of}, nine of ten casts ({scale.unit}); grey: not taken")
+        axes.set_xlabel(f"{scale.of}, nine of ten samples ({scale.unit}); grey: not taken")
         axes.set_axisbelow(True)
         figure.legend(loc="outside upper right", ncols=2)
 
 
-def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
-    """The bound where numbers are cast off by a factor."""
+def draw_flat(found: Sequence[SensitivityCurve], scale: MeritScale, to: Path) -> None:
+    """Draws the bound where numbers differ from the design by a factor."""
     with chart(to, 6, 3.4) as figure:
         axes = figure.subplots()
         for each, colour in zip(found, COLOURS, strict=False):
@@ -65,8 +67,8 @@ def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
         axes.set_xscale("log")
         axes.set_xticks(found[0].factors, [f"{factor:g}" for factor in found[0].factors])
         axes.minorticks_off()
-        axes.set_xlabel("cast over designed")
-        axes.set_ylabel(f"{scale.of}, nine of ten casts ({scale.unit})")
+        axes.set_xlabel("made over designed")
+        axes.set_ylabel(f"{scale.of}, nine of ten samples ({scale.unit})")
         if scale.unit == "%":
             low, high = axes.get_ylim()
             axes.set_yticks([y for y in axes.get_yticks() if low <= y <= min(high, ALL)])
@@ -75,7 +77,7 @@ def draw_flat(found: Sequence[Along], scale: Scale, to: Path) -> None:
 
 
 def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
-    """The foils of a skin without mesh at each reading: H, L, or left open, which is grey.
+    """Draws the foils of a skin at each reading: H, L, or open (grey).
 
     Foils of the bottom sheet are dashed, and outside those of the top sheet.
     """

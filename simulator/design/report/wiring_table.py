@@ -1,4 +1,4 @@
-"""The wiring table: which wires a switch connects to H and to L for each reading."""
+"""Wiring table: the wires that a switch connects to H and to L for each reading."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ...scene.scene import Scene
 from ...scene.wiring_checks import conductor_groups
 
 
-class Row(NamedTuple):
-    """One reading: its name, wires on the high and the low side, and those that are left open."""
+class WiringRow(NamedTuple):
+    """One reading: its name, wires on the high and the low side, and open wires."""
 
     reading: str
     high: str
@@ -19,7 +19,7 @@ class Row(NamedTuple):
     open: str
 
 
-def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> list[Row]:
+def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> list[WiringRow]:
     """A row for each reading. wired: first foils of the terminals that have a wire."""
     first = conductor_groups(scene.contacts, scene.skin)
     leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
@@ -31,5 +31,5 @@ def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> l
             [name for name in wired if name in low],
             [name for name in wired if name not in high | low],
         )
-        found.append(Row(each.name, *map(" + ".join, sides)))
+        found.append(WiringRow(each.name, *map(" + ".join, sides)))
     return found

@@ -1,7 +1,7 @@
-"""The n of some candidates that tell most, and how far from the best any n may be at most.
+"""Selection of the best n candidates, with an upper bound for any n of them.
 
-Limits choose by the same exchanges, of `bounds.exchange`, but among frequencies that are kept apart
-and by figures without slopes, so that nothing bounds what others reach.
+`limits` uses the same exchanges (`bounds.exchange`), but among frequencies with a smallest ratio,
+and for figures without slopes, which have no such bound.
 """
 
 from __future__ import annotations
@@ -17,66 +17,70 @@ from numpy.typing import NDArray
 from ..bounds.exchange import Score, best_choice
 
 ALL_AT_ONCE = 6000
-"""Choices that are all looked at, where there are no more."""
+"""Largest number of choices that are all evaluated."""
 STEPS = 40
-"""Of the relaxation: its bound is one after any."""
+"""Steps of the relaxation; its bound is valid after any of them."""
 
 Slope = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
-"""From how much each candidate is read, shape (candidate,), to the share told right and its slope;
-concave, and at zeros and ones that of the choice."""
+"""Function from weights of the candidates, shape (candidate,), to the merit and its slopes.
+
+It is concave, and at weights 0 and 1 it is the merit of the selection."""
 
 
 @dataclass(frozen=True)
-class Choice:
-    """Candidates chosen, ascending; the share that they tell, and what no n of them exceed.
+class Selection:
+    """Selected candidates, ascending, with their merit (`share`) and a bound for any n of them.
 
-    every: whether all choices were looked at.
+    exhaustive: True if all choices were evaluated.
     """
 
-    numbers: tuple[int, ...]
+    candidates: tuple[int, ...]
     share: float
-    most: float
-    every: bool
+    upper_bound: float
+    exhaustive: bool
 
 
-def chosen(
+def best_selection(
     score: Score, slope: Slope, candidates: int, n: int, starts: Sequence[Sequence[int]] = ()
-) -> Choice:
-    """n of the candidates, or all where there are no more.
+) -> Selection:
+    """The best n of the candidates, or all where there are no more.
 
-    score: to be small, see `best_choice`. starts: choices to begin exchanges at.
+    score: to be minimized, see `best_choice`. starts: choices from which exchanges begin.
     """
     if n >= candidates:
         everything = np.arange(candidates)
         share = slope(np.ones(candidates))[0]
-        return Choice(tuple(everything.tolist()), share, share, True)
+        return Selection(tuple(everything.tolist()), share, share, True)
     every = math.comb(candidates, n) <= ALL_AT_ONCE
     best = _of_all(score, candidates, n) if every else _exchanged(score, candidates, n, starts)
     share = slope(_weights(best, candidates))[0]
-    most = share if every else bound(slope, best, candidates)
-    return Choice(tuple(best.tolist()), share, max(share, most), every)
+    most = share if every else selection_bound(slope, best, candidates)
+    return Selection(tuple(best.tolist()), share, max(share, most), every)
 
 
-def bound(slope: Slope, best: NDArray[np.int64], candidates: int) -> float:
-    """What no choice of as many exceeds: a concave function lies below each of its tangents.
+def selection_bound(slope: Slope, best: NDArray[np.int64], candidates: int) -> float:
+    """Upper bound for any choice of the same size: a concave function lies below its tangents.
 
-    Frank and Wolfe's method from the choice on, each step towards the best of the tangent.
+    Frank and Wolfe's method, which starts at the choice and steps to the maximum of each tangent.
     """
-    n, least = len(best), math.inf
+    n, lowest = len(best), math.inf
     weights = _weights(best, candidates)
     for step in range(STEPS):
         value, by = slope(weights)
         towards = _weights(np.argsort(-by, kind="stable")[:n], candidates)
-        least = min(least, value + float(by @ (towards - weights)))
+        lowest = min(lowest, value + float(by @ (towards - weights)))
         weights = weights + 2 / (step + 3) * (towards - weights)
-    return least
+    return lowest
 
 
 def exchanged_by_slope(
     slope: Slope, begun: NDArray[np.int64], candidates: int
 ) -> NDArray[np.int64]:
-    """A choice of as many as that begun with, ascending, at least as good: of exchanges of the
-    least by the slope for the best, as many at once as gain, half as many where they do not."""
+    """A choice of the same size, ascending, that is at least as good as the first one.
+
+    Each step exchanges the candidates of the smallest slopes for those of the largest outside, as
+    many at once as gain, and half as many after a step without a gain.
+    """
     best, count = np.sort(begun), len(begun)
     value, by = slope(_weights(best, candidates))
     while count:

@@ -1,4 +1,4 @@
-"""What a search has found so far, on disk: one small file for each answer, each written whole."""
+"""Results of a search on disk, so that it can continue: one small file for each."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from ..sweeps.digests import sealed_json, unsealed_json
 
 Answer = dict[str, Any]
 DIGITS = 9
-"""Of shares, after the point: far more than any draw tells."""
+"""Digits of merits after the point: far more than the draws resolve."""
 
 
-class Journal:
-    """Answers by what was asked. header: what all of them depend on, besides."""
+class SearchJournal:
+    """Stored results by query. header: settings that all of them depend on."""
 
     def __init__(self, folder: Path | None, header: Mapping[str, Any]) -> None:
         """folder: of the journal; None keeps nothing."""
         self._folder, self._header = folder, dict(header)
 
-    def kept(self, asked: Mapping[str, Any], answer: Callable[[], Answer]) -> Answer:
-        """The answer that is on disk, or else that of `answer`, which is then kept.
+    def answer(self, query: Mapping[str, Any], compute: Callable[[], Answer]) -> Answer:
+        """The stored result of a query, or else that of `compute`, which is then stored.
 
-        Both are rounded to DIGITS, as sums may round differently from one process to another, and
-        pass through JSON. Raises InputError where the journal cannot be read or written.
+        Both pass through JSON and are rounded to DIGITS, because sums may round differently in
+        another process. Raises InputError where the journal cannot be read or written.
         """
         if self._folder is None:
-            return json.loads(json.dumps(rounded(answer())))
-        text = json.dumps({"of": self._header, "asked": dict(asked)}, sort_keys=True)
+            return json.loads(json.dumps(rounded(compute())))
+        text = json.dumps({"of": self._header, "query": dict(query)}, sort_keys=True)
         path = self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
         try:
             if path.exists():
                 return unsealed_json(inputs.text(path, inputs.JOURNAL))
         except (OSError, ValueError) as error:
             raise InputError(
-                f"{path}: cannot be used as a journal: {error}; remove it to have it found again"
+                f"{path}: cannot be used as a journal: {error}; remove it to compute it again"
             ) from error
-        found = sealed_json(rounded(answer()))
+        found = sealed_json(rounded(compute()))
         try:
             self._folder.mkdir(exist_ok=True)
             with kept_file(path) as unfinished:
@@ -51,13 +51,13 @@ class Journal:
         return unsealed_json(found)
 
     def done(self) -> None:
-        """Nothing needs to be taken up again."""
+        """Removes the journal of a finished search."""
         if self._folder is not None and self._folder.exists():
             shutil.rmtree(self._folder)
 
 
 def rounded(answer: Any) -> Any:
-    """The same with all its numbers rounded to DIGITS after the point."""
+    """A result with all its numbers rounded to DIGITS after the point."""
     if isinstance(answer, dict):
         return {name: rounded(part) for name, part in answer.items()}
     if isinstance(answer, list | tuple):
