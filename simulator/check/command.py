@@ -21,6 +21,10 @@ TRANSFER = (
     "transfer impedance, which the laws of passive networks do not bind; each reading is checked "
     "by itself"
 )
+CREEPS = (
+    "the scene's foam creeps while a sweep is read: every frequency sees another skin, and laws "
+    "between frequencies do not bind; each reading is checked by itself"
+)
 PERHAPS_EARTH = (
     "a body or a finger that takes current to earth breaks these laws, too, where the meter's low "
     "terminal is a virtual earth"
@@ -134,8 +138,9 @@ def check(
     within the noise (Kramers-Kronig).
 
     Where a meter's low terminal is a virtual earth and a body or a finger takes
-    current to earth, these laws need not hold. Of sweeps whose scene says so
-    ([surroundings]) each reading is checked by itself alone.
+    current to earth, these laws need not hold, and neither do they of foam that
+    creeps while it is read. Of sweeps whose scene says so ([surroundings],
+    [skin.foam] relaxation) each reading is checked by itself alone.
     """
 
     from ..requests.console import note, warn
@@ -151,13 +156,17 @@ def check(
     try:
         scene = scene_of_sweeps(sweeps)
         two_terminal = scene is None or scene.two_terminal or not _beside_the_meter(scene, sweeps)
-        judgements = examine(sweeps, noise, tolerance, two_terminal=two_terminal)
+        creeps = scene is not None and _creeps(scene, sweeps)
+        bound = two_terminal and not creeps
+        judgements = examine(sweeps, noise, tolerance, two_terminal=bound)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in backward_times(sweeps):
         warn(each)
     if not two_terminal:
         note(TRANSFER)
+    if creeps:
+        note(CREEPS)
     terminal().print(verdict_table(judgements))
     if told := explanations(judgements):
         say(*told)
@@ -165,10 +174,18 @@ def check(
         write_report(judgements, report)
     flagged = sum(bool(each.broken) for each in judgements)
     say(f"{flagged} of {len(judgements)} spectra break a law")
-    if flagged and two_terminal:
+    if flagged and bound:
         say(PERHAPS_EARTH)
     if flagged:
         raise typer.Exit(FLAGGED)
+
+
+def _creeps(scene: Scene, sweeps: xr.Dataset) -> bool:
+    """Whether foam relaxes under any press of the sweeps, and so between their readings."""
+    from ..sweeps.schema import UNPRESSED
+
+    pressed = any(str(press) != UNPRESSED for press in sweeps["press"].values)
+    return pressed and bool(scene.skin.foam.relaxation)
 
 
 def _beside_the_meter(scene: Scene, sweeps: xr.Dataset) -> bool:

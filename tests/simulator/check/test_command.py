@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read, write
 
 FREQUENCY = np.geomspace(1e3, 1e5, 12)
@@ -67,6 +69,24 @@ def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, ma
         code, out, err = run("check", plain, "--noise", "1e-3")
         assert code == 1 and "1 of 1 spectra break a law" in out
         assert "a body or a finger that takes current to earth breaks these laws" in out
+
+
+def test_foam_that_creeps_while_it_is_read_is_said_to_creep(run, make_scene, tmp_path):
+    """More and more pressed from one frequency to the next, so that Cp rises."""
+    line = make_scene(columns=3, frequencies=FREQUENCY.tolist())
+    relaxation = [{"share": 0.3, "time_constant": 1.0}]
+    relaxing = line.with_({"skin.foam.thickness": 4e-3, "skin.foam.relaxation": relaxation})
+    factors = np.linspace(1.5, 2.5, len(FREQUENCY)).tolist()
+    each = [simulate(Solver(line, 1e-4), [press_on(line, f"1,1:{f}")]) for f in factors]
+    parts = [own.isel(frequency=[k]) for k, own in enumerate(each)]
+    crept = xr.concat(parts, "frequency", coords="minimal", compat="override", join="override")
+    path = tmp_path / "crept.nc"
+    write(crept.assign_attrs(each[0].attrs), path)
+    assert run("check", path, "--noise", "1e-3")[0] == 1
+    write(crept.assign_attrs(each[0].attrs | {"scene": scene_text(relaxing)}), path)
+    code, out, err = run("check", path, "--noise", "1e-3")
+    assert code == 0 and "0 of 1 spectra break a law" in out
+    assert "foam creeps while a sweep is read" in err
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
