@@ -1,1 +1,1 @@
-"""From sweeps to touches: which pixel was pressed, and how sure that answer is."""
+"""Localization: which part of the skin was pressed, with the uncertainty of each answer."""

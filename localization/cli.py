@@ -1,4 +1,4 @@
-"""The localizer's commands: studies, training, evaluation and use of localizers."""
+"""Commands of the localizer: study, train, evaluate, localize, adapt, gap and reproduce."""
 
 from __future__ import annotations
 

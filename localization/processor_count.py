@@ -1,4 +1,4 @@
-"""How many cores scikit-learn's searches for neighbours are given."""
+"""Number of physical processor cores for scikit-learn's neighbour searches."""
 
 import warnings
 from contextlib import redirect_stderr
@@ -10,10 +10,10 @@ from joblib import cpu_count
 
 @cache
 def physical_cpu_count() -> int:
-    """Physical cores, or logical ones on a machine that tells of no others.
+    """Number of physical cores, or of logical ones if the physical number is unknown.
 
-    joblib, which scikit-learn asks, prints a warning and a traceback where it is the first to find
-    that `lscpu` is missing, and remembers the answer.
+    joblib prints a warning and a traceback if it is the first to find that `lscpu` is missing, and
+    caches the number. scikit-learn then uses the cached number.
     """
     with warnings.catch_warnings(), redirect_stderr(StringIO()):
         warnings.simplefilter("ignore", UserWarning)

@@ -21,7 +21,7 @@ from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE
 from rcskin.hardware.virtual.measurement import conditions
 from rcskin.hardware.virtual.meter_state import Settings
-from rcskin.localization.filtering.adaptive_policy import Asker
+from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
@@ -88,8 +88,8 @@ def whole(model: Model, asked: xr.Dataset, rest: xr.Dataset, each: NDArray) -> W
 
 
 def chosen(model: Model, asked: xr.Dataset, rest: xr.Dataset, each: NDArray, certain: float) -> Way:
-    """By `Asker`, beginning where the switch stood at last."""
-    Z, labels, asker = impedance(asked), truth(model, asked), Asker(model, certain)
+    """By `AdaptivePolicy`, beginning where the switch stood at last."""
+    Z, labels, asker = impedance(asked), truth(model, asked), AdaptivePolicy(model, certain)
     names, frequencies = list(model.interfaces), list(model.frequencies)
     way, here = Way([], [], [], []), names[0]
     for own, label in zip(Z, labels, strict=True):
@@ -103,7 +103,7 @@ def chosen(model: Model, asked: xr.Dataset, rest: xr.Dataset, each: NDArray, cer
             at, number = names.index(wanted[0]), frequencies.index(wanted[1])
             spent, count, turns = spent + cost[at, number], count + 1, turns + (wanted[0] != here)
             here = wanted[0]
-            questions.tell(*wanted, own[at, number])
+            questions.add_reading(*wanted, own[at, number])
         told = questions.answer(spent)
         way.right.append(str(model.classes[int(told.probabilities.argmax())]) == label)
         way.seconds.append(spent)

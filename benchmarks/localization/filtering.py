@@ -37,7 +37,7 @@ from rcskin.hardware.live.live_meter import Link
 from rcskin.hardware.live.live_session import Session
 from rcskin.hardware.live.session_log import Log
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
-from rcskin.localization.filtering.adaptive_policy import Asker
+from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
@@ -99,7 +99,7 @@ def localizer(model: Model, filters: bool, asks: bool) -> Localizer:
     """As `rcskin live` makes it."""
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
-    asker = Asker(model, certain, follower) if asks else None
+    asker = AdaptivePolicy(model, certain, follower) if asks else None
     return Localizer(model, model.known_scene, follower, asker)
 
 

@@ -20,7 +20,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.evaluation.evaluation import ClassScore, score
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_first
-from rcskin.localization.inversion.estimators import NAME, chosen
+from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
@@ -50,7 +50,7 @@ class Case:
     session: int = 200
 
 
-CLASSIFIERS = ("ksvm-ovo", "ksvm-components", NAME)
+CLASSIFIERS = ("ksvm-ovo", "ksvm-components", MODEL_BASED)
 CASES = (
     Case("column, 5x5", "sheet-5x5", 5, (0.1, 0.9), "column", CLASSIFIERS, 4000),
     Case(
@@ -77,7 +77,7 @@ CASES = (
         4,
         (0.1, 0.3, 0.6),
         "pair",
-        ("ksvm-components", NAME),
+        ("ksvm-components", MODEL_BASED),
         16_000,
     ),
     Case(

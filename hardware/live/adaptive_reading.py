@@ -15,7 +15,7 @@ from .live_meter import Link
 from .timed_switch import Turns
 
 if TYPE_CHECKING:
-    from ...localization.filtering.adaptive_sweep import Questioning
+    from ...localization.filtering.adaptive_sweep import AdaptiveSweep
     from ...localization.model.localizer_model import Model
 
 USUAL = 0.02
@@ -67,7 +67,7 @@ class Pace:
 class Part:
     """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
-    questions: Questioning
+    questions: AdaptiveSweep
     frequencies: tuple[NDArray[np.float64], ...]
 
     @property
@@ -76,7 +76,7 @@ class Part:
         return sum(each.size for each in self.frequencies)
 
 
-def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, MeasuredSweep]:
+def questioned(link: Link, questions: AdaptiveSweep, pace: Pace) -> tuple[Part, MeasuredSweep]:
     """The readings that were asked for. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 
@@ -88,7 +88,7 @@ def questioned(link: Link, questions: Questioning, pace: Pace) -> tuple[Part, Me
 
     def watch(frequency: float, reading: MeterReading) -> None:
         pace.reading(frequency, reading)
-        questions.tell(*asked[-1], complex(reading.Rs, reading.X))
+        questions.add_reading(*asked[-1], complex(reading.Rs, reading.X))
 
     sweep = link.readings(watch, next_ones())
     read = [

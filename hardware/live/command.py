@@ -94,7 +94,7 @@ def live(
     ] = None,
 ) -> None:
     """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
-    from ...localization.filtering.touch_dynamics import Touching
+    from ...localization.filtering.touch_dynamics import TouchDynamics
     from ..meter.accuracy_table import DERIVED_TABLE, read_table
     from ..meter.hioki import open_meter
     from ..meter.termination import orderly_termination
@@ -107,7 +107,7 @@ def live(
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
     journal = _journal(log) if log else None
-    touching = Touching(touch_lasts, touch_every, touch_speed) if filtered else None
+    touching = TouchDynamics(touch_lasts, touch_every, touch_speed) if filtered else None
     localizer = localizer_of(model, touching, adaptive, certain, within)
     _check_interface(localizer.model, interface)
     connect = partial(

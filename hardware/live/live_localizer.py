@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...localization.commands.model_notes import note_versions
-from ...localization.filtering.adaptive_policy import Asker, skin_at_hand
+from ...localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
 from ...localization.filtering.follower import MIDWAY, Followed, Follower
 from ...localization.inputs.features import needs_baseline
-from ...localization.inversion.estimators import answer_at_once
+from ...localization.inversion.estimators import build_in_background
 from ...localization.model.model_file import load
 from ...localization.trust.answers import CANNOT_TELL
 from .touch_answer import NOTHING_PRESSED, Answer, answer_of_classes
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...localization.filtering.adaptive_sweep import Questioning
-    from ...localization.filtering.touch_dynamics import Touching
+    from ...localization.filtering.adaptive_sweep import AdaptiveSweep
+    from ...localization.filtering.touch_dynamics import TouchDynamics
     from ...localization.inversion.region import Region
     from ...localization.model.localizer_model import Model
     from ...simulator.scene.scene import Scene
@@ -29,18 +29,18 @@ CHANGED = "the touch changed in mid-sweep"
 
 
 def localizer_of(
-    path: Path, touching: Touching | None, adaptive: bool, certain: float | None, within: float
+    path: Path, touching: TouchDynamics | None, adaptive: bool, certain: float | None, within: float
 ) -> Localizer:
     """The model in a file, ready to answer; a note says where it is of other versions.
 
     touching: how hands touch, where sweeps are to add up. adaptive: whether it chooses readings.
-    certain, within: as of `Follower` and `Asker`. Raises InputError as these and `load`.
+    certain, within: as of `Follower` and `AdaptivePolicy`. Raises InputError as these and `load`.
     """
     model = load(path)
-    answer_at_once(model.pipeline)
+    build_in_background(model.pipeline)
     note_versions(model, path)
     follower = Follower(model, touching, certain) if touching else None
-    asker = Asker(model, certain, follower, within) if adaptive else None
+    asker = AdaptivePolicy(model, certain, follower, within) if adaptive else None
     return Localizer(model, model.known_scene, follower, asker)
 
 
@@ -55,7 +55,7 @@ class Localizer:
     model: Model
     scene: Scene
     follower: Follower | None = None
-    asker: Asker | None = None
+    asker: AdaptivePolicy | None = None
 
     @property
     def needs_rest(self) -> bool:
@@ -65,11 +65,11 @@ class Localizer:
     def prepare(self, rest: xr.Dataset | None) -> None:
         """Have tables of the skin made, where the model makes any, and begin to follow anew."""
         if rest is not None and needs_baseline(self.model.quantities):
-            skin_at_hand(self.model, rest)
+            inverter_for(self.model, rest)
         if self.follower is not None:
             self.follower.forget()
 
-    def questions(self, rest: xr.Dataset | None, gap: float) -> Questioning | None:
+    def questions(self, rest: xr.Dataset | None, gap: float) -> AdaptiveSweep | None:
         """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
         if self.asker is None or rest is None:
             return None

@@ -14,13 +14,13 @@ from sklearn.pipeline import Pipeline
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import ClassScore, Score, join_scores, score
 from ..inputs.samples import Samples
-from ..inversion.estimators import ADAPTED, NAME, estimators
+from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
 from ..learners.decisions import decisions
 from ..learners.offsets import Offsets
 from ..model.localizer_model import Model
 from ..trust.answers import threshold_of
-from ..trust.fitted import Classifier, Guards, known_at_rest
-from ..trust.folds import splits_of, told
+from ..trust.fitted import Classifier, Guards, with_known_baseline
+from ..trust.folds import describe_splits, splits_of
 from ..trust.temperature import probabilities, sharpness_of
 
 FEWEST = 2
@@ -28,9 +28,9 @@ FEWEST = 2
 WITHIN = 0.98
 """Of the touches that teach, how many a guard is widened to take for none of a novelty."""
 FOLDS = 5
-STEADY = 50
+PRIOR_SWEEPS = 50
 """Sweeps that the sharpness of the training counts as."""
-LESSON = {NAME: "invert__learn", ADAPTED: "invert__inner__learn"}
+FINE_TUNING_PARAMETER = {MODEL_BASED: "invert__learn", MODEL_ADAPTED: "invert__inner__learn"}
 """Where localizers that invert the simulator are told to learn the skin."""
 
 
@@ -73,7 +73,9 @@ def adapted(model: Model, samples: Samples) -> Adaptation:
     assert isinstance(before, ClassScore) and isinstance(after, ClassScore)
     answered = int((probability.max(axis=1) >= threshold).sum())
     counts = {"right": int(right.sum()), "answered": answered, "held_out": right.size}
-    validation = f"{told(splits, samples.sessions)}, of {right.size} sweeps of the skin at hand"
+    validation = (
+        f"{describe_splits(splits, samples.sessions)}, of {right.size} sweeps of the skin at hand"
+    )
     better = replace(model, learned=replace(whole, **found, **counts), validation=validation)
     return Adaptation(better, before, after, validation, notes)
 
@@ -92,7 +94,7 @@ def checked(model: Model, samples: Samples) -> Classifier:
     if unknown.size:
         raise InputError(f"the model knows no {model.target} {unknown[0]}, which was touched")
     met = dict(zip(known.tolist(), counts.tolist(), strict=True))
-    needed = known if model.estimator in LESSON else learned.classes
+    needed = known if model.estimator in FINE_TUNING_PARAMETER else learned.classes
     few = [(each, met.get(each, 0)) for each in needed.tolist() if met.get(each, 0) < FEWEST]
     if few:
         others = f" (and {len(few) - 1} more)" if len(few) > 1 else ""
@@ -105,7 +107,7 @@ def checked(model: Model, samples: Samples) -> Classifier:
 
 def _was_adapted(pipeline: Pipeline) -> bool:
     parameters = pipeline.get_params()
-    lessons = [parameters.get(name, "nothing") for name in LESSON.values()]
+    lessons = [parameters.get(name, "nothing") for name in FINE_TUNING_PARAMETER.values()]
     return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in lessons)
 
 
@@ -113,9 +115,9 @@ def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
     """The same after these; probabilities are still those that it was trained to."""
     guards = learned.guards and widened(learned.guards, samples)
     pipeline: Any
-    if model.estimator in LESSON:
+    if model.estimator in FINE_TUNING_PARAMETER:
         pipeline = estimators()[model.estimator].build(model.problem)
-        pipeline.set_params(**{LESSON[model.estimator]: "skin"})
+        pipeline.set_params(**{FINE_TUNING_PARAMETER[model.estimator]: "skin"})
     else:
         pipeline = Pipeline(
             [("correct", Offsets(FrozenEstimator(learned.pipeline), learned.sharpness))]
@@ -128,7 +130,7 @@ def widened(guards: Guards, samples: Samples) -> Guards:
     own, changes = _wider(guards, samples.X), guards.changes
     if changes is None or samples.changes is None:
         return own
-    known = known_at_rest(samples.changes)
+    known = with_known_baseline(samples.changes)
     return replace(own, changes=_wider(changes, samples.changes[known]) if known.size else changes)
 
 
@@ -141,7 +143,7 @@ def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
 
 def _steadied(found: float, before: float, count: int) -> float:
     """Between the sharpness of a few sweeps and that of the training, which counts as so many."""
-    share = count / (count + STEADY)
+    share = count / (count + PRIOR_SWEEPS)
     return float(np.exp(share * np.log(found) + (1 - share) * np.log(before)))
 
 

@@ -11,18 +11,18 @@ from sklearn.pipeline import Pipeline
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import PositionScore, join_scores, score
 from ..inputs.samples import Samples
-from ..inversion.estimators import ADAPTED, NAME
+from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED
 from ..learners.affine import Affine
 from ..model.localizer_model import Model
 from ..trust.fitted import Guards, Regressor
-from ..trust.folds import splits_of, told
-from .class_adaptation import FOLDS, STEADY, Adaptation, widened
+from ..trust.folds import describe_splits, splits_of
+from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened
 
 FEWEST = 6
 """Touches: of each direction some, and some to judge."""
 
 
-def adapted_places(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
+def adapt_positions(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
     """The model taught by all of the samples, touches of the skin that it is to be asked about.
 
     samples: as `model.samples` tells them. counted: the same of its gate, where it has one; its
@@ -42,9 +42,8 @@ def adapted_places(model: Model, samples: Samples, counted: Samples | None = Non
     after = replace(after, deviation=after.deviation * _stretch(after))
     median = float(np.median(after.distance))
     better = replace(_taught(learned, samples), factor=factor, median_error=median)
-    validation = (
-        f"{told(splits, samples.sessions)}, of {len(samples.X)} touches of the skin at hand"
-    )
+    held_out = describe_splits(splits, samples.sessions)
+    validation = f"{held_out}, of {len(samples.X)} touches of the skin at hand"
     gate = model.gate
     if gate is not None and counted is not None:
         opened = _opened(gate.learned.guards, counted)
@@ -56,7 +55,7 @@ def adapted_places(model: Model, samples: Samples, counted: Samples | None = Non
 def _checked(model: Model, samples: Samples) -> Regressor:
     learned = model.learned
     assert isinstance(learned, Regressor)
-    if model.estimator in (NAME, ADAPTED):
+    if model.estimator in (MODEL_BASED, MODEL_ADAPTED):
         raise InputError(
             f"a model of positions by {model.estimator} cannot be adapted: it knows the skin by "
             "its scene, so calibrate the scene by these touches and train it anew"
@@ -86,5 +85,5 @@ def _stretch(after: PositionScore) -> np.ndarray:
     off = np.square((after.predicted - after.truth) / np.maximum(after.deviation, 1e-9)).mean(
         axis=0
     )
-    share = len(after.truth) / (len(after.truth) + STEADY)
+    share = len(after.truth) / (len(after.truth) + PRIOR_SWEEPS)
     return np.exp(share * np.log(np.maximum(off, 1e-4)) / 2)

@@ -1,1 +1,1 @@
-"""The functions of `import rcskin`; they check their arguments, and import what they use."""
+"""Public functions of `import rcskin`: they check their arguments and import what they need."""

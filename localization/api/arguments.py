@@ -1,4 +1,4 @@
-"""Arguments of the public functions: objects or their files; what is neither is refused."""
+"""Checks of the arguments of public functions: an object or the path of its file."""
 # pyright: standard
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
 OPTION = re.compile(r"--([a-z][a-z-]*)")
-"""An option as messages of the command line name it."""
+"""Matches a command line option in an error message."""
 
 
 def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
-    """The function with arguments checked as those of the command of its name are.
+    """Decorator: checks the arguments like those of the command of the same name.
 
-    It raises InputError, in one line that names the parameter, for a number outside its range and
-    for what is no number, no text or no list where the annotation says one.
+    Raises InputError, in one line that names the parameter, for a number outside its range and for
+    a value that does not have the annotated type.
     """
 
     @wraps(function)
@@ -51,13 +51,13 @@ def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
 
 
 def _as_parameter(option: re.Match[str], parameters: Any) -> str:
-    """`max_frequency` for --max-frequency, where that is a parameter."""
+    """The option as a parameter, `max_frequency` for --max-frequency, if it is one."""
     name = option[1].replace("-", "_")
     return f"`{name}`" if name in parameters else option[0]
 
 
 def _check_kind(name: str, value: object, annotation: str) -> None:
-    """Raises InputError where the value is not what its annotation, a text, says."""
+    """Raises InputError if the value does not have the annotated type."""
     kind = annotation.removesuffix(" | None")
     if kind not in KINDS or (value is None and kind != annotation):
         return
@@ -93,11 +93,11 @@ KINDS: dict[str, tuple[str, Callable[[object], bool]]] = {
     "Sequence[str]": ("a list of texts", _texts),
     "tuple[float, float]": ("two numbers", _two_numbers),
 }
-"""What annotations say, in words, and whether a value is that."""
+"""For each annotation: its description, and a function that tests a value."""
 
 
 def scene_of(given: Scene | str | Path) -> Scene:
-    """The scene, or the one of that name or path. Raises InputError."""
+    """The scene itself, or the scene with that name or path. Raises InputError."""
     from ...simulator.scene.scene import Scene
     from ...simulator.scene.scene_files import load_scene
 
@@ -109,7 +109,7 @@ def scene_of(given: Scene | str | Path) -> Scene:
 
 
 def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Dataset:
-    """The sweeps, or those in the file at that path. name: of the argument. Raises InputError."""
+    """The sweeps themselves, or those in the file. name: of the argument. Raises InputError."""
     import xarray as xr
 
     from ...simulator.sweeps import read
@@ -122,12 +122,12 @@ def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Datase
 
 
 def path_of(given: str | Path, name: str = "path") -> str | Path:
-    """The path. name: of the argument. Raises InputError for what is none."""
+    """The path. name: of the argument. Raises InputError if it is not a path."""
     return given if isinstance(given, str | Path) else refuse(name, "a path", given)
 
 
 def refuse(name: str, allowed: str, given: object) -> NoReturn:
-    """Raises InputError of an argument by its name, with what is allowed."""
+    """Raises InputError that names the argument and the allowed values."""
     from ...simulator.sweeps import InputError
 
     text = repr(given)

@@ -1,4 +1,4 @@
-"""Sweeps from files; sweeps, models and scenes into files; and a picture of sweeps."""
+"""Read and write sweeps, models and scenes; plot sweeps."""
 # pyright: standard
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Sweeps from a file, simulated or measured; raises InputError in one line."""
+    """Sweeps from a file, simulated or measured. Raises InputError in one line."""
     return sweeps_of(path_of(path))
 
 

@@ -1,4 +1,4 @@
-"""From sweeps to touches: features, and models that are trained, evaluated and asked."""
+"""Features of sweeps; training, evaluation and use of models."""
 # pyright: standard
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def features(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
 
-    Of the sweeps whose press has such a target. sweeps: or the path of their file. target:
-    "column", "row", "pixel", "pair", "touches" or "position". quantities: such as "dlnZ,dphase", in
-    one text or one by one; by default changes from the unpressed skin or, where most presses have
-    no sweep of it before them, Rs and Cp. Raises InputError where these cannot be had.
+    Only sweeps whose press has such a target are used. sweeps: or the path of their file. target:
+    "column", "row", "pixel", "pair", "touches" or "position". quantities: such as "dlnZ,dphase", as
+    one text or a list; by default changes from the unpressed skin or, if most presses have no
+    baseline sweep before them, Rs and Cp. Raises InputError if these are not available.
     """
     from ..inputs.samples import samples_of
 
@@ -51,13 +51,13 @@ def train(
     certain: float | None = None,
     tune: bool = False,
 ) -> Model:
-    """A model that finds the `target` of sweeps like these.
+    """Train a model that predicts the `target` of sweeps like these.
 
-    sweeps, target, quantities: as of `features`. estimator: by name, by default the usual one of
-    the target. interfaces: those to look at, by default all. rest: sweeps of the unpressed skin,
-    where they are not among `sweeps`. certain: answer only where answers are right at this rate, 0
-    to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
-    InputError where these cannot be had, or the sweeps are of one class.
+    sweeps, target, quantities: as of `features`. estimator: its name, by default the usual one of
+    the target. interfaces: those to use, by default all. rest: sweeps of the unpressed skin, if
+    they are not among `sweeps`. certain: answer only if the accuracy of answers reaches this rate,
+    0 to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
+    InputError if these are not available, or if all sweeps are of one class.
     """
     from ..model.training import train as trained
 
@@ -89,11 +89,11 @@ def localize(
     sweeps: xr.Dataset | str | Path,
     rest: xr.Dataset | str | Path | None = None,
 ) -> Answers:
-    """The class or "cannot tell" of each sweep, how probable it is, and whether it is a novelty.
+    """Answer for each sweep: class or "cannot tell", probability, and whether it is novel.
 
-    model, sweeps: or the paths of their files. rest: sweeps of the unpressed skin, where the model
-    needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those trained
-    on.
+    model, sweeps: or the paths of their files. rest: sweeps of the unpressed skin, if the model
+    needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those of the
+    training.
     """
     resting = None if rest is None else sweeps_of(rest, "rest")
     return _model_of(model).answers(sweeps_of(sweeps), resting)
@@ -105,10 +105,10 @@ def evaluate(
     sweeps: xr.Dataset | str | Path,
     rest: xr.Dataset | str | Path | None = None,
 ) -> Evaluation:
-    """How often a model is right about sweeps whose presses are known.
+    """Accuracy of a model on sweeps whose presses are known.
 
-    model, sweeps, rest: as of `localize`. Sweeps that the model was trained or adapted on make the
-    figures too good. Raises InputError for sweeps unlike those trained on.
+    model, sweeps, rest: as of `localize`. The figures are too good for sweeps on which the model
+    was trained or adapted. Raises InputError for sweeps unlike those of the training.
     """
     from ..evaluation.result import evaluated
 

@@ -1,4 +1,4 @@
-"""Sweeps of a scene: exact, as the meter shows them, as a data set, and by a reduced model."""
+"""Simulated sweeps of a scene: noise-free, as measured, as a data set; reduced models."""
 # pyright: standard
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
 
 @checked
 def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
-    """Simulated sweeps as the meter of their scene shows them, with its noise, session by session.
+    """Simulated sweeps with the noise and errors of the scene's meter, session by session.
 
-    sweeps: or the path of their file. seed: of the noise. Raises InputError where the sweeps store
-    no scene.
+    sweeps: or the path of their file. seed: of the noise. Raises InputError if the sweeps store no
+    scene.
     """
     from ...simulator.measure.simulate import read_by_meter
     from ...simulator.scene.scene_files import scene_of_sweeps
@@ -101,10 +101,10 @@ def dataset(
 
 @checked
 def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
-    """A model of the scene's whole family of skins and presses that answers in microseconds.
+    """Reduced model of all skins and presses of the scene; it answers in microseconds.
 
     scene: or its name or path. rtol: the largest relative error of Rs and of Cp. Raises InputError
-    for a scene that cannot be reduced, ToleranceError where rtol is out of reach.
+    for a scene that cannot be reduced, ToleranceError if rtol is not reached.
     """
     from ...simulator.models.reduced.greedy import reduce as reduced
 

@@ -1,4 +1,4 @@
-"""What a skin can tell at best, and the scene that fits measured sweeps."""
+"""Limits of a skin, parameter studies, and the calibration of a scene to sweeps."""
 # pyright: standard
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ def limits(
     draws: int = 2000,
     against_rest: int = 3,
 ) -> Limit:
-    """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
+    """Accuracy of the best classifier of a known skin, and its standard error.
 
     scene: or its name or path. target: "column", "row", "pixel", "pair" or "touches". presses:
     factors, as the key `dataset.press.factor` of a scene has them, by default as the scene's
-    `press` says. seed: of all random numbers. draws: sweeps
-    drawn. against_rest: sweeps of the unpressed skin, whose mean each sweep is compared with; 0:
-    with none. Raises InputError for a meter without noise.
+    `press` says. seed: of all random numbers. draws: number of sweeps drawn. against_rest: number
+    of baseline sweeps whose mean each sweep is compared with; 0: none. Raises InputError for a
+    meter without noise.
     """
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
@@ -55,7 +55,7 @@ def limits(
 def _factors(
     scene: Scene, given: AnyDistribution | Mapping[str, object] | float | None
 ) -> AnyDistribution | None:
-    """A distribution as scenes write it. Raises InputError for what is none."""
+    """The distribution of factors as scenes write it. Raises InputError if it is not one."""
     if given is None:
         return None
     return scene.with_({"dataset.press.factor": given}).dataset.press.factor
@@ -74,7 +74,7 @@ def study(
     rtol: float | None = None,
     workers: int = 1,
 ) -> Study:
-    """How well pixels are told apart while one or two numbers of a scene vary.
+    """Accuracy of localization while one or two numbers of a scene vary.
 
     scene: or its name or path. vary: values by key, such as {"pixels": range(2, 11)}, or texts as
     `rcskin study --vary` takes them; by default sheet resistances and numbers of pixels. target:
@@ -82,12 +82,12 @@ def study(
     presses and readings are drawn anew. repetitions: presses of each pixel in a draw, by default
     2000 sweeps in all. seed: by default the scene's. rtol: the largest relative error of Rs and of
     Cp, by default what fits the noise. workers: processes; a script that asks for more than one
-    calls this under `if __name__ == "__main__":`. Raises InputError for a key or value that cannot
-    be, ToleranceError where rtol cannot be kept.
+    calls this under `if __name__ == "__main__":`. Raises InputError for an invalid key or value,
+    ToleranceError if rtol is not reached.
     """
-    from ..study.study import planned
+    from ..study.study import plan_study
 
-    plan = planned(
+    plan = plan_study(
         str(scene) if isinstance(scene, str | Path) else scene_of(scene),
         vary,
         max_frequency=max_frequency,
@@ -96,7 +96,7 @@ def study(
         repetitions=repetitions,
         seed=seed,
     )
-    return plan.carried_out(rtol=rtol, workers=workers)
+    return plan.run(rtol=rtol, workers=workers)
 
 
 @checked

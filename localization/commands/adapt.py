@@ -11,7 +11,7 @@ from ...simulator.safe_text import say
 from . import options
 
 BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
-"""Figures that are told beside rates."""
+"""Figures that are shown next to the rates."""
 
 if TYPE_CHECKING:
     from ..adaptation.class_adaptation import Adaptation
@@ -39,7 +39,7 @@ def adapt(
     """
     from ...simulator.sweeps import InputError, checked_output
     from ..adaptation.class_adaptation import adapted
-    from ..adaptation.position_adaptation import adapted_places
+    from ..adaptation.position_adaptation import adapt_positions
     from ..inputs.sweep_files import read_first
     from ..model.model_file import ENDING, save
     from .model_notes import load_model_for
@@ -52,7 +52,7 @@ def adapt(
     try:
         if samples.problem.continuous:
             counted = asked.gate and asked.gate.samples(known, resting)
-            found = adapted_places(asked, samples, counted)
+            found = adapt_positions(asked, samples, counted)
         else:
             found = adapted(asked, samples)
     except InputError as error:
@@ -65,12 +65,12 @@ def adapt(
 
 
 def _told(found: Adaptation) -> list[str]:
-    """The figures before and after, the latter of held-out sweeps, and what to know of them."""
-    from ..trust.rates import rate_told
+    """Lines with the figures before and after (on held-out sweeps), and notes."""
+    from ..trust.rates import rate_text
 
     lines = [found.validation]
     for name, told in (("before", found.before), ("after", found.after)):
-        rates = {each: rate_told(*counts) for each, counts in told.rates().items()}
+        rates = {each: rate_text(*counts) for each, counts in told.rates().items()}
         rest = {each: f"{value:.2g}" for each, value in told.figures().items() if each in BESIDE}
         lines.append(f"{name}: " + "; ".join(f"{k} {v}" for k, v in (rates | rest).items()))
     if _worse(found):

@@ -70,13 +70,13 @@ def localize(
 
 
 def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
-    """A note where several touches may pass for one, for want of the skin at rest."""
+    """Print a note if two touches may pass for one because baseline sweeps are missing."""
     import numpy as np
 
-    from ..trust.fitted import known_at_rest
+    from ..trust.fitted import with_known_baseline
 
     changes = model.guard_changes(sweeps, rest, np.arange(sweeps.sizes["sweep"]))
-    unguarded = 0 if changes is None else len(changes) - known_at_rest(changes).size
+    unguarded = 0 if changes is None else len(changes) - with_known_baseline(changes).size
     if unguarded:
         why = "no skin at rest before them; two touches may pass for one, which --rest guards from"
         say(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
@@ -89,15 +89,15 @@ def _followed(
     touching: tuple[float, float, float],
     pace: float,
 ) -> tuple[list[str], list[list[str]]]:
-    """The same by each sweep and all before it, and how probably its touch changed meanwhile."""
+    """Header and rows with --filter: each answer uses its sweep and all previous ones."""
     from ...simulator.sweeps import InputError
     from ..filtering.follower import Follower
-    from ..filtering.touch_dynamics import Touching
+    from ..filtering.touch_dynamics import TouchDynamics
     from ..inputs.targets import COORDINATES
 
     if not pace > 0:
         raise InputError(f"`pace` must be above 0 s, got {pace:g}")
-    told = Follower(model, Touching(*touching)).through(sweeps, rest, pace)
+    told = Follower(model, TouchDynamics(*touching)).follow_all(sweeps, rest, pace)
     header = ["sweep", "press", "answer", "probability", "changed"]
     if model.target == "position":
         header += [*COORDINATES[:2], *(f"{name}_deviation" for name in COORDINATES[:2])]

@@ -1,4 +1,4 @@
-"""A model read from its file, to be asked of sweeps from another."""
+"""Models from files, and the notes that commands print about models and sweeps."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ def load_model_for(
     *,
     anyway: bool,
 ) -> Model:
-    """The model at a path; notes say where the sweeps of files do not tell their skin, and where
-    the model was trained with other versions.
+    """The model in the file at `path`.
 
-    anyway: it answers sweeps of another skin too. Raises InputError as `load`.
+    Prints a note if the sweeps of `files` store no scene, and one if the model was trained with
+    other versions. anyway: the model also accepts sweeps of another skin. Raises InputError as
+    `load`.
     """
     from ..model.model_file import load
 
@@ -38,13 +39,13 @@ def load_model_for(
 
 
 def note_versions(model: Model, path: Path) -> None:
-    """A note where the model was trained with other versions than those here."""
+    """Print a note if the model was trained with other software versions."""
     if model.version_differences:
         say(f"rcskin: note: {path}: was trained with {model.version_differences}", err=True)
 
 
 def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Dataset) -> str:
-    """What an accuracy of sweeps is of, in one line. judged: as of `accuracy_text`."""
+    """One line: to which kind of sweeps an accuracy applies. judged: as of `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from ..inputs.features import RELATIVE
 
@@ -55,7 +56,7 @@ def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Datas
 
 
 def note_features(asked: str | None, used: Sequence[str]) -> None:
-    """A note where features were not chosen, and the sweeps have none of the default ones."""
+    """Print a note if the features are a default other than changes from the unpressed skin."""
     from ..inputs.features import RELATIVE
 
     if asked is None and tuple(used) != RELATIVE:
@@ -68,7 +69,7 @@ def note_features(asked: str | None, used: Sequence[str]) -> None:
 
 
 def note_known_sweeps(model: Model, sweeps: xr.Dataset, path: Path) -> None:
-    """A note where the model was trained or adapted on some of these sweeps."""
+    """Print a note if the model was trained or adapted on some of these sweeps."""
     import numpy as np
 
     from ..inputs.fingerprints import fingerprints_of

@@ -1,4 +1,4 @@
-"""Options that several of the localizer's commands share."""
+"""Options that several commands of the localizer share."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def _targets() -> list[str]:
 
 
 def complete_estimator() -> list[str]:
-    """Names of all localizers for the shell."""
+    """Names of all estimators, for shell completion."""
     from ..inversion.estimators import estimators
 
     return list(estimators())
 
 
 def complete_scene(incomplete: str) -> list[str]:
-    """Names and paths of scenes for the shell."""
+    """Names and paths of scenes, for shell completion."""
     from ...simulator.sweeps.builtin import scenes_beginning
 
     return scenes_beginning(incomplete)
@@ -88,7 +88,7 @@ Anyway = Annotated[
 
 
 TOUCH_LASTS, TOUCH_EVERY, TOUCH_SPEED = 2.0, 5.0, 20.0
-"""As `Touching` has them."""
+"""Defaults of `TouchDynamics`."""
 Filtered = Annotated[
     bool, typer.Option("--filter", help="Let sweeps add up, of a hand that comes, moves and goes.")
 ]
@@ -98,19 +98,19 @@ TouchSpeed = Annotated[float, typer.Option(help="mm/s that a touch moves by, wit
 
 
 TYPED = {"quantities": "features", "interfaces": "interface"}
-"""Options that are called otherwise than the arguments behind them."""
+"""Options whose names differ from the parameters behind them."""
 QUOTED = re.compile(
     "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches|pace|touch-lasts|touch-every|touch-speed)`"
 )
-"""Arguments as messages name them."""
+"""Parameters in backquotes, as error messages name them."""
 WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"
-"""Modules that scikit-learn's warnings are put down to: its own, and those that call it."""
+"""Modules to which scikit-learn's warnings are attributed: its own and their callers."""
 
 
 def as_typed(command: Callable[..., None]) -> Callable[..., None]:
-    """The command, whose errors name options as they were typed.
+    """Decorator: the errors of the command name options as the user typed them.
 
-    What scikit-learn warns of stays within: its user can do nothing with it.
+    Warnings of scikit-learn are suppressed; users cannot act on them.
     """
 
     @wraps(command)

@@ -63,7 +63,7 @@ def train(
 
 
 def _told(model: Model) -> list[str]:
-    """What a user should know of a model just trained."""
+    """Lines that describe a newly trained model."""
     seen = f"{', '.join(model.quantities)} at {', '.join(model.interfaces)}"
     lines = [
         f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
@@ -79,7 +79,7 @@ def _told(model: Model) -> list[str]:
 
 
 def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
-    """What the accuracy is of, where one is stated."""
+    """One line: to which kind of sweeps the stated accuracy applies, if there is one."""
     from .model_notes import accuracy_meaning
 
     if model.target == "position":
@@ -88,7 +88,7 @@ def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
 
 
 def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
-    """Of what would serve better, where skins at rest are there to compare with."""
+    """Hint to use changes from the unpressed skin, if the sweeps allow it."""
     import numpy as np
 
     if not model.guards_use_changes or np.unique(sweeps["session"]).size < 2:
@@ -100,19 +100,19 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
 
 
 def _coverage(model: Model) -> str:
-    """How many of the sweeps held out were answered, by the model or by its gate."""
+    """Text: how many held-out sweeps the model or its gate answered."""
     from ..trust.fitted import Classifier
-    from ..trust.rates import CONFIDENCE, rate_told
+    from ..trust.rates import CONFIDENCE, rate_text
 
     learned = (model.gate or model).learned
     if not isinstance(learned, Classifier):
         return ""
-    answered = rate_told(learned.answered, learned.held_out)
+    answered = rate_text(learned.answered, learned.held_out)
     return f", with {100 * CONFIDENCE:g} % confidence; of those held out it answers {answered}"
 
 
 def _size(model: Model) -> str:
-    """How many features, and how many answers it knows beside that nothing is pressed."""
+    """Text: numbers of features and of classes without "nothing pressed"."""
     from ..trust.answers import NOTHING_PRESSED
 
     seen = f"{model.problem.features} features"

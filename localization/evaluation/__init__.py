@@ -1,1 +1,1 @@
-"""How often answers are right, by sweeps that shaped nothing."""
+"""Accuracy of localizers on sweeps that were not used for training."""

@@ -1,4 +1,4 @@
-"""The confusion matrix: which class a sweep is of against which it was taken for."""
+"""Confusion matrix: true class against predicted class."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HEADER = ("target", "output", "count")
 
 @dataclass(frozen=True, eq=False)
 class Confusion:
-    """Counts of sweeps by the class they are of and the class they were taken for."""
+    """Counts of sweeps by true class and predicted class."""
 
     labels: tuple[int | str, ...]
     """Classes in order, K of them."""
@@ -36,12 +36,12 @@ class Confusion:
 
     @property
     def correct(self) -> int:
-        """Number of sweeps taken for what they are."""
+        """Number of sweeps with the right prediction."""
         return int(np.trace(self.counts))
 
     @property
     def accuracy(self) -> float:
-        """Fraction of all sweeps that were taken for what they are."""
+        """Fraction of sweeps with the right prediction."""
         return self.correct / self.total
 
     def table(self) -> list[tuple[int | str, int | str, int]]:
@@ -54,7 +54,7 @@ class Confusion:
 
 
 def compare(targets: NDArray, outputs: NDArray) -> Confusion:
-    """Count labels as of `features.labels`, at least one, against those answered, shapes (sweep,).
+    """Confusion matrix of true labels and predicted labels, shapes (sweep,).
 
     Classes are ordered by number, pixels by row and then column, pairs by their first pixel.
     """
@@ -81,7 +81,7 @@ def _numbers(label: int | str) -> list[int]:
 def over_folds(
     untrained: Pipeline, X: NDArray, y: NDArray, splits: Iterable[tuple[NDArray, NDArray]]
 ) -> Confusion:
-    """What each row is told to be by a pipeline that was not trained on it, beside what it is."""
+    """Confusion matrix of predictions for each fold by a pipeline trained on the others."""
     told = np.empty_like(y)
     for train, test in splits:
         fresh: Any = clone(untrained)

@@ -1,4 +1,4 @@
-"""Charts of the localizer."""
+"""Charts of confusion matrices and of position errors."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
 RIGHT, WRONG = COLOURS[5], COLOURS[4]
 """Sky blue and orange: light enough in grey print for black figures on them."""
 MOST_NAMED = 50
-"""Classes of a matrix that are all named beside it."""
+"""Maximum number of classes with a label each."""
 LARGEST, LEAST, LEAST_OF_TWO = 11.0, 4.0, 6.5
-"""Points: letters in cells, and their least size alone and with the percentage below."""
+"""Font sizes in points: maximum, minimum alone, and minimum with the percentage below."""
 LETTER = 0.62
-"""Width of a figure over its size."""
+"""Width of a digit divided by its size."""
 
 
 def draw_confusion(axes: Axes, confusion: Confusion) -> None:
     """Draw counts and percent of all sweeps, output class downwards, target class to the right.
 
-    A cell is the fuller of colour, the greater its share of the target class, and empty where it
-    counts nothing; the percentage is left out where it has no room. The title tells the accuracy.
-    This is the layout of MATLAB's `plotconfusion`.
+    The colour of a cell shows its share of the target class; cells with zero are empty; the
+    percentage is left out if it does not fit. The title shows the accuracy. This is the layout of
+    MATLAB's `plotconfusion`.
     """
     axes.grid(False)
     classes = np.arange(len(confusion.labels))
@@ -80,7 +80,7 @@ def _rule_cells(axes: Axes, classes: NDArray[np.intp]) -> None:
 
 
 def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
-    """Counts as large as they have room, with the percentage where that can be read too."""
+    """Write counts as large as they fit, with the percentage if it is readable."""
     digits = len(str(confusion.counts.max(initial=0)))
     alone = min(LARGEST, 0.9 * cell / (LETTER * digits), 0.7 * cell)
     both = min(LARGEST, 0.9 * cell / (LETTER * len("99.9 %")), 0.4 * cell)
@@ -100,7 +100,7 @@ def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
 
 
 def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.float64]) -> None:
-    """Each touch at its place in mm, coloured by how far from it the answer lay.
+    """Draw each touch at its place in mm, coloured by the distance of the prediction.
 
     truth: x and y in mm first, shape (touch, >= 2). distance: mm, shape (touch,).
     """
@@ -114,7 +114,7 @@ def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.
 
 
 def draw_errors(axes: Axes, distance: NDArray[np.float64]) -> None:
-    """How many of the touches are placed within so many mm.
+    """Draw the share of touches that are placed within a distance.
 
     distance: mm, shape (touch,).
     """

@@ -1,4 +1,4 @@
-"""How often the localizer is right about sweeps it was not trained on."""
+"""Accuracy of a localizer on sweeps that were not used for its training."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..learners.registry import Estimator
 from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import folds_of, splits_of, told_nested
+from ..trust.folds import describe_nested_splits, folds_of, splits_of
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare, over_folds
 
@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
-"""What scikit-learn need not look at again for each of many small machines on simulated sweeps."""
+"""Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
 EXAMPLES = 6
-"""Sweeps whose regions are kept."""
+"""Number of sweeps whose regions are kept."""
 WITHIN = f"touches within {100 * PROBABILITY:g} % regions"
 __all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
 
 
 @dataclass(frozen=True, eq=False)
 class ClassScore:
-    """What a classifier told of sweeps it was not trained on.
+    """Predictions of a classifier for sweeps that it was not trained on.
 
-    truth, told: labels, shape (sweep,); told also where the answer was CANNOT_TELL.
+    truth, predicted: labels, shape (sweep,); predicted also where the answer was CANNOT_TELL.
     """
 
     truth: NDArray
@@ -50,16 +50,16 @@ class ClassScore:
 
     @property
     def right(self) -> NDArray[np.bool_]:
-        """Whether the most probable class was the true one, shape (sweep,)."""
+        """True if the most probable class was the true one, shape (sweep,)."""
         return self.truth == self.predicted
 
     @property
     def confusion(self) -> Confusion:
-        """Counts of truth against the most probable class."""
+        """Confusion matrix of truth and most probable class."""
         return compare(self.truth, self.predicted)
 
     def rates(self) -> dict[str, tuple[int, int]]:
-        """Of `figures` those that are rates: how many, and of how many sweeps."""
+        """Those of `figures` that are rates: count, and number of sweeps."""
         answered, total = self.answers.answered, self.right.size
         return {
             "accuracy": (int(self.right.sum()), total),
@@ -79,10 +79,10 @@ class ClassScore:
 
 @dataclass(frozen=True, eq=False)
 class PositionScore:
-    """What a regressor told of sweeps it was not trained on: mm, mm and factor, (sweep, 3) each.
+    """Predictions of a regressor for sweeps that it was not trained on, (sweep, 3) each.
 
-    content: of the smallest region that reaches the touch, shape (sweep,). examples: numbers of
-    some sweeps, and their regions.
+    Units are mm, mm and factor. content: of the smallest region that reaches the touch, shape
+    (sweep,). examples: regions of some sweeps, by number.
     """
 
     truth: NDArray[np.float64]
@@ -93,15 +93,15 @@ class PositionScore:
 
     @property
     def distance(self) -> NDArray[np.float64]:
-        """Between touch and answer, mm, shape (sweep,)."""
+        """Distance between touch and prediction, mm, shape (sweep,)."""
         return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 
     def rates(self) -> dict[str, tuple[int, int]]:
-        """Of `figures` those that are rates: how many, and of how many sweeps."""
+        """Those of `figures` that are rates: count, and number of sweeps."""
         return {WITHIN: (int((self.content <= PROBABILITY).sum()), self.content.size)}
 
     def figures(self) -> dict[str, float]:
-        """Errors in mm and of the factor, and how often they lie within what is stated."""
+        """Errors in mm and of the factor, and rates of errors within the stated deviations."""
         away = np.abs(self.predicted - self.truth)
         return {
             "median error, mm": float(np.median(self.distance)),
@@ -117,7 +117,7 @@ Score = ClassScore | PositionScore
 
 
 def score(learned: Classifier | Regressor, samples: Samples) -> Score:
-    """What it tells of samples against what they are."""
+    """Score the predictions for samples whose targets are known."""
     if isinstance(learned, Regressor):
         return _placed(learned, samples)
     answers = learned.answers(samples.X, samples.changes)
@@ -135,7 +135,7 @@ def _placed(learned: Regressor, samples: Samples) -> PositionScore:
 
 @dataclass(frozen=True, eq=False)
 class Nested:
-    """Scores of outer folds, whose sweeps nothing was trained, tuned or calibrated on.
+    """Scores of outer folds, whose sweeps were used for no training, tuning or calibration.
 
     validation: how they were held out, as text.
     """
@@ -145,7 +145,7 @@ class Nested:
 
     @property
     def whole(self) -> Score:
-        """Of all sweeps, each told by the fold that did not train on it."""
+        """Score of all sweeps, each predicted by the fold that did not train on it."""
         return join_scores(self.folds)
 
     def figures(self) -> dict[str, tuple[float, float | None]]:
@@ -184,7 +184,7 @@ def nested(
             else learn_classes(some, estimator, certain=certain, tune=tune)
         )
         scores.append(score(learned, samples.part(test)))
-    return Nested(tuple(scores), told_nested(splits, samples.sessions, folds))
+    return Nested(tuple(scores), describe_nested_splits(splits, samples.sessions, folds))
 
 
 def cross_validate(
@@ -210,10 +210,9 @@ def cross_validate(
 
 
 def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[float]:
-    """The accuracies that `train` states by default, one for each part that is held out in turn.
+    """The accuracies that `train` states by default, one for each part held out in turn.
 
-    Whole sessions are held out where there are two. Raises InputError as `samples_of` and
-    `splits_of`.
+    Whole sessions are held out if there are two. Raises InputError as `samples_of` and `splits_of`.
     """
     samples = samples_of(sweeps, target)
     splits = splits_of(samples.strata, samples.sessions)
@@ -224,7 +223,7 @@ def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[floa
 
 
 def join_scores(folds: Sequence[Score]) -> Score:
-    """Of all the sweeps of several, which are of one kind."""
+    """One score of the sweeps of several, which are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
         names = ("truth", "predicted", "deviation", "content")

@@ -1,4 +1,4 @@
-"""Charts that say whether stated probabilities and regions can be believed."""
+"""Charts that test stated probabilities and regions against the truth."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FACT, STATED = COLOURS[0], "0.5"
 BINS, LEAST_IN_BIN = 10, 10
 SHOWN = 61
-"""Lines of a grid that regions are drawn on."""
+"""Lines of the grid on which regions are drawn."""
 
 
 def draw_reliability_and_risk(
@@ -37,10 +37,11 @@ def draw_reliability_and_risk(
 def draw_reliability(
     axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> None:
-    """How often answers are right against how probable they were said to be, in bins of like
-    numbers; a perfect localizer is on the diagonal. Bars are 95 % intervals (Clopper, Pearson).
+    """Accuracy against stated probability, in bins of equal counts.
 
-    probability: of the best class, right: whether it was the true one; shape (sweep,). Source: A.
+    A perfect localizer is on the diagonal. Bars are 95 % intervals (Clopper, Pearson).
+
+    probability: of the best class, right: True if it was the true one; shape (sweep,). Source: A.
     Niculescu-Mizil, R. Caruana, Proc. 22nd Int. Conf. Machine Learning (2005) 625-632.
     """
     order = np.argsort(probability, kind="stable")
@@ -59,9 +60,9 @@ def draw_reliability(
 
 
 def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
-    """How many answers are wrong if only the most probable ones are told, against how many are.
+    """Share of wrong answers against the share answered, the most probable ones first.
 
-    The dashed curve is what the stated probabilities promise. Arguments as of `draw_reliability`.
+    The dashed curve follows from the stated probabilities. Arguments as of `draw_reliability`.
     Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
     """
     told, wrong, promised = risk(probability, right)
@@ -78,7 +79,7 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
 def risk(
     probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Shares answered, wrong among them and said to be, at each probability as the threshold."""
+    """Shares answered, wrong, and stated to be wrong, with each probability as the threshold."""
     order = np.argsort(-probability, kind="stable")
     last_of_ties = np.append(np.diff(probability[order]) != 0, True)
     count = np.arange(1, order.size + 1)
@@ -91,8 +92,7 @@ def risk(
 
 
 def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
-    """How often regions hold the touch against how often they are said to, with what is within
-    chance of the diagonal (95 %, Kolmogorov's band).
+    """Share of touches inside regions against the stated probability, with Kolmogorov's 95 % band.
 
     content: of the smallest region that reaches the touch, shape (sweep,).
     """

@@ -1,4 +1,4 @@
-"""What an evaluation found, as lines for people and as tables and charts in a folder."""
+"""Results of an evaluation as lines of text, tables and charts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...simulator.chart_style import chart
 from ...simulator.report.files import filled_at_once, write_rows
 from ..inputs.targets import COORDINATES
-from ..trust.rates import rate_told
+from ..trust.rates import rate_text
 from .confusion import write_csv
 from .evaluation import ClassScore, PositionScore
 from .skin_outline import draw_skin_outline
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .result import Evaluation
 
 WRITTEN = ("figures.csv", "confusion.*", "belief.*", "positions.*", "regions.*")
-"""Patterns of the names of what is written."""
+"""Patterns of the names of the files."""
 PAIR = 9.5, 4.4
 """Width and height of two panels side by side, inches."""
 POSITIONS = [
@@ -29,14 +29,14 @@ POSITIONS = [
 
 
 def lines_of(found: Evaluation) -> list[str]:
-    """On what, then a line for each figure, with its spread over folds where there are any."""
+    """A line about the sweeps, then a line for each figure, with its spread over folds."""
     first = f"{len(found.score.truth)} sweeps, {found.left_out}"
     rates = found.score.rates()
     lines = [f"{first}; {found.validation}"]
     for name, (value, spread) in found.figures.items():
         if name in rates:
             folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
-            lines.append(f"{name}: {rate_told(*rates[name])}{folds}")
+            lines.append(f"{name}: {rate_text(*rates[name])}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
     if not rates.get("answered", (1, 0))[0]:

@@ -1,4 +1,4 @@
-"""What an evaluation found: one object for the command's report and for scripts."""
+"""Result of an evaluation, for the command's report and for scripts."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from ..trust.fitted import Classifier, Regressor
 
 Figures = Mapping[str, tuple[float, float | None]]
-"""Of each name the value, and its spread over folds if there are any."""
+"""For each name its value, and its spread over folds if there are any."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Evaluation(Tabular):
-    """How often a localizer is right about sweeps whose presses are known.
+    """Accuracy of a localizer on sweeps whose presses are known.
 
-    target: what it tells. validation: on which sweeps, left_out: without which, both as text.
+    target: what it predicts. validation: on which sweeps, left_out: without which, both as text.
     """
 
     score: Score
@@ -42,8 +42,7 @@ class Evaluation(Tabular):
 
     @property
     def accuracy(self) -> float:
-        """Share of sweeps whose most probable class is the true one. Raises InputError where
-        positions were evaluated."""
+        """Share of sweeps whose most probable class is true. Raises InputError for positions."""
         return self["accuracy"]
 
     @property
@@ -53,12 +52,12 @@ class Evaluation(Tabular):
 
     @property
     def accuracy_of_answers(self) -> float:
-        """Share of right ones among the answers. Raises InputError where there is none."""
+        """Share of right answers. Raises InputError if nothing was answered."""
         return self["accuracy of answers"]
 
     @property
     def calibration_error(self) -> float:
-        """Expected difference of stated probability and share right. Raises as `accuracy`."""
+        """Expected difference of stated probability and accuracy. Raises as `accuracy`."""
         return self["calibration error"]
 
     @property
@@ -75,14 +74,14 @@ class Evaluation(Tabular):
 
 
 def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
-    """A trained localizer on samples that it was not trained on."""
+    """Evaluate a trained localizer on samples that it was not trained on."""
     scored = score(learned, samples)
     figures = {name: (value, None) for name, value in scored.figures().items()}
     return _of(samples, scored, figures, "sweeps of their own")
 
 
 def evaluated_by_folds(samples: Samples, found: Nested) -> Evaluation:
-    """A localizer on the parts of samples that were held out from it in turn."""
+    """Evaluation of an estimator on the parts of samples that were held out in turn."""
     return _of(samples, found.whole, found.figures(), found.validation)
 
 

@@ -1,4 +1,4 @@
-"""A skin seen from above, below charts of places on it."""
+"""Outline of a skin seen from above, for charts of places on it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def draw_skin_outline(axes: Axes, scene: Scene | None) -> None:
-    """Draw the skin's outline and its foils, where they are known and on no mesh from a file."""
+    """Draw the skin's outline and foils, if known; not for a mesh from a file."""
     from ...simulator.report.from_above import draw_foils, draw_outline
 
     axes.grid(False)

@@ -7,40 +7,40 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inversion.place_posterior import Placing, prior_of
+from ..inversion.place_posterior import PlacePosterior, log_prior_of
 from ..inversion.position import BLUR, CELLS, ModelBasedPosition, cells_of
 from ..inversion.region import Region, region_of
 from ..inversion.regions import PROBABILITY
 from ..trust.answers import CANNOT_TELL
-from .adaptive_settings import Terms
-from .adaptive_sweep import LEAST_PRIOR, Questioning
-from .cell_grid import grid_of
+from .adaptive_settings import AdaptiveSettings
+from .adaptive_sweep import MIN_PRIOR, AdaptiveSweep
+from .cell_grid import cell_grid_of
 from .chain import Evidence
 from .follower import Followed
 
-AT_REST = 0.5
+UNPRESSED_PRIOR = 0.5
 """Chance that nothing is pressed, before anything is read."""
 
 
-class OfPlaces(Questioning):
+class PlaceSweep(AdaptiveSweep):
     """Whether there is a touch, and where."""
 
     def __init__(
-        self, terms: Terms, step: ModelBasedPosition, at_rest: NDArray, gap: float
+        self, terms: AdaptiveSettings, step: ModelBasedPosition, at_rest: NDArray, gap: float
     ) -> None:
         super().__init__(terms, at_rest, gap)
-        self._grid = grid_of(terms.model)
-        self._placing = Placing(step, self._prior(step, gap))
+        self._grid = cell_grid_of(terms.model)
+        self._placing = PlacePosterior(step, self._prior(step, gap))
 
     @property
-    def inquiry(self) -> Placing:
+    def posterior(self) -> PlacePosterior:
         """By the readings so far."""
         return self._placing
 
     @property
-    def enough(self) -> bool:
+    def is_certain(self) -> bool:
         """Whether nothing is pressed, or the region of the touch is small enough."""
-        rest, certain = self._placing.at_rest, self._terms.certain
+        rest, certain = self._placing.unpressed, self._terms.certain
         if rest > 1 - certain:
             return rest >= certain
         return self._region().area <= math.pi * self._terms.within**2
@@ -51,8 +51,8 @@ class OfPlaces(Questioning):
         if follower is not None:
             told = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
             cells = self._grid.stretched(cells_of(placing.posterior))
-            return follower.seen(Evidence(told), self.gap, during, cells)
-        rest, nothing = placing.at_rest, np.zeros(0)
+            return follower.update(Evidence(told), self.gap, during, cells)
+        rest, nothing = placing.unpressed, np.zeros(0)
         chance = max(rest, 1 - rest)
         if placing.novel or chance < self._terms.certain:
             return Followed(CANNOT_TELL, chance, nothing, 0.0)
@@ -74,11 +74,11 @@ class OfPlaces(Questioning):
     def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
         """ln chance of the skin at rest and of each cell."""
         terms = self._terms
-        rest = AT_REST if terms.model.knows_unpressed else 0.0
-        own = prior_of(step, rest)
+        rest = UNPRESSED_PRIOR if terms.model.knows_unpressed else 0.0
+        own = log_prior_of(step, rest)
         if terms.follower is None:
             return own
-        known = np.maximum(terms.follower.expected(gap)[:-1], LEAST_PRIOR / CELLS)
+        known = np.maximum(terms.follower.expected(gap)[:-1], MIN_PRIOR / CELLS)
         if not rest:
             return np.append(-np.inf, np.log(known) + own[1:])
         return np.log(known) + own - np.log(np.append(rest, np.full(CELLS, (1 - rest) / CELLS)))

@@ -1,4 +1,4 @@
-"""Sweeps whose readings are chosen one after the other, and end where the answer is certain."""
+"""Adaptive sweeps: each reading is chosen by the previous ones, until the answer is certain."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..inversion.adapted import AdaptedClassifier, AdaptedPosition
 from ..inversion.classifier import ModelBased
 from ..inversion.position import ModelBasedPosition
 from ..model.localizer_model import Model
-from .adaptive_place_sweep import OfPlaces
-from .adaptive_settings import Terms
-from .adaptive_sweep import OfClasses, Questioning
+from .adaptive_place_sweep import PlaceSweep
+from .adaptive_settings import AdaptiveSettings
+from .adaptive_sweep import AdaptiveSweep, ClassSweep
 from .follower import Follower
 
 if TYPE_CHECKING:
@@ -28,9 +28,10 @@ CERTAIN = 0.95
 INVERTING = ModelBased | AdaptedClassifier | ModelBasedPosition | AdaptedPosition
 
 
-class Asker:
-    """Begins a `Questioning` for each sweep. model, certain, follower, within: as of `Terms`.
+class AdaptivePolicy:
+    """Starts an `AdaptiveSweep` for each sweep.
 
+    model, certain, follower, within: as of `AdaptiveSettings`.
     Raises InputError for a model that does not know how likely parts of a sweep are.
     """
 
@@ -51,24 +52,24 @@ class Asker:
             raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
         if not 0 < within < np.inf:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
-        self._terms = Terms(model, certain or CERTAIN, follower, within)
+        self._terms = AdaptiveSettings(model, certain or CERTAIN, follower, within)
         self._skin: tuple[xr.Dataset, tuple[Any, NDArray[np.complex128]]] | None = None
 
-    def begin(self, rest: xr.Dataset, gap: float) -> Questioning:
-        """Of the next sweep. rest: sweeps of the skin at rest. gap: s since the one before."""
+    def begin(self, rest: xr.Dataset, gap: float) -> AdaptiveSweep:
+        """The next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
         if self._skin is None or self._skin[0] is not rest:
-            self._skin = rest, skin_at_hand(self._terms.model, rest)
+            self._skin = rest, inverter_for(self._terms.model, rest)
         step, at_rest = self._skin[1]
         if isinstance(step, ModelBased):
-            return OfClasses(self._terms, step, at_rest, gap)
-        return OfPlaces(self._terms, step, at_rest, gap)
+            return ClassSweep(self._terms, step, at_rest, gap)
+        return PlaceSweep(self._terms, step, at_rest, gap)
 
 
-def skin_at_hand(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:
-    """Who inverts the simulator for a skin, and the mean of ln (Z / ohm) of sweeps of it at rest,
-    shape (reading,).
+def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:
+    """Estimator that inverts the simulator for a skin, and its mean baseline ln (Z / ohm).
 
-    Tables that have yet to be made of it are made. Of other models, the last step of its pipeline.
+    Shape of the baseline: (reading,). Missing tables of the skin are computed. For other models the
+    estimator is the last step of the pipeline.
     """
     seen = at_interfaces(rest, model.interfaces)
     taken = taken_of(seen)
@@ -77,5 +78,5 @@ def skin_at_hand(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.comple
     )
     step = model.pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
-        step = step.at_hand(np.concatenate([opening.real, opening.imag]))
+        step = step.for_baseline(np.concatenate([opening.real, opening.imag]))
     return step, latest

@@ -9,7 +9,7 @@ from .follower import Follower
 
 
 @dataclass(frozen=True, eq=False)
-class Terms:
+class AdaptiveSettings:
     """model: that answers. certain: probability of an answer at which a sweep may end. follower: by
     whose belief sweeps begin; may be none. within: mm, radius of a disc as large as the region of a
     place that is known well enough."""

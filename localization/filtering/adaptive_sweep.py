@@ -7,22 +7,24 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inversion.class_posterior import Inquiry
+from ..inversion.class_posterior import ClassPosterior
 from ..inversion.classifier import ModelBased
-from ..inversion.place_posterior import Placing
+from ..inversion.place_posterior import PlacePosterior
 from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Classifier
-from .adaptive_settings import Terms
+from .adaptive_settings import AdaptiveSettings
 from .chain import Evidence
 from .follower import Followed
 
-LEAST_PRIOR = 1e-6
+MIN_PRIOR = 1e-6
 
 
-class Questioning(ABC):
+class AdaptiveSweep(ABC):
     """One sweep: `next` tells what to read, `tell` what was read there, until `next` is None."""
 
-    def __init__(self, terms: Terms, at_rest: NDArray[np.complex128], gap: float) -> None:
+    def __init__(
+        self, terms: AdaptiveSettings, at_rest: NDArray[np.complex128], gap: float
+    ) -> None:
         self._terms, self.gap, self._at_rest = terms, gap, at_rest
         self._interfaces = terms.model.interfaces
         self._frequencies = np.array(terms.model.frequencies)
@@ -32,12 +34,12 @@ class Questioning(ABC):
 
     @property
     @abstractmethod
-    def inquiry(self) -> Inquiry | Placing:
+    def posterior(self) -> ClassPosterior | PlacePosterior:
         """By the readings so far."""
 
     @property
     @abstractmethod
-    def enough(self) -> bool:
+    def is_certain(self) -> bool:
         """Whether the answer is certain."""
 
     @abstractmethod
@@ -51,54 +53,59 @@ class Questioning(ABC):
         turn of a switch, shape (interface, frequency). None where the answer is certain and no
         novelty, or nothing is left to read.
         """
-        inquiry = self.inquiry
-        left = np.setdiff1d(np.arange(len(self._places)), inquiry.told)
-        if not left.size or (inquiry.told and not inquiry.novel and self.enough):
+        posterior = self.posterior
+        left = np.setdiff1d(np.arange(len(self._places)), posterior.used_readings)
+        if not left.size or (posterior.used_readings and not posterior.novel and self.is_certain):
             return None
-        rates = inquiry.gains(left) / seconds[tuple(self._places[left].T)]
+        rates = posterior.gains(left) / seconds[tuple(self._places[left].T)]
         where, at = self._places[left[rates.argmax()]]
         return self._interfaces[where], float(self._frequencies[at])
 
-    def tell(self, interface: str, frequency: float, Z: complex) -> None:
+    def add_reading(self, interface: str, frequency: float, Z: complex) -> None:
         """What was read at an interface and a frequency in Hz: Z in ohm."""
         at = int(np.abs(self._frequencies - frequency).argmin())
         place = self._interfaces.index(interface), at
         reading = int(np.flatnonzero((self._places == place).all(axis=1))[0])
         change = np.log(complex(Z)) - self._at_rest[reading]
-        self.inquiry.tell(reading, np.array([change.real, change.imag]))
+        self.posterior.update(reading, np.array([change.real, change.imag]))
 
 
-class OfClasses(Questioning):
+class ClassSweep(AdaptiveSweep):
     """Which class it is."""
 
-    def __init__(self, terms: Terms, step: ModelBased, at_rest: NDArray, gap: float) -> None:
+    def __init__(
+        self, terms: AdaptiveSettings, step: ModelBased, at_rest: NDArray, gap: float
+    ) -> None:
         super().__init__(terms, at_rest, gap)
         learned, prior = terms.model.learned, None
         if terms.follower is not None:
             known = terms.follower.expected(gap)[:-1]
-            prior = np.log(np.maximum(known / known.sum(), LEAST_PRIOR))
+            prior = np.log(np.maximum(known / known.sum(), MIN_PRIOR))
         assert isinstance(learned, Classifier)
-        self._inquiry, self._sharpness = Inquiry(step, prior, learned.sharpness), learned.sharpness
+        self._posterior, self._sharpness = (
+            ClassPosterior(step, prior, learned.sharpness),
+            learned.sharpness,
+        )
 
     @property
-    def inquiry(self) -> Inquiry:
+    def posterior(self) -> ClassPosterior:
         """By the readings so far."""
-        return self._inquiry
+        return self._posterior
 
     @property
-    def enough(self) -> bool:
+    def is_certain(self) -> bool:
         """Whether a class is probable enough."""
-        return bool(self._inquiry.probabilities.max() >= self._terms.certain)
+        return bool(self._posterior.probabilities.max() >= self._terms.certain)
 
     def answer(self, during: float) -> Followed:
         """By the readings so far. during: s that they took."""
-        inquiry, terms = self._inquiry, self._terms
+        posterior, terms = self._posterior, self._terms
         if terms.follower is not None:
-            told = self._sharpness * inquiry.log_densities
-            return terms.follower.seen(Evidence(told), self.gap, during)
-        probabilities = inquiry.probabilities
+            told = self._sharpness * posterior.log_densities
+            return terms.follower.update(Evidence(told), self.gap, during)
+        probabilities = posterior.probabilities
         best = int(probabilities.argmax())
         chance = float(probabilities[best])
-        silent = inquiry.novel or chance < terms.certain
+        silent = posterior.novel or chance < terms.certain
         label = CANNOT_TELL if silent else str(terms.model.classes[best])
         return Followed(label, chance, probabilities, 0.0)

@@ -11,25 +11,25 @@ from scipy.stats import norm
 
 from ..inversion.adapted import AdaptedPosition
 from ..inversion.position import BLUR, GRID, ModelBasedPosition
-from ..inversion.region import Places
+from ..inversion.region import PlaceDistribution
 from ..inversion.regions import sides_of
-from ..inversion.skin_mask import Ground
+from ..inversion.skin_mask import SkinMask
 from ..model.localizer_model import Model
 from ..trust.fitted import Regressor
 
-LEAST = 1e-12
+NEGLIGIBLE = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class CellGrid:
     """Cells of a skin, GRID of them, y within x. bounds: least and largest x and y [mm], (2, 2).
 
-    ground: where within them there is skin, None for all over.
+    mask: where within them there is skin, None for all over.
     """
 
     learned: Regressor
     bounds: NDArray[np.float64]
-    ground: Ground | None = None
+    mask: SkinMask | None = None
 
     @property
     def cell(self) -> tuple[float, float]:
@@ -41,7 +41,7 @@ class Grid:
     def _edges(self) -> list[NDArray[np.float64]]:
         return [np.linspace(a, b, n + 1) for (a, b), n in zip(self.bounds, GRID[:2], strict=True)]
 
-    def told(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def cell_moments(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """Shares of cells, x and y [mm] in each, and their covariance, (sweep, cell, 7)."""
         step = self.learned.pipeline[-1]
         if isinstance(step, ModelBasedPosition | AdaptedPosition):
@@ -68,25 +68,25 @@ class Grid:
         are taken by their middles.
         """
         mean, covariance = told[:, 1:3].copy(), told[:, 3:].reshape(-1, 2, 2).copy()
-        silent = told[:, 0] <= LEAST
+        silent = told[:, 0] <= NEGLIGIBLE
         middles = [(edges[1:] + edges[:-1]) / 2 for edges in self._edges]
         mean[silent] = np.stack(np.meshgrid(*middles, indexing="ij"), -1).reshape(-1, 2)[silent]
         covariance[silent] = np.diag(np.square(self.cell) / 12)
-        kept = belief > LEAST * belief.max()
+        kept = belief > NEGLIGIBLE * belief.max()
         share = belief[kept] / belief[kept].sum()
-        places = Places(share, mean[kept], covariance[kept], self.bounds, self.ground)
+        places = PlaceDistribution(share, mean[kept], covariance[kept], self.bounds, self.mask)
         best = places.peak(BLUR)
         squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
         return best, np.sqrt(share @ squares)
 
 
-def grid_of(model: Model) -> Grid:
+def cell_grid_of(model: Model) -> CellGrid:
     """Of a model of positions. Raises InputError as `Model.known_scene`."""
     assert isinstance(model.learned, Regressor)
     step = model.pipeline[-1]
     if isinstance(step, ModelBasedPosition | AdaptedPosition):
-        return Grid(model.learned, np.asarray(step.bounds_)[:2], step.ground)
-    return Grid(model.learned, sides_of(model.known_scene))
+        return CellGrid(model.learned, np.asarray(step.bounds_)[:2], step.mask)
+    return CellGrid(model.learned, sides_of(model.known_scene))
 
 
 def _along(
@@ -99,7 +99,7 @@ def _along(
     deviation = np.maximum(deviation, 1e-3)[:, None]
     at = (edges - mean[:, None]) / deviation
     a, b = at[:, :-1], at[:, 1:]
-    share = np.maximum(ndtr(b) - ndtr(a), LEAST)
+    share = np.maximum(ndtr(b) - ndtr(a), NEGLIGIBLE)
     off = (norm.pdf(a) - norm.pdf(b)) / share
     inner = np.clip(mean[:, None] + deviation * off, edges[:-1], edges[1:])
     narrow = 1 + (a * norm.pdf(a) - b * norm.pdf(b)) / share - off**2

@@ -51,7 +51,7 @@ class Chain:
     flows: NDArray[np.float64]
     kinds: NDArray[np.int64] | None = None
 
-    def moved(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+    def propagated(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
         """Weights of states, so much later: w exp(Q t), shape (state,)."""
         power, turn = self._modes
         root = np.sqrt(self.stationary)
@@ -64,9 +64,9 @@ class Chain:
 
     def after(self, belief: Belief, seconds: float) -> Belief:
         """So much later, with nothing seen in between."""
-        return Belief(_normal(self.moved(belief.states, seconds))) if seconds > 0 else belief
+        return Belief(_normal(self.propagated(belief.states, seconds))) if seconds > 0 else belief
 
-    def seen(self, belief: Belief, evidence: Evidence, seconds: float) -> Belief:
+    def updated(self, belief: Belief, evidence: Evidence, seconds: float) -> Belief:
         """After a sweep that took so many seconds, given the belief when it began.
 
         Either the state stays, or it changes at one of the cuts or just at the beginning or the
@@ -75,7 +75,7 @@ class Chain:
         alpha, stay = belief.states, np.exp(-self._leaving * seconds)
 
         def changed(weights: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.maximum(self.moved(weights, seconds) - weights * stay, 0.0)
+            return np.maximum(self.propagated(weights, seconds) - weights * stay, 0.0)
 
         top = max([evidence.whole.max(), *(c.before.max() + c.after.max() for c in evidence.cuts)])
         whole, share = np.exp(evidence.whole - top), 1 / (len(evidence.cuts) + 1)
@@ -89,7 +89,7 @@ class Chain:
         steady, within = alpha * stay * whole + share / 2 * at_ends, share * within
         total = (steady + within).sum()
         if not total > RARE:
-            return Belief(_normal(self.moved(alpha, seconds)), 1.0)
+            return Belief(_normal(self.propagated(alpha, seconds)), 1.0)
         return Belief((steady + within) / total, float((within.sum() - share * alike) / total))
 
     @cached_property

@@ -17,10 +17,10 @@ from ..inversion.adapted import AdaptedClassifier
 from ..inversion.classifier import ModelBased
 from ..model.localizer_model import Model
 from ..trust.fitted import Classifier
-from .cell_grid import Grid
+from .cell_grid import CellGrid
 from .chain import Cut, Evidence
 
-DOUBT = 0.02
+ERROR_RATE = 0.02
 """How often a model is taken to be wrong, however sure it is, or to call a known touch novel."""
 CUTS = (0.25, 0.5, 0.75)
 """Of a sweep's readings, where it may change from one state to another."""
@@ -31,7 +31,7 @@ class Observer:
     """Asks a model of sweeps, in the order in which they were taken. grid: of one of positions."""
 
     model: Model
-    grid: Grid | None = None
+    grid: CellGrid | None = None
     _before: NDArray[np.float64] | None = field(default=None, init=False)
 
     def forget(self) -> None:
@@ -83,27 +83,27 @@ class Observer:
         learned = self.model.learned
         novel = learned.novel(X, changes)
         if isinstance(learned, Classifier):
-            known, other = _doubted(learned.probabilities(X)), np.full(len(X), DOUBT)
+            known, other = _doubted(learned.probabilities(X)), np.full(len(X), ERROR_RATE)
         else:
             known, other, gated = self._places(X)
             novel = novel & gated
-        known[novel] = DOUBT
+        known[novel] = ERROR_RATE
         return np.log(np.column_stack([known, np.where(novel, 1.0, other)])), novel
 
     def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:
         """Likelihoods of what is known and of more touches, and whether there is one, (sweep,)."""
         assert self.grid is not None
-        shares = self.grid.told(X)[..., 0]
+        shares = self.grid.cell_moments(X)[..., 0]
         cells = _doubted(shares) * shares.shape[1]
         if self.model.gate is None:
-            return cells, np.full(len(X), DOUBT), np.ones(len(X), dtype=bool)
+            return cells, np.full(len(X), ERROR_RATE), np.ones(len(X), dtype=bool)
         gate = self.model.gate.learned
         assert isinstance(gate, Classifier)
         count = np.array([int(label) for label in gate.classes])
         chance = _doubted(gate.probabilities(X))
         one, more = (chance[:, kind].sum(axis=1) for kind in (count == 1, count > 1))
         known = np.column_stack([chance[:, count == 0], cells * one[:, None]])
-        return known, np.maximum(more, DOUBT), count[chance.argmax(axis=1)] == 1
+        return known, np.maximum(more, ERROR_RATE), count[chance.argmax(axis=1)] == 1
 
     @property
     def _usual(self) -> float:
@@ -128,4 +128,4 @@ def inverts(model: Model) -> bool:
 
 
 def _doubted(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
-    return (1 - DOUBT) * probabilities + DOUBT / probabilities.shape[1]
+    return (1 - ERROR_RATE) * probabilities + ERROR_RATE / probabilities.shape[1]

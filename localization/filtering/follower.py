@@ -14,11 +14,11 @@ from ..inversion.region import Region
 from ..model.localizer_model import Model
 from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Regressor
-from .cell_grid import Grid, grid_of
+from .cell_grid import CellGrid, cell_grid_of
 from .chain import Belief, Chain, Evidence
 from .evidence import Observer
 from .states import chain_of_classes, chain_of_places
-from .touch_dynamics import Touching
+from .touch_dynamics import TouchDynamics
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,9 +53,9 @@ class Follower:
     """
 
     def __init__(
-        self, model: Model, touching: Touching | None = None, certain: float | None = None
+        self, model: Model, touching: TouchDynamics | None = None, certain: float | None = None
     ) -> None:
-        self.model, touching = model, touching or Touching()
+        self.model, touching = model, touching or TouchDynamics()
         self.grid, self._chain = _chain(model, touching)
         self._observer = Observer(model, self.grid)
         self._threshold = certain or getattr(model.learned, "threshold", 0.0)
@@ -82,7 +82,9 @@ class Follower:
         changes = self.model.guard_changes(sweep, rest, np.arange(1))
         return self._through(X, changes, np.array([gap]), np.array([during]))[0]
 
-    def through(self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float) -> list[Followed]:
+    def follow_all(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float
+    ) -> list[Followed]:
         """Of sweeps in the order in which they were taken, each session by itself.
 
         pace: s from sweep to sweep where no `time` of theirs is known. A sweep that has nothing at
@@ -109,15 +111,15 @@ class Follower:
         self, X: NDArray, changes: NDArray | None, gaps: NDArray, during: NDArray
     ) -> list[Followed]:
         evidence = self._observer.observe(X, changes)
-        told = self.grid.told(X) if self.grid else [None] * len(X)
-        return [self.seen(*each) for each in zip(evidence, gaps, during, told, strict=True)]
+        told = self.grid.cell_moments(X) if self.grid else [None] * len(X)
+        return [self.update(*each) for each in zip(evidence, gaps, during, told, strict=True)]
 
-    def seen(
+    def update(
         self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
     ) -> Followed:
-        """After a sweep that told so much. told: as by `Grid.told`."""
+        """After a sweep that told so much. told: as by `CellGrid.cell_moments`."""
         before = self._chain.after(self.belief, gap)
-        self.belief = self._chain.seen(before, evidence, during)
+        self.belief = self._chain.updated(before, evidence, during)
         return self._answer(self.belief, told)
 
     def _answer(self, belief: Belief, told: NDArray | None) -> Followed:
@@ -143,9 +145,9 @@ class Follower:
         return ["1"], np.array([cells, other])
 
 
-def _chain(model: Model, touching: Touching) -> tuple[Grid | None, Chain]:
+def _chain(model: Model, touching: TouchDynamics) -> tuple[CellGrid | None, Chain]:
     if isinstance(model.learned, Regressor):
-        grid = grid_of(model)
+        grid = cell_grid_of(model)
         rest = model.knows_unpressed
         return grid, chain_of_places(GRID[0], GRID[1], grid.cell, touching, rest=rest)
     steps = pixel_pitch(model.known_scene)

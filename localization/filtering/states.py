@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...simulator.sweeps.press_text import named_pixels
 from .chain import Chain
-from .touch_dynamics import Touching
+from .touch_dynamics import TouchDynamics
 
 OTHER = 0.05
 """Share of touches that are none which the localizer knows: its last state."""
@@ -19,7 +19,7 @@ Spots = frozenset[tuple[int, int]]
 
 
 def chain_of_classes(
-    target: str, classes: Sequence[int | str], pitch: tuple[float, float], touching: Touching
+    target: str, classes: Sequence[int | str], pitch: tuple[float, float], touching: TouchDynamics
 ) -> Chain:
     """States: each class, then whatever is none of them.
 
@@ -43,7 +43,7 @@ def chain_of_classes(
 
 
 def chain_of_places(
-    columns: int, rows: int, cell: tuple[float, float], touching: Touching, *, rest: bool
+    columns: int, rows: int, cell: tuple[float, float], touching: TouchDynamics, *, rest: bool
 ) -> Chain:
     """States: nothing pressed where that is told, a touch in each cell, then anything else.
 
@@ -69,7 +69,7 @@ def chain_of_places(
     return replace(chain, kinds=kinds)
 
 
-def _counted(classes: list[int], touching: Touching) -> Chain:
+def _counted(classes: list[int], touching: TouchDynamics) -> Chain:
     dense, count = touching.lasts / touching.every, np.array(classes)
     factorial = np.array([1.0 if n < 2 else np.prod(np.arange(1, n + 1)) for n in classes])
     stationary = dense**count / factorial
@@ -78,7 +78,9 @@ def _counted(classes: list[int], touching: Touching) -> Chain:
     return _with_other(stationary, flows + flows.T, touching, 0 in classes)
 
 
-def _with_other(stationary: NDArray, flows: NDArray, touching: Touching, knows_rest: bool) -> Chain:
+def _with_other(
+    stationary: NDArray, flows: NDArray, touching: TouchDynamics, knows_rest: bool
+) -> Chain:
     """Other touches come beside every state; where no rest is known, touches follow each other."""
     if not knows_rest:
         flows = flows + stationary[:, None] * stationary / stationary.sum() / touching.lasts
@@ -98,7 +100,7 @@ def _spots(target: str, label: str) -> Spots:
     return frozenset(spot for spot in named_pixels(label) if spot != (0, 0))
 
 
-def _rate(one: Spots, other: Spots, crossing: Sequence[float], touching: Touching) -> float:
+def _rate(one: Spots, other: Spots, crossing: Sequence[float], touching: TouchDynamics) -> float:
     """1/s from a state to another of as many touches, or from the one of more to that of fewer."""
     gone, come = one - other, other - one
     if not gone or not come:

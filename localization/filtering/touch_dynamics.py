@@ -9,7 +9,7 @@ from ...simulator.sweeps import InputError
 
 
 @dataclass(frozen=True)
-class Touching:
+class TouchDynamics:
     """Means of what is exponentially distributed, and a speed.
 
     lasts: s, of a touch. every: s, from a touch's end to the next one. speed: mm/s, of a touch

@@ -1,1 +1,1 @@
-"""How far simulation is from what it stands for: distances, accuracies, causes, in one report."""
+"""Gap between simulation and measurement: distances, accuracies, causes, and a report."""

@@ -1,6 +1,6 @@
-"""All that the questions are asked of: both sides, versions of the simulated one, and splits.
+"""Comparison of both sides: versions of the simulated sweeps, samples, and splits.
 
-What cannot be had is left out, and a note says so.
+What is not possible is left out, and a note says so.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ if TYPE_CHECKING:
     from ..model.localizer_model import Model
 
 TOUCHES = (0, 1, 2, 5)
-"""How many sweeps of every pixel are added to training."""
+"""Numbers of sweeps of every pixel that are added to training."""
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A pair made ready.
+    """A pair of sweeps, prepared for all computations.
 
     reserved: the other side's sweeps that calibrate, shape (sweep,). versions: of the simulated
     sweeps, by stage. features: quantities of each set of features; others: the other side's samples
-    by it. splits: by how many sweeps of a pixel are added to training. asked: the model that is
-    asked, if none is to be trained.
+    by set. splits: by number of added sweeps of a pixel. model: the user's own model; None if
+    localizers are trained.
     """
 
     pair: SweepPair
@@ -60,12 +60,12 @@ class Comparison:
 
     @property
     def common(self) -> NDArray[np.int64]:
-        """Pixels, and the skin at rest, that both sides have; the numbers of `pixel_of`."""
+        """Pixels, and the unpressed skin, that both sides have; the numbers of `pixel_of`."""
         return np.intersect1d(pixel_of(self.pair.simulated), pixel_of(self.pair.other))
 
     @property
     def not_calibrating(self) -> NDArray[np.bool_]:
-        """The other side's sweeps that calibrated nothing; of a pixel without such, all of it."""
+        """The other side's sweeps that did not calibrate; all sweeps of a pixel without such."""
         pixel = pixel_of(self.pair.other)
         return ~self.reserved | ~np.isin(pixel, pixel[~self.reserved])
 
@@ -75,10 +75,10 @@ def prepare_comparison(
     options: GapOptions,
     model: Model | None = None,
 ) -> Comparison:
-    """model: to be asked.
+    """Prepare a comparison. model: the user's own model, if it is to be tested.
 
-    Raises InputError where there is no such estimator, nothing is left to test, or the classes
-    cannot be told.
+    Raises InputError if there is no such estimator, no sweep is left to test, or a class cannot be
+    predicted.
     """
     estimator = chosen(options.estimator, options.target)
     sets = FEATURE_SETS if model is None else {MODEL_FEATURES: model.quantities}
@@ -105,7 +105,7 @@ def prepare_comparison(
 
 
 def _reading_error(pair: SweepPair) -> ReadingError | None:
-    """Of the other side's meter or, where that is not told, of the simulated one."""
+    """Reading error of the other side's meter or, if unknown, of the simulated one."""
     scenes = (scene_of_sweeps(pair.other), pair.scene)
     errors = (reading_error(each) for each in scenes if each is not None)
     return next((error for error in errors if error is not None), None)
@@ -114,7 +114,7 @@ def _reading_error(pair: SweepPair) -> ReadingError | None:
 def _splits(
     pair: SweepPair, question: GapOptions, reserved: NDArray[np.bool_]
 ) -> tuple[dict[int, list[Split]], list[str]]:
-    """Of the pixels that both sides have; and what is left out."""
+    """Splits of the pixels that both sides have; and notes on what is left out."""
     common = np.flatnonzero(np.isin(pixel_of(pair.other), pixel_of(pair.simulated)))
     pixel, kept = pixel_of(pair.other)[common], reserved[common]
     found = {k: touch_splits(pixel, kept, k, question.draws, question.seed) for k in TOUCHES}
@@ -144,9 +144,9 @@ def _others(
     estimator: Estimator,
     sets: Mapping[str, Sequence[str]],
 ) -> tuple[dict[str, PairedSamples], list[str]]:
-    """The other side's samples of each set of features that all have; why there are no others.
+    """The other side's samples of each possible set of features; and notes on the others.
 
-    Raises InputError where there is none at all.
+    Raises InputError if no set is possible.
     """
     found, refused = {}, {}
     for name, quantities in sets.items():

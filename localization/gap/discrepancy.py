@@ -1,4 +1,4 @@
-"""How far apart two samples of features are: maximum mean discrepancy and energy distance.
+"""Distance between two samples of features: maximum mean discrepancy and energy distance.
 
 Sources: A. Gretton, K. M. Borgwardt, M. J. Rasch, B. Schölkopf, A. Smola, "A kernel two-sample
 test", J. Mach. Learn. Res. 13 (2012) 723-773; G. J. Székely, M. L. Rizzo, "Energy statistics", J.
@@ -16,16 +16,16 @@ from scipy.spatial.distance import cdist
 PERMUTATIONS = 499
 FEWEST = 2
 MOST = 500
-"""Sweeps of a sample that are used; of more, so many are drawn."""
+"""Maximum number of sweeps of a sample; larger samples are subsampled."""
 
 
 @dataclass(frozen=True)
 class Discrepancy:
-    """Of two samples of sizes first and second.
+    """Distances between two samples of sizes `first` and `second`.
 
-    mmd2: squared maximum mean discrepancy, unbiased, so below 0 at times; of features of unit
-    spread. p: chance of one as large if both were of one distribution. energy: energy distance.
-    coefficient: energy distance over the mean distance between the samples, from 0 to 1.
+    mmd2: squared maximum mean discrepancy, unbiased, so it may be negative; of features of unit
+    spread. p: probability of a value as large if both samples have one distribution. energy: energy
+    distance. coefficient: energy distance divided by the mean distance between the samples, 0 to 1.
     """
 
     first: int
@@ -39,9 +39,9 @@ class Discrepancy:
 def discrepancy(
     X: NDArray[np.float64], Y: NDArray[np.float64], random: np.random.Generator
 ) -> Discrepancy | None:
-    """Of samples of the same features, shapes (n, feature) and (m, feature).
+    """Discrepancy of samples of the same features, shapes (n, feature) and (m, feature).
 
-    None where either has fewer than FEWEST. random: draws permutations, and MOST of more sweeps.
+    None if either has fewer than FEWEST. random: draws permutations, and subsamples to MOST sweeps.
     """
     if min(len(X), len(Y)) < FEWEST:
         return None
@@ -74,7 +74,7 @@ def unbiased_mmd2(K: NDArray[np.float64], n: int) -> float:
 
 
 def permutation_p(K: NDArray[np.float64], n: int, random: np.random.Generator) -> float:
-    """Share of PERMUTATIONS, and of the samples as they are, with an MMD² at least as large."""
+    """Share of PERMUTATIONS, and of the actual samples, with an MMD² at least as large."""
     first = np.arange(len(K)) < n
     shuffled = random.permuted(np.tile(first[:, None], (1, PERMUTATIONS)), axis=0)
     rounding = 1e-12
@@ -91,7 +91,7 @@ def energy_distance(distances: NDArray[np.float64], n: int) -> tuple[float, floa
 
 
 def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """For each column of `first`, which of the rows of K are the first sample's."""
+    """Unbiased MMD² for each column of `first`, which marks the rows of K in the first sample."""
     one, two = first.astype(float), (~first).astype(float)
     off_diagonal = K - np.diag(np.diag(K))
     n, m = one.sum(axis=0), two.sum(axis=0)

@@ -1,4 +1,4 @@
-"""How far the mean sweeps of the same presses are apart, in the units that matter."""
+"""Distances between the mean sweeps of both sides for the same presses, in several units."""
 
 from __future__ import annotations
 
@@ -20,17 +20,19 @@ if TYPE_CHECKING:
 
 QUANTITIES = {"Rs": "ohm", "Cp": "F"}
 TOGETHER = 1e-3
-"""Of the largest distance of classes at any frequency: below it, where Cp is the same for all
-pixels, the error of the simulation decides how far they are apart."""
+"""Share of the largest class separation at any frequency below which a separation is ignored.
+
+There Cp is the same for all pixels, and the simulation's error dominates the separation.
+"""
 MIN_FREQUENCIES = 3
-"""That a roughness, and so a repeatability, can be told from."""
+"""Minimum number of frequencies for an estimate of the repeatability."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReadingDeviation:
     """Standard deviation of one reading at each frequency: of |Z|, and of the phase in rad.
 
-    Both of shape (frequency,). source: where they are from.
+    Both of shape (frequency,). source: where the numbers come from.
     """
 
     magnitude: NDArray[np.float64]
@@ -43,8 +45,8 @@ class Distance:
     """Other side minus simulation of one quantity, each of shape (interface, frequency).
 
     All are NaN where nothing was read. simulated: mean over the pixels, SI. mean, rms: over the
-    pixels, SI. meter_error: of one reading of it, SI; None where unknown. separation: root mean
-    square distance of neighbouring classes, SI.
+    pixels, SI. meter_error: standard deviation of one reading, SI; None if unknown. separation:
+    root mean square distance of neighbouring classes, SI.
     """
 
     simulated: NDArray[np.float64]
@@ -55,17 +57,17 @@ class Distance:
 
     @property
     def percent(self) -> NDArray[np.float64]:
-        """Of the simulated mean."""
+        """Mean distance in percent of the simulated mean."""
         return 100 * self.mean / np.abs(self.simulated)
 
     @property
     def meter_errors(self) -> NDArray[np.float64] | None:
-        """In errors of one reading."""
+        """Mean distance divided by the meter's error of one reading."""
         return None if self.meter_error is None else self.mean / self.meter_error
 
     @property
     def separations(self) -> NDArray[np.float64]:
-        """In distances of neighbouring classes; NaN where these lie together, by TOGETHER."""
+        """Mean distance over the class separation; NaN where classes coincide (TOGETHER)."""
         known = self.separation[np.isfinite(self.separation)]
         least = TOGETHER * known.max(initial=0.0)
         apart = np.where(self.separation > least, self.separation, np.nan)
@@ -73,10 +75,10 @@ class Distance:
 
 
 def meter_error(other: xr.Dataset, given: ReadingError | None) -> ReadingDeviation | None:
-    """Of the meter as the scene has it, or told from repeated sweeps; None where neither can.
+    """The meter's error, from the scene or from repeated sweeps; None if neither gives it.
 
-    From repeats, the noise is that of real and imaginary part over |Z|: what differs from one
-    frequency to the next, so that unequal presses hardly count.
+    From repeated sweeps it is the noise of real and imaginary part divided by |Z|: the difference
+    between neighbouring frequencies, so that unequal presses have little effect.
     """
     count = other.sizes["frequency"]
     if given is not None:
@@ -96,9 +98,10 @@ def distances(
     target: str,
     pressed: bool,
 ) -> dict[str, Distance] | None:
-    """Of Rs and Cp, over the pixels pressed on both sides, or at rest; None where there are none.
+    """Distances of Rs and Cp over the pixels that both sides have; None if there are none.
 
-    target: whose classes count as separated.
+    pressed: True for the pressed pixels, False for the unpressed skin. target: whose classes are
+    separated.
     """
     pixels = np.intersect1d(pixel_of(simulated), pixel_of(other))
     pixels = pixels[(pixels > 0) == pressed]
@@ -128,7 +131,7 @@ def _distance(
 
 
 def _means(sweeps: xr.Dataset, name: str, pixels: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Of all sweeps of each pixel, shape (pixel, interface, frequency)."""
+    """Mean of all sweeps of each pixel, shape (pixel, interface, frequency)."""
     values, pixel = _values(sweeps, name), pixel_of(sweeps)
     return np.stack([values[pixel == each].mean(axis=0) for each in pixels])
 
@@ -140,7 +143,7 @@ def _values(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
 def _errors(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], error: ReadingDeviation
 ) -> dict[str, NDArray[np.float64]]:
-    """Of Rs = |Z| cos(phase) and Cp = -sin(phase)/(omega |Z|), by those of |Z| and phase."""
+    """Errors of Rs = |Z| cos(phase) and Cp = -sin(phase)/(omega |Z|) from |Z| and phase."""
     Y, omega = 1 / Z, 2 * np.pi * frequency
     return {
         "Rs": np.hypot(Z.real * error.magnitude, Z.imag * error.phase),
@@ -149,7 +152,7 @@ def _errors(
 
 
 def _separation(sweeps: xr.Dataset, name: str, target: str) -> NDArray[np.float64]:
-    """Root mean square over neighbouring classes of the distance of their means."""
+    """Root mean square distance of the means of neighbouring classes."""
     values, classes = _values(sweeps, name), labels(sweeps, target)
     apart = [
         values[classes == one].mean(axis=0) - values[classes == other].mean(axis=0)
@@ -174,7 +177,7 @@ def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
 def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
     """Relative noise, root mean square over the interfaces, shape (frequency,).
 
-    None where it is not known at all frequencies.
+    None if it is unknown at any frequency.
     """
     groups = list(zip(other["session"].values.tolist(), pixel_of(other).tolist(), strict=True))
     Z, read = impedance(other), read_mask(other)

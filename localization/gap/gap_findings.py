@@ -1,4 +1,4 @@
-"""Everything the report tells: the same questions before and after calibration."""
+"""Findings of the report: the same quantities before and after calibration."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ ALL = "all"
 
 @dataclass(frozen=True, eq=False)
 class CalibrationStage:
-    """Before or after calibration.
+    """Findings before or after calibration.
 
-    pressed, rest: distances of Rs and Cp; None where no such press is on both sides. transfer: by
-    set of features and by how many sweeps of every pixel were added. discrepancies: by set of
+    pressed, rest: distances of Rs and Cp; None if there is no such press on both sides. transfer:
+    by set of features and by number of added sweeps of every pixel. discrepancies: by set of
     features and by class, ALL of them first.
     """
 
@@ -45,7 +45,11 @@ class CalibrationStage:
 
 @dataclass(frozen=True, eq=False)
 class ModelFindings:
-    """accuracies: by how many sweeps of every pixel adapted it. judged: as it is, of all tested."""
+    """Findings about the user's own model.
+
+    accuracies: by number of sweeps of every pixel that adapted it. score: of the model as it is, on
+    all tested sweeps.
+    """
 
     accuracies: Mapping[int, MeanAccuracy]
     score: ClassScore
@@ -53,11 +57,12 @@ class ModelFindings:
 
 @dataclass(frozen=True, eq=False)
 class GapFindings:
-    """stages: before and after. own: trained and tested on the other side, by set of features,
-    `grouped` as hard as can be and of `single` sweeps. causes: what each
-    parameter explains when it alone is fitted, the one that explains most first.
-    model: what the user's own model tells, where it is asked. together: what pairs of parameters
-    explain when both are fitted, the pair that explains most first.
+    """All findings of the report.
+
+    stages: before and after calibration. own: training and test on the other side, by set of
+    features, `grouped` as hard as possible and `single` sweeps. causes: what each parameter
+    explains if it alone is fitted, the largest first. model: findings about the user's own model,
+    if given. together: what pairs of parameters explain if both are fitted, the largest first.
     """
 
     trial: Comparison
@@ -70,7 +75,7 @@ class GapFindings:
 
 
 def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
-    """Ask everything of a trial; what cannot be asked is left out and told in the notes.
+    """Compute all findings of a comparison; what is not possible is left out and noted.
 
     progress: as of `ProgressCallback`.
     """
@@ -143,7 +148,7 @@ def _own(trial: Comparison, samples: PairedSamples) -> dict[str, CrossValidated]
 def _discrepancies(
     trial: Comparison, ours: PairedSamples, feature_set: str
 ) -> dict[str, Discrepancy]:
-    """Of features in units of their spread over the other side's sweeps."""
+    """Discrepancies of features in units of their spread over the other side's sweeps."""
     theirs = _common(trial, trial.others[feature_set].chosen(trial.not_calibrating))
     scale, random = _spread(theirs.X), np.random.default_rng(trial.options.seed)
     found = {ALL: discrepancy(ours.X / scale, theirs.X / scale, random)}
@@ -160,7 +165,7 @@ def _spread(X: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
-    """The sweeps at rest, and the first of each pixel."""
+    """All unpressed sweeps, and the first sweep of each pixel."""
     pixel = pixel_of(sweeps)
     first = np.unique(pixel, return_index=True)[1]
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))

@@ -1,4 +1,4 @@
-"""How often a localizer is right that was trained on one side or both, tested on the other."""
+"""Accuracy of localizers trained on one side or both and tested on the other."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 FOLDS = 5
 GROUPINGS = ("session", "press", None)
-"""From the hardest test to the easiest; the first that the sweeps allow is taken."""
+"""From the hardest test to the easiest; the first possible one is used."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeanAccuracy:
-    """Fraction right: mean and standard deviation over the draws of what is added and tested.
+    """Mean accuracy and its standard deviation over draws of added and tested sweeps.
 
     confusion: of all draws together.
     """
@@ -42,7 +42,10 @@ class MeanAccuracy:
 
 @dataclass(frozen=True, eq=False)
 class CrossValidated:
-    """grouping: what is left out as a whole, None for single sweeps."""
+    """Accuracy by cross-validation.
+
+    grouping: what is left out as a whole, None for single sweeps.
+    """
 
     accuracy: MeanAccuracy
     grouping: str | None
@@ -52,7 +55,7 @@ class CrossValidated:
 def transfer_accuracy(
     simulated: PairedSamples, other: PairedSamples, splits: Sequence[Split], estimator: Estimator
 ) -> MeanAccuracy:
-    """Trained on all that is simulated and on what a split adds, tested on what it tests."""
+    """Accuracy after training on all simulated sweeps and those that a split adds."""
     outcomes = []
     for added, tested in splits:
         training = simulated.joined(other.chosen(added))
@@ -68,9 +71,10 @@ def cross_validated(
     seed: int,
     grouped: bool = True,
 ) -> CrossValidated | None:
-    """Trained and tested on the same side; None where it has too few sweeps of a class.
+    """Cross-validated accuracy of one side; None if a class has too few sweeps.
 
-    grouped: by the first of GROUPINGS that leaves every class in every training; else by none.
+    grouped: by the first of GROUPINGS with which every training contains every class; else
+    ungrouped.
     """
     for grouping in GROUPINGS if grouped else (None,):
         groups = np.unique(sweeps["session"].values).size if grouping == "session" else FOLDS
@@ -85,7 +89,7 @@ def cross_validated(
 
 
 def predictions(training: PairedSamples, test: PairedSamples, estimator: Estimator) -> NDArray:
-    """What a localizer that is trained on the ones tells of the others."""
+    """Predictions for the test sweeps by a localizer trained on the others."""
     training = training.chosen(training.has_features)
     with config_context(**UNCHECKED):
         trained = estimator.build(training.problem).fit(training.X, training.y)
@@ -102,7 +106,7 @@ def _over_folds(
 
 
 def mean_over_draws(outcomes: Sequence[Confusion]) -> MeanAccuracy:
-    """Mean and spread, and all counted together."""
+    """Mean and spread of the accuracy, and the counts of all draws together."""
     values = [outcome.accuracy for outcome in outcomes]
     return MeanAccuracy(
         mean=float(np.mean(values)),
@@ -113,7 +117,7 @@ def mean_over_draws(outcomes: Sequence[Confusion]) -> MeanAccuracy:
 
 
 def _pooled(outcomes: Sequence[Confusion]) -> Confusion:
-    """All counted together; draws need not have met the same classes."""
+    """Counts of all draws together; draws may have different classes."""
     rows = [row for outcome in outcomes for row in outcome.table()]
     counts = [count for *_, count in rows]
     targets, outputs = (np.repeat([row[side] for row in rows], counts) for side in (0, 1))

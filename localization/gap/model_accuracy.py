@@ -1,4 +1,4 @@
-"""A model of the user's own, asked of the other side in place of localizers trained for it."""
+"""Accuracy of the user's own model on the other side's sweeps."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ from .paired_samples import PairedSamples
 from .splits import Split
 
 MODEL_FEATURES = "model"
-"""Name of the set of features that it looks at."""
+"""Name of the set of features of the model."""
 
 
 def model_accuracies(
     model: Model, other: PairedSamples, splits: Mapping[int, Sequence[Split]]
 ) -> tuple[dict[int, MeanAccuracy], list[str]]:
-    """By how many sweeps of every pixel adapted it, 0 as it is; and what could not be had."""
+    """Accuracy by number of sweeps of every pixel that adapted the model; and notes.
+
+    0 sweeps: the model as it is. A note says which number of sweeps was not possible, and why.
+    """
     found, notes = {}, []
     for k, some in splits.items():
         try:
@@ -35,7 +38,7 @@ def model_accuracies(
 
 
 def scored(model: Model, other: PairedSamples) -> ClassScore:
-    """What the model as it is tells of sweeps, with its probabilities."""
+    """Score of the model as it is, with its probabilities."""
     return _scored(model.learned, other)
 
 

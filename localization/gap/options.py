@@ -1,4 +1,4 @@
-"""What is asked of a pair of sweeps."""
+"""Options of a comparison between simulated and other sweeps."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from ...simulator.sweeps import InputError
 
 CLASSES = ("column", "row", "pixel")
-"""Targets that are classes, which alone can be confused."""
+"""Targets that are classes; only these have a confusion matrix."""
 
 
 @dataclass(frozen=True)
 class GapOptions:
-    """target: one of CLASSES. draws: of the sweeps added to training. touches: that calibrate."""
+    """Options of a comparison.
+
+    target: one of CLASSES. draws: of the sweeps added to training. calibration_touches: pressed
+    sweeps that calibrate.
+    """
 
     target: str
     estimator: str
@@ -21,7 +25,7 @@ class GapOptions:
     calibration_touches: int = 5
 
     def __post_init__(self) -> None:
-        """Raises InputError where a value is out of range."""
+        """Raises InputError if a value is out of range."""
         if self.target not in CLASSES:
             raise InputError(f"`target` must be one of {', '.join(CLASSES)}, got {self.target!r}")
         for name, value, least in (

@@ -1,4 +1,4 @@
-"""Both sides made comparable: the same frequencies, interfaces and presses, and what it took."""
+"""Pairs of sweeps with the same frequencies, interfaces and presses, and notes on changes."""
 
 from __future__ import annotations
 
@@ -25,11 +25,10 @@ SAME_FREQUENCY = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class SweepPair:
-    """Simulated sweeps and those they are held against, of the same interfaces and readings.
+    """Simulated and other sweeps with the same interfaces and readings.
 
-    scene: of the simulated skin, None where unknown. noise_free: whether the simulated
-    sweeps are without the meter's errors. notes: what a reader must know of how they were made
-    comparable.
+    scene: of the simulated skin, None if unknown. noise_free: True if the simulated sweeps are
+    without the meter's errors. notes: how they were made comparable.
     """
 
     simulated: xr.Dataset
@@ -43,11 +42,11 @@ class SweepPair:
 def pair_sweeps(
     simulated: xr.Dataset, other: xr.Dataset, scene: Scene | None, seed: int
 ) -> SweepPair:
-    """Both sides, reduced to what they share.
+    """Reduce both sides to their common interfaces, frequencies and readings.
 
-    scene: None for that of the simulated sweeps. seed: of what is kept of many sweeps.
-    Raises InputError where they share no interface or pressed pixel, or have other frequencies and
-    the scene is unknown.
+    scene: None for that of the simulated sweeps. seed: of the subsampling. Raises InputError if
+    they have no interface or pressed pixel in common, or other frequencies and the scene is
+    unknown.
     """
     notes: list[str] = []
     scene = scene or scene_of_sweeps(simulated)
@@ -68,18 +67,18 @@ def pair_sweeps(
 
 
 def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
-    """A number for each pixel, the same in all sweeps, 0 at rest; shape (sweep,)."""
+    """Number of the pressed pixel, the same in all sweeps, 0 for none; shape (sweep,)."""
     row, column = sweeps["row"].values, sweeps["column"].values
     return np.where(row > 0, row * 10_000 + column, 0)
 
 
 def _exact(sweeps: xr.Dataset) -> bool:
-    """Whether they come with numerical errors, as sweeps do that no meter has read."""
+    """True if the sweeps have numerical errors, as only noise-free simulated sweeps do."""
     return "Rs_error" in sweeps
 
 
 def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:
-    """Those of a single pixel, or of the skin at rest."""
+    """Sweeps with a single pressed pixel, or with none."""
     alone = (sweeps["row"].values >= 0) & (sweeps["column"].values >= 0)
     if not alone.any():
         raise InputError(f"none of the {called} sweeps is of a single pixel or of the skin at rest")
@@ -131,7 +130,7 @@ def _at_frequencies_of(
 def _of_common_readings(
     simulated: xr.Dataset, other: xr.Dataset, notes: list[str]
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Both at those frequencies of each interface that both were read at."""
+    """Both sides at the frequencies of each interface at which both were read."""
     ours, theirs = read_mask(simulated), read_mask(other)
     if np.array_equal(ours, theirs):
         return simulated, other

@@ -1,4 +1,4 @@
-"""Both sides as a classifier takes them: features, classes, pixels and sessions of each sweep."""
+"""Samples of both sides for a classifier: features, classes and pixels of each sweep."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
-"""The paper's, and those relative to the skin at rest in the same session."""
+"""The paper's features, and those relative to the baseline of the same session."""
 FEATURE_LABELS = {
     "absolute": "Rs and Cp",
     "relative": "ln|Z| and phase less those at rest",
@@ -28,8 +28,11 @@ FEATURE_LABELS = {
 
 @dataclass(frozen=True, eq=False)
 class PairedSamples:
-    """X: features, shape (sweep, feature), NaN for a sweep that has nothing at rest to be told
-    against. y: class, pixel: its number; both of shape (sweep,)."""
+    """Samples of one side.
+
+    X: features, shape (sweep, feature), NaN for a sweep without a baseline. y: class, pixel: its
+    number; both of shape (sweep,).
+    """
 
     problem: LocalizationProblem
     X: NDArray[np.float64]
@@ -38,15 +41,15 @@ class PairedSamples:
 
     @property
     def has_features(self) -> NDArray[np.bool_]:
-        """Which sweeps have features, shape (sweep,)."""
+        """True for sweeps that have features, shape (sweep,)."""
         return np.isfinite(self.X[:, 0])
 
     def chosen(self, which: NDArray) -> PairedSamples:
-        """Those of an index or a mask."""
+        """The samples of an index or a mask."""
         return PairedSamples(self.problem, self.X[which], self.y[which], self.pixel[which])
 
     def joined(self, more: PairedSamples) -> PairedSamples:
-        """These and more of the same features."""
+        """These samples and more with the same features."""
         return PairedSamples(
             self.problem,
             np.concatenate([self.X, more.X]),
@@ -58,9 +61,9 @@ class PairedSamples:
 def paired_samples(
     sweeps: xr.Dataset, quantities: Sequence[str], target: str, rest: xr.Dataset | None = None
 ) -> PairedSamples:
-    """Raises InputError as the features and the labels do.
+    """Samples of sweeps. Raises InputError as the features and the labels do.
 
-    rest: sweeps of the skin at rest that others are told against, those among `sweeps` without.
+    rest: baseline sweeps; by default those among `sweeps`.
     """
     found = learnable(sweeps, target, quantities, rest=rest)
     X = np.full((sweeps.sizes["sweep"], found.X.shape[1]), np.nan)

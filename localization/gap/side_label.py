@@ -1,4 +1,4 @@
-"""What the sweeps that simulation is held against are: a measurement, a twin, or neither."""
+"""Label of the sweeps that simulation is compared with: measurement, twin or simulation."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 VIRTUAL_SERIAL = "000000000"
-"""Serial number of the virtual meter, whose older recordings are told by it alone."""
+"""Serial number of the virtual meter; older recordings are recognized only by it."""
 
 
 @dataclass(frozen=True)
 class SideLabel:
-    """How the report calls the other side: `the measurement`, `measured sweeps`."""
+    """Names of the other side in the report: `the measurement`, `measured sweeps`."""
 
     name: str
     adjective: str
@@ -30,7 +30,7 @@ SECOND = SideLabel("second simulation", "second simulated")
 
 
 def label_of_side(sweeps: xr.Dataset) -> SideLabel:
-    """From the attributes: `twin`, the virtual meter, a simulation's tolerance, or none of them."""
+    """The label, from the attributes: `twin`, the virtual meter, or a simulation's tolerance."""
     attributes = sweeps.attrs
     virtual = VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(",")
     if "twin" in attributes or virtual or attributes.get("model") == VIRTUAL:
@@ -40,7 +40,7 @@ def label_of_side(sweeps: xr.Dataset) -> SideLabel:
 
 
 def check_simulated(sweeps: xr.Dataset, path: object) -> None:
-    """Raises InputError where sweeps given as simulated say that they are not."""
+    """Raises InputError if sweeps given as simulated are marked as measured."""
     if sweeps.attrs.get("model") in (MEASURED, VIRTUAL) or "twin" in sweeps.attrs:
         called = label_of_side(sweeps).adjective
         raise InputError(
@@ -49,8 +49,8 @@ def check_simulated(sweeps: xr.Dataset, path: object) -> None:
 
 
 def check_other(sweeps: xr.Dataset, scene: str, path: object) -> None:
-    """Raises InputError where the sweeps on the other side are of another skin than a scene's.
+    """Raises InputError if the other side's sweeps are of another skin than the scene's.
 
-    scene: TOML text, empty where unknown.
+    scene: TOML text, empty if unknown.
     """
     check_same_skin(str(sweeps.attrs.get("scene", "")), scene, str(path))

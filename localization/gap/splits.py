@@ -1,4 +1,4 @@
-"""Which sweeps calibrate, which are added to training and which are tested: never the same."""
+"""Disjoint sets of sweeps that calibrate, that are added to training, and that are tested."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class Split(NamedTuple):
 def reserved_for_calibration(
     row: NDArray[np.int64], column: NDArray[np.int64], touches: int, session: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Half of each session's unpressed sweeps, and one of each of `touches` pixels far apart.
+    """Half of each session's unpressed sweeps, and one of each of `touches` distant pixels.
 
-    Of an odd number of unpressed sweeps the larger half. Shape (sweep,), as the arguments.
-    Raises InputError where `touches` is below 0.
+    The larger half of an odd number of unpressed sweeps. Shape (sweep,), as the arguments. Raises
+    InputError if `touches` is below 0.
     """
     if touches < 0:
         raise InputError(f"`calibration-touches` must be >= 0, got {touches}")
@@ -44,8 +44,8 @@ def touch_splits(
     """`draws` ways to add k sweeps of every pixel to training and to test the others.
 
     Reserved sweeps are never tested, and are the first of the k. For k = 0 there is one way. Pixels
-    that are reserved whole are neither added nor tested. None where a pixel has not sweeps enough,
-    or all are reserved.
+    with only reserved sweeps are neither added nor tested. None if a pixel has too few sweeps, or
+    all are reserved.
     """
     groups = _groups(pixel, reserved)
     if not groups or any(each.size - max(k, kept.sum()) < 1 for each, kept in groups):
@@ -55,14 +55,14 @@ def touch_splits(
 
 
 def largest_k(pixel: NDArray[np.int64], reserved: NDArray[np.bool_]) -> int:
-    """How many of every pixel can be added so that one is left to test."""
+    """Largest number of added sweeps of every pixel that leaves one to test."""
     return min((each.size - 1 for each, _ in _groups(pixel, reserved)), default=0)
 
 
 def _groups(
     pixel: NDArray[np.int64], reserved: NDArray[np.bool_]
 ) -> list[tuple[NDArray[np.intp], NDArray[np.bool_]]]:
-    """Sweeps of each pixel that is not reserved whole, and which of them are reserved."""
+    """Sweeps of each pixel that has unreserved ones, and a mask of the reserved ones."""
     groups = [np.flatnonzero(pixel == each) for each in np.unique(pixel)]
     return [(each, reserved[each]) for each in groups if not reserved[each].all()]
 
@@ -81,7 +81,7 @@ def _split(
 
 
 def _far_apart(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """So many of the places, each as far as can be from those before it; the first is the first."""
+    """`count` of the places, each as far as possible from the previous ones; the first is fixed."""
     if not len(places) or not count:
         return places[:0]
     chosen = [0]

@@ -1,4 +1,4 @@
-"""So many of a large simulated set as a kernel machine can learn, with the skin at rest."""
+"""Subsample of a large simulated set that a kernel machine can learn, with its baselines."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST = 1000
-"""Sweeps that are kept: kernel machines grow with their square."""
+"""Maximum number of sweeps: the cost of kernel machines grows with the square."""
 SPREAD = 2
-"""Times as many are drawn from, so that sessions are many but not thin."""
+"""The sessions drawn have this multiple of MOST sweeps, so that each keeps enough of them."""
 REST = 5
-"""Unpressed sweeps that are kept of each session drawn, its first: later ones are told against
-them."""
+"""Number of first unpressed sweeps that are kept of each session, as its baseline."""
 
 
 def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
-    """At most MOST of the sweeps, of sessions drawn at random; first those at rest."""
+    """At most MOST of the sweeps, of sessions drawn at random; the unpressed ones first."""
     if sweeps.sizes["sweep"] <= MOST:
         return sweeps
     session = sweeps["session"].values
@@ -32,7 +31,7 @@ def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
 
 
 def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[np.int64]:
-    """Sessions that together have SPREAD times MOST sweeps, or all."""
+    """Random sessions that together have SPREAD times MOST sweeps, or all."""
     names, counts = np.unique(session, return_counts=True)
     order = random.permutation(names.size)
     before = np.cumsum(counts[order]) - counts[order]
@@ -42,7 +41,7 @@ def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[n
 def _first_of_rest(
     order: NDArray[np.intp], session: NDArray[np.int64], row: NDArray[np.int64]
 ) -> NDArray[np.intp]:
-    """Indices of REST unpressed sweeps of each session, the first in an order."""
+    """Indices of the first REST unpressed sweeps of each session."""
     unpressed = order[row[order] == 0]
     parts = [unpressed[session[unpressed] == each][:REST] for each in np.unique(session[unpressed])]
     return np.concatenate([np.zeros(0, dtype=np.intp), *parts])

@@ -1,4 +1,4 @@
-"""The simulated sweeps before calibration and after, free of noise and as the meter shows them."""
+"""Simulated sweeps before and after calibration, noise-free and as the meter shows them."""
 
 from __future__ import annotations
 
@@ -21,21 +21,24 @@ BEFORE, AFTER = "before", "after"
 
 
 class Version(NamedTuple):
-    """exact: free of noise where such are known. read: as the scene's meter shows them."""
+    """Simulated sweeps. exact: noise-free if known. read: as the scene's meter shows them."""
 
     exact: xr.Dataset
     read: xr.Dataset
 
     @property
     def rest(self) -> xr.Dataset | None:
-        """The skin at rest free of noise, None where it is known by what was read alone."""
+        """Noise-free sweeps of the unpressed skin; None if only readings with noise are known."""
         unpressed = self.exact["row"].values == 0
         known = self.exact is not self.read and unpressed.any()
         return self.exact.isel(sweep=unpressed) if known else None
 
 
 class Versions(NamedTuple):
-    """by_stage: BEFORE and, where it could be done, AFTER. notes: what was done or could not be."""
+    """Simulated sweeps by stage.
+
+    by_stage: BEFORE and, if possible, AFTER. notes: what was done, or why it was not possible.
+    """
 
     by_stage: dict[str, Version]
     estimates: Sequence[FittedQuantity]
@@ -43,7 +46,10 @@ class Versions(NamedTuple):
 
 
 def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Versions:
-    """reserved: the other side's sweeps to calibrate on, shape (sweep,). seed: of the meter."""
+    """Simulated sweeps before and after calibration.
+
+    reserved: the other side's sweeps that calibrate, shape (sweep,). seed: of the meter's noise.
+    """
     from ...simulator.calibration.run import calibrate
 
     before, told = _before(pair, seed)
@@ -73,7 +79,7 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
 
 
 def _hindrance(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
-    """Why there is no calibration, empty where there is."""
+    """Reason why there is no calibration, empty if there is one."""
     if pair.scene is None:
         return "No calibration and no causes: the scene is unknown; --scene names it."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."

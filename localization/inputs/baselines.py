@@ -1,8 +1,8 @@
-"""The skin at rest, which sweeps of the same session are told against.
+"""Baselines: sweeps of the unpressed skin, to which other sweeps of the session are compared.
 
-A sweep never enters its own reference, whatever its label, and no sweep that was taken after it
-does: what is known in a lab is what was measured before. All told sweeps of a session are told
-against equally many, or else the noise of the reference would tell of the label.
+A sweep is never part of its own baseline, whatever its label, and neither is a later sweep: in a
+lab only earlier measurements are known. All sweeps of a session are compared with the same number
+of baseline sweeps; otherwise the noise of the baseline would depend on the label.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MIN_BASELINES, RECENT, OPENING = 1, 3, 8
-"""Sweeps at rest that a change is told against at least and at most, skins being slow to drift, and
-those at the opening of a session that show which skin it is."""
+"""Minimum and maximum number of recent baseline sweeps for a change (skins drift slowly), and
+number of baseline sweeps at the start of a session that identify the skin."""
 TIME = "time"
 EARLY = 0.1
-"""Part of a session within which sweeps at rest must come to be waited for."""
+"""Part of a session in which baseline sweeps must come to be waited for."""
 
 
 class Baselines(NamedTuple):
-    """ln (Z / ohm) of the skin at rest, for some of the sweeps.
+    """ln (Z / ohm) of the unpressed skin, for some of the sweeps.
 
-    rows: of which sweeps, ascending. recent: the mean of the latest, opening: of the first sweeps
-    at rest before each; both of shape (row, interface, frequency).
+    rows: numbers of these sweeps, ascending. recent: mean of the latest baseline sweeps before
+    each; opening: mean of the first ones; both of shape (row, interface, frequency).
     """
 
     rows: NDArray[np.intp]
@@ -40,14 +40,14 @@ class Baselines(NamedTuple):
 
 
 def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselines:
-    """The skin at rest as it was known when each sweep was taken, in its own session.
+    """The baseline that was known when each sweep was taken, in its own session.
 
-    rest: sweeps of the skin at rest, all of them unpressed, of which the mean of a session counts;
-    those of the opening and the latest ones each by themselves, where they are told apart; of one
-    session they serve every sweep. Without it, the unpressed sweeps among `sweeps`, of row 0, in
-    the order of their `time`, or else as they stand: the latest RECENT before a sweep, or as many
-    as there are before EARLY, at least FEWEST. Sweeps before these are not among the rows, nor are
-    sessions without any.
+    rest: baseline sweeps, all unpressed, of which the mean of a session is used; those of the
+    opening and the latest ones separately if they are marked. If they are of one session they apply
+    to every sweep. Without `rest`, the unpressed sweeps among `sweeps`, of row 0, in the order of
+    their `time`, or else in file order: the latest RECENT before a sweep, or as many as there are
+    before EARLY, at least MIN_BASELINES. Sweeps before these, and sessions without any, are not
+    among the rows.
     """
     absolute = np.log(impedance(sweeps).astype(complex))
     parts = list(_before(sweeps, absolute) if rest is None else _beside(sweeps, absolute, rest))
@@ -58,7 +58,7 @@ def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselin
 
 
 def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
-    """Raises InputError naming a session without the skin at rest, or the first sweep before it."""
+    """Raises InputError that names a session without a baseline, or the first sweep before it."""
     session = sweeps["session"].values
     restless = np.setdiff1d(session, session[rows])
     if restless.size:
@@ -75,7 +75,7 @@ def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
 
 
 def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
-    """Whether each sweep has the unpressed skin measured before it in its session, (sweep,)."""
+    """True for sweeps with a baseline sweep before them in their session, (sweep,)."""
     known = np.zeros(sweeps.sizes["sweep"], dtype=bool)
     for here, moments, count in _resting(sweeps):
         known[here[moments[count - 1] + 1 :]] = True
@@ -85,7 +85,7 @@ def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
 def _resting(
     sweeps: xr.Dataset,
 ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], int]]:
-    """The sweeps of each session with rest in the order of time, which of these are at rest, and
+    """For each session with baselines: its sweeps in time order, which of them are baselines, and
     how many of the latest are averaged."""
     session, unpressed = sweeps["session"].values, sweeps["row"].values == 0
     for each in np.unique(session[unpressed]):
@@ -120,9 +120,9 @@ def _beside(
 
 
 def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Means of ln (Z / ohm) of the latest sweeps at rest, and of those of the opening.
+    """Means of ln (Z / ohm) of the latest baseline sweeps, and of those of the opening.
 
-    Of all, where they are not told apart. Shape (interface, frequency) each.
+    Both are the mean of all if the opening is not marked. Shape (interface, frequency) each.
     """
     known = np.log(impedance(rest).astype(complex))
     latest, opening = (known[part].mean(axis=0) for part in _parts(rest))
@@ -130,7 +130,7 @@ def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np
 
 
 def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which sweeps are the latest, and which those of the opening; all, if not told apart."""
+    """Masks of the latest baseline sweeps and of those of the opening; all if not marked."""
     if OF_OPENING not in rest.coords:
         every = np.ones(rest.sizes["sweep"], dtype=bool)
         return every, every
@@ -141,7 +141,7 @@ def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
 def _mean_of_others(
     asked: NDArray[np.complex128], there: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
-    """Mean of those there without the sweep itself, shape as asked, and whether there are any."""
+    """Mean of the baseline sweeps other than the sweep itself, and True if there are any."""
     names = {curve.tobytes() for curve in there}
     own = np.array([curve.tobytes() in names for curve in asked])
     others = len(there) - own
@@ -150,7 +150,7 @@ def _mean_of_others(
 
 
 def _in_time(sweeps: xr.Dataset, here: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The same sweeps in the order in which they were taken."""
+    """The numbers of these sweeps in the order in which they were taken."""
     if TIME not in sweeps.coords:
         return here
     return here[np.argsort(sweeps[TIME].values[here], kind="stable")]

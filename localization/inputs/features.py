@@ -1,4 +1,4 @@
-"""From sweeps to what a localizer takes: a matrix of features."""
+"""Features of sweeps: the matrix that a localizer takes."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 READ = ("Rs", "X", "Cp")
-"""As they stand in the sweeps, in SI units."""
+"""Readings as the sweeps store them, in SI units."""
 ABSOLUTE = ("lnZ", "phase")
 """ln |Z / ohm|, and the phase of Z in rad."""
 RELATIVE = ("dlnZ", "dphase")
-"""The same, less those of the skin at rest shortly before in the same session: what the meter's
-errors of the session, and most of what differs between skins, drop out of."""
+"""ln |Z| and phase relative to recent baseline sweeps of the same session.
+
+The meter's errors of the session and most differences between skins cancel.
+"""
 BASELINE = ("lnZ0", "phase0")
-"""Those of the skin at rest at the opening of the session: they tell which skin it is."""
+"""ln |Z| and phase of the unpressed skin at the start of the session; they identify the skin."""
 QUANTITIES = (*READ, *ABSOLUTE, *RELATIVE, *BASELINE)
 PAPER = ("Rs", "Cp")
 """The paper's choice, and the default where the unpressed skin was not measured."""
 BLOCK = 10_000
-"""Sweeps whose features are found together, about: on the way they take ten times the room."""
+"""Approximate number of sweeps per block; computing features takes ten times their memory."""
 
 
 Quantities = str | Sequence[str]
@@ -36,10 +38,10 @@ Quantities = str | Sequence[str]
 
 
 def default_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
-    """The default features: changes from the unpressed skin, where most presses can have them.
+    """The default features: changes from the unpressed skin, if most presses have a baseline.
 
-    AGAINST_REST where sweeps of the unpressed skin are given by `rest`, or come in the same session
-    before more than half of the pressed sweeps. PAPER otherwise.
+    RELATIVE if `rest` is given, or if more than half of the pressed sweeps have a baseline sweep
+    before them in their session. PAPER otherwise.
     """
     pressed = sweeps["row"].values != 0
     known = has_baseline_before(sweeps)[pressed]
@@ -70,13 +72,13 @@ def available_features(
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """The same of the sweeps that have them, shape (row, feature), and which these are, ascending.
+    """Features of the sweeps that have them, (row, feature), and their numbers, ascending.
 
-    Quantity by quantity as asked, within it interface by interface, within it by ascending
-    frequency, only what was read (`taken_of`). interfaces: those looked at, in that order; all
-    without. rest: sweeps of the skin at rest, if they are not among `sweeps` (see `log_baselines`).
-    Raises InputError for a quantity that is not one of QUANTITIES, none at all, or one asked twice;
-    an interface that the sweeps lack.
+    The order is by quantity, then by interface, then by ascending frequency; only readings that
+    were taken (`taken_of`). interfaces: those to use, in order; by default all. rest: baseline
+    sweeps, if they are not among `sweeps` (see `log_baselines`). Raises InputError for a quantity
+    that is not one of QUANTITIES, for none, for one given twice, and for an interface that the
+    sweeps lack.
     """
     asked = checked_quantities(quantities)
     seen = at_interfaces(sweeps, interfaces)
@@ -96,7 +98,7 @@ def baseline_changes(
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
 ) -> NDArray[np.float64]:
-    """AGAINST_REST of each sweep, shape (sweep, feature): NaN where the skin at rest is not known.
+    """RELATIVE features of each sweep, shape (sweep, feature); NaN without a baseline.
 
     Arguments as of `available_features`; raises InputError as it does.
     """
@@ -107,12 +109,12 @@ def baseline_changes(
 
 
 def in_blocks(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """The same indices in parts of BLOCK at most."""
+    """Split indices into parts of at most BLOCK."""
     return np.array_split(index, max(1, -(-index.size // BLOCK)))
 
 
 def packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The rows that are kept, moved to the front of the same array."""
+    """Move the kept rows to the front of the same array; return that part."""
     size = 0
     for start in range(0, len(X), BLOCK):
         block = slice(start, start + BLOCK)
@@ -123,7 +125,7 @@ def packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float6
 
 
 def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
-    """Indices of about BLOCK sweeps each, of whole sessions where these belong together."""
+    """Indices of about BLOCK sweeps each; whole sessions if `by_session`."""
     count = sweeps.sizes["sweep"]
     if not by_session or count <= BLOCK:
         return in_blocks(np.arange(count))
@@ -137,7 +139,7 @@ def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
 def _of_block(
     seen: xr.Dataset, asked: tuple[str, ...], rest: xr.Dataset | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """As `available_features`, of sweeps that hold whole sessions where that matters."""
+    """`available_features` of a block of sweeps, which contains whole sessions if needed."""
     rows = np.arange(seen.sizes["sweep"])
     found = {name: _read(seen, name) for name in asked if name in READ}
     if len(found) < len(asked):
@@ -155,29 +157,29 @@ def _of_block(
 
 
 def _flat(values: NDArray[np.float64], taken: NDArray[np.bool_] | None) -> NDArray[np.float64]:
-    """What was read, interface by interface, shape (row, reading)."""
+    """Readings that were taken, interface by interface, shape (row, reading)."""
     if taken is not None:
         return values[:, taken]
     return values.reshape(len(values), np.prod(values.shape[1:]))
 
 
 def readings_per_sweep(sweeps: xr.Dataset) -> int:
-    """How many readings a sweep is of."""
+    """Number of readings in a sweep."""
     taken = taken_of(sweeps)
     whole = sweeps.sizes["interface"] * sweeps.sizes["frequency"]
     return whole if taken is None else int(taken.sum())
 
 
 def taken_rows(sweeps: xr.Dataset) -> tuple[tuple[bool, ...], ...]:
-    """As `taken_of`, row by row; empty where all interfaces were read at all frequencies."""
+    """`taken_of` as tuples; empty if all interfaces were read at all frequencies."""
     taken = taken_of(sweeps)
     return () if taken is None else tuple(tuple(row) for row in taken.tolist())
 
 
 def at_interfaces(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Dataset:
-    """The sweeps at these interfaces only, in that order; all without.
+    """The sweeps at these interfaces only, in that order; all interfaces for None.
 
-    Raises InputError naming an interface that the sweeps lack, or that is asked twice.
+    Raises InputError that names an interface that the sweeps lack, or that is given twice.
     """
     if interfaces is None:
         return sweeps
@@ -191,7 +193,7 @@ def at_interfaces(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Da
 
 
 def checked_quantities(quantities: Quantities) -> tuple[str, ...]:
-    """The names one by one, if they can be features; raises InputError as `features` does."""
+    """The names as a tuple. Raises InputError as `features` does."""
     if isinstance(quantities, str):
         quantities = [name.strip() for name in quantities.split(",")]
     for name in quantities:
@@ -205,22 +207,22 @@ def checked_quantities(quantities: Quantities) -> tuple[str, ...]:
 def chosen_quantities(
     quantities: Quantities | None, sweeps: xr.Dataset, rest: xr.Dataset | None = None
 ) -> tuple[str, ...]:
-    """As `checked_quantities`; those of `default_quantities` for None."""
+    """`checked_quantities`, or `default_quantities` for None."""
     return (
         default_quantities(sweeps, rest) if quantities is None else checked_quantities(quantities)
     )
 
 
 def needs_baseline(quantities: Sequence[str]) -> bool:
-    """Whether any of them takes the skin at rest."""
+    """True if any of the quantities needs baseline sweeps."""
     return any(name in (*RELATIVE, *BASELINE) for name in quantities)
 
 
 def press_features(quantities: Sequence[str], count: int) -> tuple[NDArray[np.intp], bool]:
-    """Indices of the features that a press changes most clearly, and whether these err alike.
+    """Indices of the features that a press changes most, and True if they have equal noise.
 
-    Those against the skin at rest, if there are any; else all but those of the skin at rest.
-    count: of all features of the quantities.
+    These are the RELATIVE features if there are any, else all but the BASELINE ones. count: of all
+    features of the quantities.
     """
     relative = [name for name in quantities if name in RELATIVE]
     wanted = relative or [name for name in quantities if name not in BASELINE] or list(quantities)

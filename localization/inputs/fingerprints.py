@@ -1,4 +1,4 @@
-"""Marks by which sweeps are known again, that a model may say which of them it was trained on."""
+"""Fingerprints of sweeps: a model stores those of its training sweeps."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ FINGERPRINT_BYTES = 8
 
 
 def fingerprints_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
-    """A number for the readings of each sweep in single precision, as files of text keep them, too;
-    shape (sweep,)."""
+    """A 64-bit number for the readings of each sweep, shape (sweep,).
+
+    Readings are rounded to single precision, which text files keep too.
+    """
     parts = in_blocks(np.arange(sweeps.sizes["sweep"]))
     return np.concatenate([_marks(sweeps.isel(sweep=part)) for part in parts])
 

@@ -1,4 +1,4 @@
-"""What a localizer learns from: features of sweeps, what they are of, and from which session."""
+"""Training samples of a localizer: features, targets and sessions of sweeps."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LocalizationProblem:
-    """What a localizer is to tell, and from what.
+    """What a localizer predicts, and from which features.
 
     target: as of `labels`, or "position". features: how many numbers a sweep has. frequencies: Hz,
-    ascending. scene: TOML text of the skin, empty where unknown. taken: as of `taken_of`, row by
-    row; empty where all interfaces are read at all frequencies.
+    ascending. scene: TOML text of the skin, empty if unknown. taken: as of `taken_of`, row by row;
+    empty if all interfaces are read at all frequencies.
     """
 
     target: str
@@ -47,12 +47,12 @@ class LocalizationProblem:
 
     @property
     def continuous(self) -> bool:
-        """Whether a place is told, not a class."""
+        """True if the target is a position, not a class."""
         return self.target == "position"
 
     @property
     def single_touch(self) -> bool:
-        """Whether it is asked of sweeps of one touch at most."""
+        """True if the target is defined for at most one touch."""
         return self.target in (*PIXELS, "position")
 
     @property
@@ -63,16 +63,16 @@ class LocalizationProblem:
 
     @property
     def ignores_baseline(self) -> bool:
-        """Whether a sweep is told as it stands, whatever the skin at rest read before it."""
+        """True if no feature is relative to recent baseline sweeps."""
         return not set(RELATIVE) & set(self.quantities)
 
 
 class LeftOut(NamedTuple):
-    """Sweeps that nothing can be learned from, or told of.
+    """Numbers of sweeps that were left out.
 
-    other: those whose press has no such target. restless: those of sessions without the skin at
-    rest, where that is needed. sessions: how many such there are. early: those before the first
-    sweeps at rest of their session.
+    other: their press has no such target. without_baseline: their session has no baseline sweep,
+    which is needed. sessions: how many such sessions there are. early: they come before the first
+    baseline sweep of their session.
     """
 
     other: int = 0
@@ -81,7 +81,7 @@ class LeftOut(NamedTuple):
     early: int = 0
 
     def describe(self, target: str) -> str:
-        """In words."""
+        """These numbers as text."""
         parts = [f"{self.other} without a {target}"]
         if self.without_baseline:
             plural = "" if self.sessions == 1 else "s"
@@ -92,7 +92,7 @@ class LeftOut(NamedTuple):
 
 
 class SeveralTouches(NamedTuple):
-    """Sweeps of more touches than one, where the target is of one.
+    """Sweeps of two or more touches, for a target that is defined for one.
 
     X: features, shape (n, feature). sessions: shape (n,). changes: as of `Samples`.
     """
@@ -107,13 +107,13 @@ NO_SEVERAL_TOUCHES = SeveralTouches(np.zeros((0, 0)), np.zeros(0, dtype=np.int64
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Sweeps as matrices.
+    """Features and targets of sweeps, as matrices.
 
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
-    sessions: shape (sweep,). rows: which of the sweeps that were given these are, shape (sweep,).
-    several: of other touches than the target's, whatever part of the sweeps this is. changes: from
-    the skin at rest, as of `baseline_changes`, for guards of what is told of one touch by readings
-    as they stand; None where these are told by changes themselves, or of more touches.
+    sessions: shape (sweep,). rows: numbers of these sweeps among the given ones, shape (sweep,).
+    several: sweeps of more touches than the target is defined for; the same for every part.
+    changes: from the baseline, as of `baseline_changes`, for the guards of models of one touch that
+    do not use the baseline; None otherwise.
     """
 
     problem: LocalizationProblem
@@ -127,21 +127,22 @@ class Samples:
 
     @property
     def strata(self) -> NDArray | None:
-        """What folds are to have in like shares: classes, or how many touches of pairs."""
+        """Labels for stratified folds: classes, or numbers of touches; None for positions."""
         if self.problem.target == "pair":
             return np.array([len(label.split("+")) if label != "0,0" else 0 for label in self.y])
         return None if self.problem.continuous else self.y
 
     def part(self, index: NDArray[np.intp]) -> Samples:
-        """Only those sweeps."""
+        """The samples with these indices."""
         parts = {name: getattr(self, name)[index] for name in ("X", "y", "sessions", "rows")}
         changes = None if self.changes is None else self.changes[index]
         return replace(self, **parts, changes=changes)
 
     def first_sessions(self, count: int | None) -> Samples:
-        """The first so many sessions, all of them for None; more where a class lacks sweeps.
+        """The first `count` sessions, all for None; more if a class lacks sweeps.
 
-        Folds need two of each class: sessions are taken until there are, or none is left.
+        Folds need two sweeps of each class: sessions are added until there are two, or none is
+        left.
         """
         _, first = np.unique(self.sessions, return_index=True)
         if count is None or len(first) <= count:
@@ -153,14 +154,14 @@ class Samples:
         return self.part(np.flatnonzero(np.isin(self.sessions, known)))
 
     def _twice(self, sessions: NDArray[np.int64]) -> bool:
-        """Whether each class has two sweeps in these sessions."""
+        """True if each class has two sweeps in these sessions."""
         if self.strata is None:
             return True
         seen = self.strata[np.isin(self.sessions, sessions)]
         return all((seen == label).sum() >= 2 for label in np.unique(self.strata))
 
     def subsampled(self, count: int) -> Samples:
-        """So many of them or all, drawn in like shares of each class, the same at every call."""
+        """At most `count` samples, drawn in proportion to the classes; the same at every call."""
         if len(self.X) <= count:
             return self
         groups = self.sessions if self.problem.continuous else self.y
@@ -168,7 +169,7 @@ class Samples:
 
 
 def as_changes(samples: Samples) -> Samples:
-    """The same sweeps by their changes from the skin at rest, NaN where that is not known."""
+    """The samples with changes from the baseline as features, NaN where there is none."""
     several, changes = samples.several, samples.changes
     assert changes is not None and several.changes is not None
     features = {"quantities": RELATIVE, "features": changes.shape[1]}
@@ -183,9 +184,9 @@ def as_changes(samples: Samples) -> Samples:
 
 
 def draw_stratified(groups: NDArray, count: int, seed: int = 0) -> NDArray[np.intp]:
-    """Indices, ascending, of so many at random, of each group in proportion and one at least.
+    """Ascending indices of a random draw, in proportion to the groups, at least one of each.
 
-    The order within a group tells nothing of what is drawn. groups: shape (n,). count: < n.
+    The order within a group has no effect on the draw. groups: shape (n,). count: < n.
     """
     order = np.random.default_rng(seed).permutation(len(groups))
     _, index, sizes = np.unique(groups[order], return_inverse=True, return_counts=True)
@@ -247,7 +248,7 @@ def _several(
     rows: NDArray[np.intp],
     changes: NDArray[np.float64] | None,
 ) -> SeveralTouches:
-    """Of the rows without the target, (row,), those of more touches than one.
+    """The sweeps of two or more touches among the rows without the target, (row,).
 
     changes: of all sweeps.
     """
@@ -260,7 +261,10 @@ def _several(
 def _left_out(
     fitting: NDArray[np.bool_], rows: NDArray[np.intp], session: NDArray[np.int64]
 ) -> LeftOut:
-    """fitting: whether a sweep has the target, (sweep,). rows: those that can be told."""
+    """Count the sweeps left out.
+
+    fitting: True if a sweep has the target, (sweep,). rows: usable sweeps.
+    """
     known = np.isin(session, session[rows])
     early = known & fitting
     early[rows] = False

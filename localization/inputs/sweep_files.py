@@ -1,4 +1,4 @@
-"""Sweeps from a file, no more of them than memory is to hold."""
+"""Sweeps from files, limited to a number that fits in memory."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
 
 def read_first(files: Path | Sequence[Path], max_sweeps: int, *, lazy: bool = False) -> xr.Dataset:
-    """The first sweeps of a file or several, at most so many, and of whole sessions if it can be.
+    """The first sweeps of one or several files, at most `max_sweeps`.
 
-    Of a `.zarr` no more than these are read; in_parts: its readings stay there, and are read anew
-    as each part is asked for. Raises InputError as `read` and `join`, and for `most` < 1.
+    Whole sessions are read if possible. Only these sweeps are read from a `.zarr`. lazy: the
+    readings stay in the file and are read for each part on demand. Raises InputError as `read` and
+    `join`, and for `max_sweeps` < 1.
     """
     if max_sweeps < 1:
         raise InputError(f"--most must be >= 1, got {max_sweeps}")
@@ -45,7 +46,7 @@ def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
 
 
 def _whole_sessions(sessions: np.ndarray, most: int) -> slice:
-    """The first sweeps, ending where a session ends if any does."""
+    """The first sweeps, up to the end of a session if there is one."""
     if sessions.size <= most:
         return slice(None)
     ends = np.flatnonzero(np.diff(sessions[: most + 1])) + 1

@@ -1,4 +1,4 @@
-"""Where a sweep's press lies and how strong it is: from a data set's own numbers, or its text."""
+"""Places and strengths of a sweep's touches, from the data set's numbers or the press text."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
 
 MAX_TOUCHES = 2
-"""Touches that a localizer tells apart."""
+"""Maximum number of touches that a localizer distinguishes."""
 NUMBERS = ("touches", "touch_x", "touch_y", "touch_factor")
-"""Variables of data sets."""
+"""Variables of data sets that store touches."""
 
 
 @dataclass(frozen=True, eq=False)
 class SweepTouches:
-    """How many touches each sweep has, shape (sweep,), and their centres and strengths.
+    """Number of touches of each sweep, shape (sweep,), and their centres and strengths.
 
-    x, y [m], factor [capacitance over that at rest]: shape (sweep, MOST); 0, 0 and 1 where there is
-    none.
+    x, y [m], factor [capacitance over that of the unpressed skin]: shape (sweep, MAX_TOUCHES); 0, 0
+    and 1 for no touch.
     """
 
     count: NDArray[np.int64]
@@ -38,10 +38,10 @@ class SweepTouches:
 
 
 def touches_of(sweeps: xr.Dataset) -> SweepTouches:
-    """The touches of each sweep; of a depth or a force the factor is that on the sweeps' scene.
+    """The touches of each sweep; depths and forces become factors on the sweeps' scene.
 
-    Raises InputError naming a press of another syntax or of more than MOST touches, where a place
-    or a factor needs a scene and the sweeps carry none, and as `factors_under`.
+    Raises InputError that names a press with invalid syntax or with more than MAX_TOUCHES touches,
+    if a place or a factor needs a scene and the sweeps have none, and as `factors_under`.
     """
     if all(name in sweeps for name in NUMBERS):
         count, x, y, factor = (sweeps[name].values for name in NUMBERS)
@@ -57,7 +57,10 @@ def touches_of(sweeps: xr.Dataset) -> SweepTouches:
 
 
 def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
-    """How many touches each sweep has, however many, shape (sweep,); raises as `parse_touches`."""
+    """Number of touches of each sweep, without a limit, shape (sweep,).
+
+    Raises InputError as `parse_touches`.
+    """
     if NUMBERS[0] in sweeps:
         return sweeps[NUMBERS[0]].values.astype(int)
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
@@ -65,9 +68,9 @@ def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
 
 
 def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
-    """(row, column) of each touch, ascending; none at rest; None of more than MOST, or no pixel.
+    """(row, column) of each touch, ascending; None for more than MAX_TOUCHES, or no pixel.
 
-    Raises InputError on another syntax.
+    The list is empty for the unpressed skin. Raises InputError for invalid syntax.
     """
     touches = parse_touches(text)
     if len(touches) > MAX_TOUCHES or any(touch.kind != "pixel" for touch in touches):
@@ -76,7 +79,7 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
 
 
 def pixel_pitch(scene: Scene) -> tuple[float, float]:
-    """From a row of pixels to the next, and from a column to the next, m."""
+    """Distance between rows of pixels, and between columns, m."""
     return scene.skin.width / scene.pixels.rows, scene.skin.length / scene.pixels.columns
 
 
@@ -119,7 +122,7 @@ def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float,
 
 
 def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
-    """Of the area of a polygon, m."""
+    """Centroid of a polygon, m."""
     x, y = (corners - corners[0]).T
     twice = x * np.roll(y, -1) - np.roll(x, -1) * y
     if not abs(twice.sum()) > 0:

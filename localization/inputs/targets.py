@@ -1,4 +1,4 @@
-"""What can be told of a sweep: the pressed pixel, its column or row, how many touches and where."""
+"""Targets of sweeps: pressed pixel, column, row, number of touches, position."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CLASSES = (*PIXELS, "touches", "pair")
 Target = Literal["column", "row", "pixel", "touches", "pair", "position"]
 TARGETS: tuple[str, ...] = get_args(Target)
 COORDINATES = ("x_mm", "y_mm", "factor")
-"""What `positions` tells of a touch."""
+"""Columns of `positions`."""
 
 
 def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | NDArray[np.str_]:
@@ -60,9 +60,9 @@ def positions(sweeps: xr.Dataset) -> NDArray[np.float64]:
 
 
 def has_target(sweeps: xr.Dataset, target: str) -> NDArray[np.bool_]:
-    """Which sweeps the target can be told of, shape (sweep,).
+    """True for sweeps that have the target, shape (sweep,).
 
-    Raises InputError for a target that is not one of TARGETS, or a press of another syntax.
+    Raises InputError for a target that is not one of TARGETS, or a press with invalid syntax.
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")

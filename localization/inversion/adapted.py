@@ -18,8 +18,8 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased, simulated
 from .position import ModelBasedPosition
-from .region import Places
-from .skin_cache import Skins
+from .region import PlaceDistribution
+from .skin_cache import SkinCache
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
 """Features that it takes, in this order."""
@@ -53,7 +53,7 @@ class _Adapted(BaseEstimator):
         X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
         checked else.
         """
-        self._skins = Skins(self._fitted)
+        self._skins = SkinCache(self._fitted)
         self.mean_ = self._fitted(None)
         self.n_features_in_ = 2 * self.mean_.n_features_in_
         X = validate_data(self, X, reset=False)
@@ -65,7 +65,7 @@ class _Adapted(BaseEstimator):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         return self._told(X, lambda inner, change: inner.novel(change)).astype(bool)
 
-    def at_hand(self, curve: NDArray[np.float64]):
+    def for_baseline(self, curve: NDArray[np.float64]):
         """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
         check_is_fitted(self)
         return self._of_skin(curve)
@@ -104,10 +104,10 @@ class _Adapted(BaseEstimator):
         return np.concatenate(told)[np.argsort(np.concatenate(parts))]
 
     def _of_skin(self, curve: NDArray[np.float64]):
-        skins = self.__dict__.setdefault("_skins", Skins(self._fitted))
+        skins = self.__dict__.setdefault("_skins", SkinCache(self._fitted))
         if self.beside:
-            return skins.at_once(curve).estimator
-        return (skins.of(curve) or skins.made(curve)).estimator
+            return skins.nearest(curve).estimator
+        return (skins.exact(curve) or skins.fitted(curve)).estimator
 
 
 class AdaptedClassifier(ClassifierMixin, _Adapted):
@@ -144,7 +144,7 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         both = self._told(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
 
-    def places(self, X) -> list[Places]:
+    def places(self, X) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
         return self._told(X, lambda inner, change: np.array(inner.places(change), object)).tolist()
 
@@ -158,9 +158,9 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         return self.mean_.bounds_
 
     @property
-    def ground(self):
+    def mask(self):
         """Where there is skin; None where it is a rectangle."""
-        return self.mean_.ground
+        return self.mean_.mask
 
     def share_within(self, X, radius):
         """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""

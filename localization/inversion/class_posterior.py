@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 from scipy.special import softmax
 
 from .classifier import ModelBased
-from .sequential_posterior import Readings
+from .sequential_posterior import SequentialPosterior
 
 LIKELIEST = 64
 """Entries by which gains are reckoned."""
 
 
-class Inquiry(Readings):
+class ClassPosterior(SequentialPosterior):
     """Of one touch, by the tables of a localizer of classes. Noise and skin are as in its mixture.
 
     log_prior: ln of the chance of each class; the tables' own without. sharpness: of decisions.
@@ -47,8 +47,10 @@ class Inquiry(Readings):
     def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
         """Information on the class that each further reading is expected to give, nat, (reading,).
 
-        By the LIKELIEST entries, see `Readings.told_apart`.
+        By the LIKELIEST entries, see `SequentialPosterior.expected_information`.
         """
         joint = self._of_class + self.fit + self._log_prior[self._answer]
         entry = np.sort(np.argsort(-joint, kind="stable")[:LIKELIEST])
-        return self.told_apart(entry, softmax(joint[entry]), self._answer[entry], readings)
+        return self.expected_information(
+            entry, softmax(joint[entry]), self._answer[entry], readings
+        )

@@ -18,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
-from .fine_tuning import LESSONS, learned
+from .fine_tuning import MODES, fine_tuned
 from .hypotheses import Hypotheses, hypotheses, labels
 from .mixture import Mixture
 
@@ -96,7 +96,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         if X is not None:
             X = validate_data(self, X, reset=False)
         if self.learn != "nothing" and X is not None and y is not None:
-            known = learned(known, X / self.noise_, self._possible(y), self.learn)
+            known = fine_tuned(known, X / self.noise_, self._possible(y), self.learn)
         self._keep(known)
         return self
 
@@ -126,7 +126,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         joint = mixture.log_joint(distances)
         classes = [joint[:, self.answer_ == k] for k in range(chance.size)]
         told = np.stack([np.logaddexp.reduce(each, axis=1) for each in classes], axis=1) - chance
-        novel = (mixture.log_weight - mixture.log_chance).max() - self.edge_of(mixture) / 2
+        novel = (mixture.log_weight - mixture.log_chance).max() - self.novelty_limit(mixture) / 2
         return np.column_stack([told, np.full(len(X), novel)])
 
     def part(self, numbers: tuple[int, ...] | None) -> tuple[Mixture, NDArray[np.float64]]:
@@ -139,7 +139,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
             parts[numbers] = some, np.log(chances)
         return parts[numbers]
 
-    def edge_of(self, mixture: Mixture) -> float:
+    def novelty_limit(self, mixture: Mixture) -> float:
         """Squared distance beyond which a sweep is novel, where only so many numbers are seen."""
         return float(chi2.isf(self.doubt, mixture.mean.shape[1]))
 
@@ -149,7 +149,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         return {name: value for name, value in state.items() if name != "_parts"}
 
     def _tables(self) -> Mapping[str, NDArray]:
-        for name, allowed in (("target", TARGETS), ("learn", LESSONS)):
+        for name, allowed in (("target", TARGETS), ("learn", MODES)):
             if getattr(self, name) not in allowed:
                 told = ", ".join(allowed)
                 raise ValueError(f"`{name}` must be one of {told}, got {getattr(self, name)!r}")

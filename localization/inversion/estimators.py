@@ -15,19 +15,19 @@ from ..inputs.baselines import MIN_BASELINES
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
-from ..learners.registry import GONE, Estimator, gone, learners
+from ..learners.registry import REMOVED, Estimator, gone, learners
 from . import adapted as inversion_adapted
 from . import classifier as inversion
 from .adapted import AdaptedClassifier, AdaptedPosition
 from .classifier import ModelBased
 from .position import ModelBasedPosition
 
-NAME, ADAPTED = "model-based", "model-adapted"
+MODEL_BASED, MODEL_ADAPTED = "model-based", "model-adapted"
 SKINS = 4
 """Sessions that probabilities and deviations are found on: each skin costs seconds."""
 
 
-DEFAULT_OF = {
+DEFAULT_ESTIMATORS = {
     **dict.fromkeys(CLASSES, REFERENCE),
     "touches": "ksvm-components",
     "pair": "ksvm-components",
@@ -62,8 +62,8 @@ def chosen(name: str | None, target: str) -> Estimator:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
     known = estimators()
     able = [each.name for each in known.values() if target in each.targets]
-    name = name or DEFAULT_OF[target]
-    if name in GONE:
+    name = name or DEFAULT_ESTIMATORS[target]
+    if name in REMOVED:
         raise InputError(f"`estimator` {gone(name)}")
     if name not in able:
         raise InputError(
@@ -75,29 +75,29 @@ def chosen(name: str | None, target: str) -> Estimator:
 def model_based() -> list[Estimator]:
     """Both that invert the simulator: of the mean skin, and of the skin at hand, by its curve at
     rest."""
-    adapted = partial(_pipeline, ADAPTED)
+    adapted = partial(_pipeline, MODEL_ADAPTED)
     return [
-        Estimator(NAME, TARGETS, partial(_pipeline, NAME), taught=False),
-        Estimator(ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False),
+        Estimator(MODEL_BASED, TARGETS, partial(_pipeline, MODEL_BASED), taught=False),
+        Estimator(MODEL_ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False),
     ]
 
 
-def answer_at_once(pipeline: Pipeline) -> None:
-    """Have tables of skins made beside the work, where a pipeline makes any: see `Skins`."""
+def build_in_background(pipeline: Pipeline) -> None:
+    """Have tables of skins made beside the work, where a pipeline makes any: see `SkinCache`."""
     step: Any = pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
         step.beside = True
 
 
 def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
-    takes = inversion_adapted.QUANTITIES if name == ADAPTED else inversion.QUANTITIES
+    takes = inversion_adapted.QUANTITIES if name == MODEL_ADAPTED else inversion.QUANTITIES
     _check(problem, name, takes)
     step: Any = (
         ModelBasedPosition(problem.scene, rest_sweeps=MIN_BASELINES)
         if problem.continuous
         else ModelBased(problem.scene, problem.target, rest_sweeps=MIN_BASELINES)
     )
-    if name == ADAPTED:
+    if name == MODEL_ADAPTED:
         step = (AdaptedPosition if problem.continuous else AdaptedClassifier)(step)
     return Pipeline([("invert", step)])
 

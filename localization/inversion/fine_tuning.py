@@ -13,20 +13,20 @@ from scipy.special import softmax
 
 from .hypotheses import NONE, Hypotheses
 
-LESSONS = ("nothing", "skin", "error")
+MODES = ("nothing", "skin", "error")
 PRIOR_STRENGTHS = 20.0
 """Touches that the prior of strengths counts as."""
 PRIOR_ERRORS = 10.0
 """Touches that the prior of no error of the model counts as."""
 
 
-def learned(
-    known: Hypotheses, X: NDArray[np.float64], possible: NDArray[np.bool_], lesson: str
+def fine_tuned(
+    known: Hypotheses, X: NDArray[np.float64], possible: NDArray[np.bool_], mode: str
 ) -> Hypotheses:
     """What is known after labelled sweeps. X: in units of noise, shape (sweep, number).
 
     possible: entries that agree with each label, shape (sweep, entry); sweeps of the skin at rest
-    teach nothing. lesson: "skin": all touches are of one skin, which is then known better; "error":
+    teach nothing. mode: "skin": all touches are of one skin, which is then known better; "error":
     of any skins, for a bias and further spread of the model's own.
     """
     pressed = ~possible[:, (known.place == NONE).all(axis=1)].any(axis=1)
@@ -36,7 +36,7 @@ def learned(
     mixture = known.mixture()
     joint = np.where(possible, mixture.log_joint(mixture.distances(X)), -np.inf)
     shares = softmax(joint, axis=1)
-    teach = _skin if lesson == "skin" else _error
+    teach = _skin if mode == "skin" else _error
     taught = teach(known, X, shares.argmax(axis=1))
     return replace(taught, strengths=_strengths(known, shares.sum(axis=0)))
 

@@ -1,4 +1,4 @@
-"""Frequencies one at a time for places: where a touch may be after the readings so far."""
+"""Posterior of a touch's place, updated reading by reading."""
 
 from __future__ import annotations
 
@@ -8,21 +8,23 @@ from scipy.special import logsumexp, softmax
 
 from .mixture import Mixture
 from .position import CELLS, GRID, ModelBasedPosition, Posterior
-from .region import Places
-from .sequential_posterior import Readings
+from .region import PlaceDistribution
+from .sequential_posterior import SequentialPosterior
 
 SAMPLED = 64
-"""Entries drawn from the posterior, by which gains are reckoned."""
+"""Entries drawn from the posterior to estimate gains."""
 NO_PLACE = -1
 LEAST_SHARE = 1e-4
-"""Over that of the likeliest: entries below it do not matter."""
+"""Share relative to the likeliest entry below which an entry is ignored."""
 
 
-class Placing(Readings):
-    """Of one touch or none, by the tables of a localizer of positions; its last entry is the rest.
+class PlacePosterior(SequentialPosterior):
+    """Posterior of one touch or none from a position localizer's tables.
 
-    log_prior: ln of the chance of the skin at rest, then of a touch in each cell of GRID, y within
-    x, (1 + cell,); -inf for what cannot be.
+    The last entry is the unpressed skin.
+
+    log_prior: ln of the prior of the unpressed skin, then of a touch in each cell of GRID (y varies
+    fastest), (1 + cell,); -inf for what is impossible.
     """
 
     def __init__(self, localizer: ModelBasedPosition, log_prior: NDArray[np.float64]) -> None:
@@ -40,47 +42,48 @@ class Placing(Readings):
 
     @property
     def log_densities(self) -> NDArray[np.float64]:
-        """ln likelihood of the skin at rest, of a touch in each cell, of what is just novel."""
+        """ln likelihood: unpressed skin, a touch in each cell, then a sweep that is just novel."""
         joint = self._of_cell + self.fit
         return np.concatenate([joint[-1:], _by_cell(joint[:-1]), [self.just_novel]])
 
     @property
     def novel(self) -> bool:
-        """Whether nothing that is possible explains the readings so far."""
-        return bool(self.distance[self._possible].min() > self.edge)
+        """True if no possible entry explains the readings so far."""
+        return bool(self.distance[self._possible].min() > self.novelty_limit)
 
     @property
-    def at_rest(self) -> float:
+    def unpressed(self) -> float:
         """Probability that nothing is pressed."""
         return float(self._share[-1])
 
     @property
     def posterior(self) -> Posterior:
-        """Of the place and strength of a touch, if there is one."""
+        """Posterior of place and strength, given that there is a touch."""
         share, of = self._share[:-1], self._localizer
         kept = np.flatnonzero(share > LEAST_SHARE * share.max())
         T, scale = self._along[kept], of.scale_
-        moved = np.einsum("erk,er->ek", T, self.middle[kept]) * scale
-        known = np.eye(T.shape[1]) - self.left[kept]
+        moved = np.einsum("erk,er->ek", T, self.latent_mean[kept]) * scale
+        known = np.eye(T.shape[1]) - self.latent_covariance[kept]
         left = np.eye(3) - np.einsum("erj,ers,esk->ejk", T, known, T)
         covariance = left * scale[:, None] * scale
         return Posterior(kept, share[kept] / share[kept].sum(), of.theta_[kept] + moved, covariance)
 
     @property
-    def places(self) -> Places:
-        """The posterior of the place of a touch, if there is one."""
+    def places(self) -> PlaceDistribution:
+        """Posterior of the place, given that there is a touch."""
         return self._localizer.places_of(self.posterior)
 
     def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
         """Information on the place that each further reading is expected to give, nat, (reading,).
 
-        On the cell or rest, see `Readings.told_apart`; and within a cell, where all is linear.
+        The sum of the information on the cell or "unpressed", see
+        `SequentialPosterior.expected_information`, and within a cell, where all is linear.
         """
         share = self._share
         drawn = np.searchsorted(np.cumsum(share), (np.arange(SAMPLED) + 0.5) / SAMPLED)
         entry, count = np.unique(np.minimum(drawn, share.size - 1), return_counts=True)
         chance = count / SAMPLED
-        between = self.told_apart(entry, chance, self._cell[entry], readings)
+        between = self.expected_information(entry, chance, self._cell[entry], readings)
         touched = entry < share.size - 1
         return between + self._within(entry[touched], readings) @ chance[touched]
 
@@ -89,9 +92,9 @@ class Placing(Readings):
         return np.asarray(softmax(self._of_cell + self.fit + self._log_prior))
 
     def _within(self, entry: NDArray[np.intp], readings: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Half the fall of ln det of the covariance of x and y, nat, (reading, entry)."""
-        B, _ = self.ahead(entry, readings)
-        T, V = self._along[entry][..., :2], self.left[entry]
+        """Half the decrease of ln det of the covariance of x and y, nat, (reading, entry)."""
+        B, _ = self.predictive(entry, readings)
+        T, V = self._along[entry][..., :2], self.latent_covariance[entry]
         before = np.eye(2) - np.einsum("erj,ers,esk->ejk", T, np.eye(T.shape[1]) - V, T)
         both = B @ V
         shared = both @ T
@@ -100,15 +103,15 @@ class Placing(Readings):
         return (np.linalg.slogdet(before)[1] - np.linalg.slogdet(after)[1]) / 2
 
 
-def prior_of(localizer: ModelBasedPosition, rest: float) -> NDArray[np.float64]:
-    """ln of the chance of the skin at rest and of each cell of GRID, (1 + cell,). rest: chance."""
+def log_prior_of(localizer: ModelBasedPosition, rest: float) -> NDArray[np.float64]:
+    """ln prior of the unpressed skin and of each cell of GRID, (1 + cell,). rest: its prior."""
     by_cell = _by_cell(localizer.mixture().log_chance)
     with np.errstate(divide="ignore"):
         return np.append(np.log(rest), np.log1p(-rest) + by_cell)
 
 
 def _with_rest(touched: Mixture) -> Mixture:
-    """The same, and an entry that changes nothing."""
+    """The mixture with an additional entry: the unpressed skin, which changes nothing."""
 
     def more(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.concatenate([values, np.zeros((1, *values.shape[1:]))])
@@ -119,14 +122,14 @@ def _with_rest(touched: Mixture) -> Mixture:
 
 
 def _by_cell(of_entry: NDArray[np.float64]) -> NDArray[np.float64]:
-    """ln of the sum over the strengths of each cell, (cell,)."""
+    """ln of the sum over the strengths in each cell, (cell,)."""
     return np.asarray(logsumexp(of_entry.reshape(CELLS, GRID[2]), axis=1))
 
 
 def _along(spread: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How place and strength go with what is unknown, (entry, rank, 3): slopes = B of it.
+    """Place and strength as functions of the latent variables, (entry, rank, 3).
 
-    The columns of B are at right angles.
+    It solves slopes = B T, where the columns of B are orthogonal.
     """
     power = (spread**2).sum(axis=1)
     found = np.einsum("enr,enk->erk", spread, slopes) / np.maximum(power, 1e-12)[..., None]

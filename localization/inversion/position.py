@@ -13,9 +13,9 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .classifier import Builder, simulated
 from .mixture import Mixture, mixture
-from .region import Places, Region, region_of
-from .response_surface import Surface, surface
-from .skin_mask import Ground, ground
+from .region import PlaceDistribution, Region, region_of
+from .response_surface import ResponseSurface, response_surface
+from .skin_mask import SkinMask, skin_mask_of
 
 POSITION = "position"
 GRID = (16, 16, 8)
@@ -26,7 +26,7 @@ OVERLAP = 0.5
 NOWHERE = 1e-12
 """Share that an entry beside the skin is taken to have of it."""
 WITHIN = 6
-"""Places along each side of an entry that are looked at for skin."""
+"""PlaceDistribution along each side of an entry that are looked at for skin."""
 BLUR = 3.0
 """mm, of a posterior before its highest place is told."""
 
@@ -49,11 +49,11 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     Attributes
     ----------
-    noise_: of a feature, shape (feature,). bounds_: as of `Surface`.
+    noise_: of a feature, shape (feature,). bounds_: as of `ResponseSurface`.
     theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
     of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
     squared distance beyond which a sweep is novel. Where the skin is no rectangle, on_skin_ and
-    sides_: of its `Ground`; beside_: of entries, whether all of it is beside the skin, (entry,).
+    sides_: of its `SkinMask`; beside_: of entries, whether all of it is beside the skin, (entry,).
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         if X is not None:
             validate_data(self, X, reset=False)
         self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
-        self._keep(surface(tables, self.noise_), tables)
+        self._keep(response_surface(tables, self.noise_), tables)
         return self
 
     def predict(self, X, return_std=False):
@@ -99,7 +99,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         """The smallest region of places that holds the probability, of each sweep."""
         return [region_of(each, probability) for each in self.places(X)]
 
-    def places(self, X) -> list[Places]:
+    def places(self, X) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
         return [self.places_of(self._posterior(each)) for each in self._scaled(X)]
 
@@ -117,16 +117,16 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
         distances = self.mixture().distances(self._scaled(X))
-        if self.ground is not None:
+        if self.mask is not None:
             distances[:, self.beside_] = np.inf
         return distances.min(axis=1) > self.edge_
 
     @property
-    def ground(self) -> Ground | None:
+    def mask(self) -> SkinMask | None:
         """Where there is skin; None where it is a rectangle."""
         if not hasattr(self, "on_skin_"):
             return None
-        return Ground(self.on_skin_, self.sides_)
+        return SkinMask(self.on_skin_, self.sides_)
 
     def _tables(self) -> Mapping[str, NDArray]:
         return (self.builder or simulated)(self.scene, POSITION, self.presses)
@@ -135,7 +135,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         return validate_data(self, X, reset=False) / self.noise_
 
-    def _keep(self, curve: Surface, tables) -> None:
+    def _keep(self, curve: ResponseSurface, tables) -> None:
         self.bounds_ = curve.bounds
         strengths, weights = tables["strengths"], tables["weights"]
         fine = np.interp(np.arange(GRID[2]), [0, GRID[2] - 1], [strengths[0], strengths[-1]])
@@ -145,12 +145,12 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         steps = np.array([x[1] - x[0], y[1] - y[0], fine[1] - fine[0]])
         self.scale_ = OVERLAP * np.where(steps > 0, steps, 1e-6)
         self.slopes_ = curve.slopes(self.theta_) * self.scale_
-        spread = np.concatenate([self.slopes_, curve.skins(self.theta_)], axis=2)
+        spread = np.concatenate([self.slopes_, curve.skin_effects(self.theta_)], axis=2)
         entries = np.tile(chance / chance.sum(), len(x) * len(y)) / (len(x) * len(y))
-        found_ground = ground(tables)
-        if found_ground is not None:
-            self.on_skin_, self.sides_ = found_ground.there, found_ground.sides
-            shares = np.repeat(_shares(found_ground, curve.bounds), GRID[2])
+        mask = skin_mask_of(tables)
+        if mask is not None:
+            self.on_skin_, self.sides_ = mask.inside, mask.sides
+            shares = np.repeat(_shares(mask, curve.bounds), GRID[2])
             self.beside_, entries = shares == 0, entries * np.maximum(shares, NOWHERE)
             entries /= entries.sum()
         found = mixture(curve.values(self.theta_), spread, entries)
@@ -176,11 +176,11 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
             kept, share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance
         )
 
-    def places_of(self, posterior: Posterior) -> Places:
+    def places_of(self, posterior: Posterior) -> PlaceDistribution:
         """The place alone."""
         covariance = posterior.covariance[:, :2, :2]
         mean = posterior.mean[:, :2]
-        return Places(posterior.share, mean, covariance, self.bounds_[:2], self.ground)
+        return PlaceDistribution(posterior.share, mean, covariance, self.bounds_[:2], self.mask)
 
     def _told(self, posterior: Posterior) -> NDArray[np.float64]:
         strength = posterior.share @ posterior.mean[:, 2]
@@ -201,10 +201,10 @@ def cells_of(posterior: Posterior) -> NDArray[np.float64]:
     return found
 
 
-def _shares(ground: Ground, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _shares(mask: SkinMask, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Of each cell of GRID, y within x, the part that is skin, shape (cell,)."""
     x, y = (_middles(low, high, WITHIN * GRID[k]) for k, (low, high) in enumerate(bounds[:2]))
-    there = ground.has(*np.meshgrid(x, y, indexing="ij"))
+    there = mask.contains(*np.meshgrid(x, y, indexing="ij"))
     return there.reshape(GRID[0], WITHIN, GRID[1], WITHIN).mean(axis=(1, 3)).ravel()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
-from .skin_mask import Ground
+from .skin_mask import SkinMask
 
 LINES = 41
 NEGLIGIBLE = 1e-4
@@ -23,18 +23,18 @@ CLOSE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class PlaceDistribution:
     """Posterior of a sweep's place: normal distributions within the skin, x and y in mm.
 
     weight: shape (entry,). mean: (entry, 2). covariance: (entry, 2, 2), mm². bounds: (2, 2).
-    ground: where within them there is skin, None for all over.
+    mask: where within them there is skin, None for all over.
     """
 
     weight: NDArray[np.float64]
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
     bounds: NDArray[np.float64]
-    ground: Ground | None = None
+    mask: SkinMask | None = None
 
     def density(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """1/mm², at places of the same shape."""
@@ -43,7 +43,7 @@ class Places:
         peak = self.weight[kept] * np.sqrt(np.linalg.det(inverse)) / (2 * np.pi)
         away = np.stack([x, y], axis=-1)[..., None, :] - self.mean[kept]
         density = np.exp(-_squared_distance(inverse, away) / 2) @ peak
-        return density if self.ground is None else density * self.ground.has(x, y)
+        return density if self.mask is None else density * self.mask.contains(x, y)
 
     def peak(self, blur: float) -> NDArray[np.float64]:
         """Where most of the posterior lies around: its highest place once blurred, shape (2,).
@@ -68,7 +68,7 @@ class Places:
             if done:
                 break
         within = np.clip(place, *self.bounds.T)
-        return within if self.ground is None else self.ground.nearest(within)
+        return within if self.mask is None else self.mask.nearest(within)
 
     def content(self, x: float, y: float) -> float:
         """Share of the smallest region that reaches a place: 0 at the peak, up to 1 far from it."""
@@ -108,7 +108,7 @@ class Region:
     y: NDArray[np.float64]
     inside: NDArray[np.bool_]
     level: float
-    places: Places
+    places: PlaceDistribution
 
     @property
     def area(self) -> float:
@@ -126,7 +126,7 @@ class Region:
         return bool(self.places.density(np.array(x), np.array(y)) >= self.level)
 
 
-def region_of(places: Places, probability: float) -> Region:
+def region_of(places: PlaceDistribution, probability: float) -> Region:
     """The cells of highest density that hold the probability together."""
     x, y = places.grid()
     density = places.density(*np.meshgrid(x, y))

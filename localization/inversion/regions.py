@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..trust.fitted import Regressor
-from .region import FARTHEST, Places, Region, region_of
+from .region import FARTHEST, PlaceDistribution, Region, region_of
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
@@ -18,7 +18,9 @@ LEAST = 1e-3
 """mm: deviations are no smaller."""
 
 
-def places_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -> list[Places]:
+def places_of(
+    learned: Regressor, X: NDArray[np.float64], scene: Scene | None
+) -> list[PlaceDistribution]:
     """The posterior of each sweep's place; of a regressor without one, normal by its deviations.
 
     X: shape (n, feature). scene: whose sides bound the places; None where it is unknown.
@@ -31,7 +33,9 @@ def places_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -
     bounds = _reach(told, deviation) if scene is None else sides_of(scene)
     told = np.clip(told, *bounds.T)
     pairs = zip(told, deviation, strict=True)
-    return [Places(np.ones(1), at[None], np.diag(off**2)[None], bounds) for at, off in pairs]
+    return [
+        PlaceDistribution(np.ones(1), at[None], np.diag(off**2)[None], bounds) for at, off in pairs
+    ]
 
 
 def regions_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -> list[Region]:

@@ -14,7 +14,7 @@ SLOPES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class ResponseSurface:
     """Numbers in units of noise over x [mm], y [mm] and strength.
 
     knots: of each axis. coefficients: shape (x, y, strength, number). nodes: x and y of the skin's
@@ -36,7 +36,7 @@ class Surface:
         """Exact derivatives, shape (place, number, 3)."""
         return np.stack([self._at(theta, nu) for nu in SLOPES], axis=-1)
 
-    def skins(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def skin_effects(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
         """Columns of what the unknown skin adds, shape (place, number, unknown)."""
         between = RegularGridInterpolator(self.nodes, self.skin)
         return between(theta[:, :2]) * (theta[:, 2] - 1)[:, None, None]
@@ -45,7 +45,7 @@ class Surface:
         return NdBSpline(self.knots, self.coefficients, DEGREE)(theta, nu=nu)
 
 
-def surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> Surface:
+def response_surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> ResponseSurface:
     """Through the tables of `simulator.inversion` for positions."""
     x, y, strength = 1e3 * tables["x"], 1e3 * tables["y"], tables["strength_nodes"]
     coefficients, knots = tables["values"] / noise, []
@@ -54,7 +54,7 @@ def surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> Surfac
         knots.append(spline.t)
         coefficients = np.moveaxis(spline.c, 0, axis)
     middle = strength[len(strength) // 2]
-    return Surface(
+    return ResponseSurface(
         knots=(knots[0], knots[1], knots[2]),
         coefficients=np.ascontiguousarray(coefficients),
         nodes=(x, y),

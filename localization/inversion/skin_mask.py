@@ -10,35 +10,35 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class SkinMask:
     """Even cells over a rectangle from (0, 0) on, and which of them are skin.
 
     there: shape (y, x). sides: of the rectangle along x and y, mm.
     """
 
-    there: NDArray[np.bool_]
+    inside: NDArray[np.bool_]
     sides: NDArray[np.float64]
 
-    def has(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def contains(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether places in mm are on the skin, x and y of the same shape."""
         column, row = (
             np.clip((at / side * count).astype(np.int64), 0, count - 1)
-            for at, side, count in zip((x, y), self.sides, self.there.shape[::-1], strict=True)
+            for at, side, count in zip((x, y), self.sides, self.inside.shape[::-1], strict=True)
         )
-        return self.there[row, column]
+        return self.inside[row, column]
 
     def nearest(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
         """The same place, mm, shape (2,); of one beside the skin the nearest middle of a cell."""
-        if self.has(*place[:, None])[0]:
+        if self.contains(*place[:, None])[0]:
             return place
-        row, column = np.nonzero(self.there)
-        counts = np.array(self.there.shape[::-1])
+        row, column = np.nonzero(self.inside)
+        counts = np.array(self.inside.shape[::-1])
         middles = (np.stack([column, row], axis=1) + 0.5) * self.sides / counts
         return middles[((middles - place) ** 2).sum(axis=1).argmin()]
 
 
-def ground(tables: Mapping[str, NDArray]) -> Ground | None:
+def skin_mask_of(tables: Mapping[str, NDArray]) -> SkinMask | None:
     """Of the tables of `simulator.inversion` for positions; None of a skin that is a rectangle."""
     if "on_skin" not in tables:
         return None
-    return Ground(np.asarray(tables["on_skin"], dtype=bool), 1e3 * tables["sides"])
+    return SkinMask(np.asarray(tables["on_skin"], dtype=bool), 1e3 * tables["sides"])

@@ -53,10 +53,10 @@ class Drifting(TransformerMixin, BaseEstimator):
 
     def drifted(self, X) -> Array:
         """The same sweeps, of skins that have drifted since the rest before; X as in `fit`."""
-        return moved_by_drift(np.asarray(X, np.float64), self.curve, self.moved, self.drift)
+        return add_drift(np.asarray(X, np.float64), self.curve, self.moved, self.drift)
 
 
-def moved_by_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Array:
+def add_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Array:
     """The same sweeps, moved by so much of how another skin at random differs from the mean.
 
     X: shape (sweep, feature). curve: features that show the skin at rest. moved: features that

@@ -23,14 +23,14 @@ SHARE = 0.99
 Array = NDArray[np.float64]
 
 
-class Moved(NamedTuple):
+class DriftDirections(NamedTuple):
     """ways: orthonormal, shape (feature, way). noise: squared length across them."""
 
     ways: Array
     noise: float
 
     @classmethod
-    def learned(cls, opening: Array, recent: Array, count: int) -> Moved:
+    def learned(cls, opening: Array, recent: Array, count: int) -> DriftDirections:
         """From sweeps at rest of skins that do not drift: means of the opening and the latest.
 
         Shape (sweep, feature) each. count: of ways, at most.

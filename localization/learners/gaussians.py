@@ -1,6 +1,6 @@
-"""Normal densities, one a class, told by the curve at rest how a touch moves the skin at hand.
+"""Normal density for each class; its parameters depend on the baseline curve of the skin.
 
-Of each class the change is x = t m + (t - 1)² b + noise. m, what a touch does to this skin, and b,
+The change of each class is x = t m + (t - 1)² b + noise. m, what a touch does to this skin, and b,
 how strength bends that, are functions of the curve at rest, quadratic and linear; t, how strong the
 touch is, is normal about 1. What is left is normal too: a few directions of most spread, where
 hands and skins differ, and the same variance in all others, which keeps so many numbers from
@@ -18,8 +18,8 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .drift import DRIFT, moved_by_drift
-from .drift_directions import FOLLOWED, Moved
+from .drift import DRIFT, add_drift
+from .drift_directions import FOLLOWED, DriftDirections
 from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
@@ -38,7 +38,7 @@ TINY = 1e-9
 Array = NDArray[np.float64]
 
 
-class Normal(NamedTuple):
+class ClassDensity(NamedTuple):
     """Of one class. by_curve, bend: what gives m and b of a curve. strength: variance of t. axes,
     own: directions of spread, shape (component, k), and variances; floor: of all others. prior: ln
     of the share of all sweeps."""
@@ -57,16 +57,16 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
 
     Parameters
     ----------
-    curve: indices of the features that show the skin at rest; the others err alike, and tell of
-    the press. absolute: of those that show the sweep as it was read; with them changes are told
-    against what all sweeps at rest show, see `Moved`. components, of_curve, squared, spread: as
-    COMPONENTS and so on, at most. drift: as DRIFT. followed: as FOLLOWED. absolute and drift count
-    where each of the three kinds has as many features, in the same order.
+    curve: indices of the features of the baseline curve; the other features have equal noise and
+    show the press. absolute: indices of the features of the sweep as it was read; with them changes
+    are taken from all baseline sweeps, see `DriftDirections`. components, of_curve, squared,
+    spread: at most, as COMPONENTS and so on. drift: as DRIFT. followed: as FOLLOWED. absolute and
+    drift are used if each of the three kinds has as many features, in the same order.
 
     Attributes
     ----------
-    classes_: ascending, shape (K,). normals_: of each, as `Normal` has it.
-    moved_: as `Moved` has it, None without `absolute`.
+    classes_: ascending, shape (K,). normals_: of each, as `ClassDensity` has it.
+    moved_: as `DriftDirections` has it, None without `absolute`.
     """
 
     def __init__(
@@ -123,14 +123,14 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         curve, change = self._columns(X.shape[1])
         if len(curve) != len(change):
             return X
-        return moved_by_drift(X, curve, [change], self.drift)
+        return add_drift(X, curve, [change], self.drift)
 
     def decision_function(self, X):
         """ln of the density of each class with its share, shape (sweep, K); (sweep,) of two."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
         change, known = self._seen(np.asarray(X, np.float64))
-        normals = [Normal._make(each) for each in self.normals_]
+        normals = [ClassDensity._make(each) for each in self.normals_]
         told = np.stack([_log_density(each, change, known) for each in normals], axis=1)
         return told[:, 1] - told[:, 0] if len(self.classes_) == 2 else told
 
@@ -151,19 +151,19 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         others = np.concatenate([curve, np.array(self.absolute, dtype=np.intp)])
         return curve, np.setdiff1d(np.arange(width), others)
 
-    def _moved(self, X: Array) -> Moved | None:
+    def _moved(self, X: Array) -> DriftDirections | None:
         curve, change = self._columns(X.shape[1])
         if not len(self.absolute) == len(curve) == len(change) > 0:
             return None
         recent = X[:, self.absolute] - X[:, change]
-        return Moved.learned(X[:, curve], recent, self.followed)
+        return DriftDirections.learned(X[:, curve], recent, self.followed)
 
     def _parts(self, X: Array) -> tuple[Array, Array]:
         """The change, and the curve at rest."""
         curve, columns = self._columns(X.shape[1])
         change = X[:, columns]
         if self.moved_ is not None:
-            moved = Moved._make(self.moved_)
+            moved = DriftDirections._make(self.moved_)
             change = change + moved.settled(X[:, self.absolute] - change - X[:, curve])
         return change, X[:, curve]
 
@@ -189,7 +189,9 @@ def _products(z: Array) -> Array:
     return z[:, one] * z[:, other]
 
 
-def _fitted(change: Array, known: Array, index: NDArray[np.intp], spread: int) -> list[Normal]:
+def _fitted(
+    change: Array, known: Array, index: NDArray[np.intp], spread: int
+) -> list[ClassDensity]:
     """Of each class, without shares, and before what all classes tell of noise."""
     unlike = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
     turn = np.asarray(np.linalg.inv(unlike).T, np.float64)
@@ -212,7 +214,7 @@ def _fitted(change: Array, known: Array, index: NDArray[np.intp], spread: int) -
 
 def _normal(
     change: Array, known: Array, by_curve: Array, bend: Array, spread: int, turn: Array
-) -> Normal:
+) -> ClassDensity:
     """turn: makes `known` of what is known as it stands."""
     touch = known @ by_curve
     t = _strength(change, touch)
@@ -225,7 +227,7 @@ def _normal(
     strength = max(float(t.var()) - noise, 0.0)
     own, axes = np.asarray(power[:k], np.float64), np.asarray(axes[:, :k], np.float64)
     bent = turn[: len(bend), : len(bend)] @ bend
-    return Normal(turn @ by_curve, bent, strength, axes, own, floor, 0.0)
+    return ClassDensity(turn @ by_curve, bent, strength, axes, own, floor, 0.0)
 
 
 def _strength(change: Array, touch: Array) -> Array:
@@ -257,7 +259,7 @@ def _regressed(terms: list[Array], changes: list[Array]) -> Array:
     return shared(found, 1 / told.mean(axis=0), noise)
 
 
-def _log_density(normal: Normal, change: Array, known: Array) -> Array:
+def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
     """By the lemma of Sherman and Morrison, as t spreads along m."""
     touch = known @ normal.by_curve
     along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
@@ -271,7 +273,7 @@ def _log_density(normal: Normal, change: Array, known: Array) -> Array:
     return normal.prior - (apart + spread) / 2
 
 
-def _inner(normal: Normal, one: Array, other: Array) -> Array:
+def _inner(normal: ClassDensity, one: Array, other: Array) -> Array:
     """Of each two rows, over the variances of what is left."""
     more = 1 / normal.own - 1 / normal.floor
     within = ((one @ normal.axes) * (other @ normal.axes)) @ more

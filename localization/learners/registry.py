@@ -57,7 +57,7 @@ RIDGE_GRID = {
 }
 
 
-GONE = {
+REMOVED = {
     "ksvm-ova": REFERENCE,
     "ksvm-ordinal": REFERENCE,
     "svc": REFERENCE,
@@ -70,8 +70,8 @@ take in the place of each."""
 
 
 def gone(name: str) -> str:
-    """What is reported of a localizer of GONE."""
-    return f"{name} is gone, for nowhere was it right more often than others: take {GONE[name]}"
+    """What is reported of a localizer of REMOVED."""
+    return f"{name} is gone, for nowhere was it right more often than others: take {REMOVED[name]}"
 
 
 def learners() -> dict[str, Estimator]:

@@ -1,4 +1,4 @@
-"""Whether sweeps are like those that a model was trained on."""
+"""Compatibility of sweeps with those on which a model was trained."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 def check_compatible(
     trained: LocalizationProblem, sweeps: xr.Dataset, rest: xr.Dataset | None, *, any_skin: bool
 ) -> None:
-    """Raises InputError where sweeps, or those at rest, are not like those that were trained on.
+    """Raises InputError if the sweeps or baseline sweeps do not match the training.
 
-    trained: what a model was trained to tell, and from what. anyway: the skin may be another.
+    trained: what a model predicts, and from what. any_skin: the skin may be another one.
     """
     for part in (sweeps,) if rest is None else (sweeps, rest):
         asked = str(part.attrs.get("scene", ""))

@@ -1,8 +1,8 @@
-"""What each part of a model has learned: the sizes, types and ranges of its arrays.
+"""Sizes, types and ranges of the arrays in each part of a model.
 
-A declaration names sizes: those of one name are equal within an estimator. F: numbers that it is
-given, out: that it gives, K: classes, n: sweeps of the training that it keeps. A rule may follow,
-see `soundness`; without one an array holds floating-point numbers.
+A declaration names sizes; sizes with one name are equal within an estimator. F: numbers that it
+takes, out: numbers that it gives, K: classes, n: stored training sweeps. A rule may follow, see
+`soundness`; without one an array holds floating-point numbers.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from ..trust.several import SeveralGuard
 
 
 class Inner(NamedTuple):
-    """A fitted estimator within another. takes: the size of what it is given."""
+    """A fitted estimator inside another one. takes: the size of its input."""
 
     takes: str
 
 
 CLOSE = 1e-6
-"""Of a quantity that follows from others, relatively."""
+"""Relative tolerance of a quantity that follows from others."""
 MIXTURE = {
     "noise_": "F >0",
     "mean_": "E F",
@@ -135,7 +135,7 @@ Rule = Callable[[Any, Mapping[str, int]], bool]
 
 
 def _alike(one: Any, other: Any) -> bool:
-    """Equal up to rounding, of what the largest is."""
+    """True if equal up to rounding, relative to the largest value."""
     size = max(float(np.abs(other).max(initial=0.0)), np.finfo(float).tiny)
     return bool((np.abs(np.asarray(one) - other) <= CLOSE * size).all())
 
@@ -146,7 +146,7 @@ def _within_penalty(machine: Any, sizes: Mapping[str, int]) -> bool:
 
 
 def _copied(machine: Any, sizes: Mapping[str, int]) -> bool:
-    """Of two classes, what the library is handed has the other sign."""
+    """True if the coefficients agree; for two classes libsvm's copy has the other sign."""
     pairs = ((machine.dual_coef_, machine._dual_coef_), (machine.intercept_, machine._intercept_))
     sign = -1 if sizes["K"] == 2 else 1
     return all(np.array_equal(one, sign * other) for one, other in pairs)
@@ -248,4 +248,4 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
     },
     ModelBasedPosition: MIXED,
 }
-"""What else holds of a part, in words."""
+"""Further conditions of each part, with their descriptions."""

@@ -1,4 +1,4 @@
-"""A trained localizer: what a sweep was pressed by, or that this cannot be told."""
+"""A trained localizer: it predicts the press of a sweep, or answers "cannot tell"."""
 
 from __future__ import annotations
 
@@ -30,40 +30,40 @@ if TYPE_CHECKING:
 
 
 SOFTWARE = ("rcskin", "scikit-learn", "skops")
-"""What made a model and its file."""
+"""Packages whose versions a model stores."""
 
 
 def current_versions() -> dict[str, str]:
-    """Of SOFTWARE."""
+    """Installed versions of SOFTWARE."""
     return {name: version(name) for name in SOFTWARE}
 
 
 @dataclass(frozen=True, repr=False)
 class Model(Tabular):
-    """A trained localizer and what it was trained on, so that only like sweeps are asked of it."""
+    """A trained localizer and a description of its training, to check sweeps against."""
 
     learned: Classifier | Regressor
     estimator: str
-    """Its name."""
+    """Name of the estimator."""
     problem: LocalizationProblem
     certain: float | None
-    """The rate at which its answers are to be right; None where it always answers."""
+    """Required accuracy of answers; None if every sweep is answered."""
     validation: str
-    """How sweeps were held out to find probabilities and deviations."""
+    """How sweeps were held out to calibrate probabilities and deviations."""
     versions: dict[str, str]
-    """Of SOFTWARE, when it was trained."""
+    """Versions of SOFTWARE at the training."""
     trained_on: int
-    """Sweeps."""
+    """Number of sweeps."""
     left_out: str
-    """Which sweeps were left out, as text."""
+    """Description of the sweeps that were left out."""
     fingerprints: NDArray[np.uint64] = field(compare=False)
-    """Of the sweeps that it was trained or adapted on, see `fingerprints_of`."""
+    """Fingerprints of the sweeps of training and adaptation, see `fingerprints_of`."""
     gate: Model | None = None
-    """Of positions: tells how many touches there are; None where the training showed only one."""
+    """For positions: model of the number of touches; None if all training sweeps had one."""
     any_skin: bool = False
-    """Whether it answers sweeps of another skin too."""
+    """True if sweeps of another skin are accepted."""
     source: str = field(default="the model", compare=False)
-    """What errors call it: its file."""
+    """Name of the model in errors: its file."""
 
     def _table(self) -> tuple[str, list[tuple[object, ...]]]:
         header = "target", "estimator", "features", "frequencies", "trained on", "held out"
@@ -74,7 +74,7 @@ class Model(Tabular):
 
     @property
     def version_differences(self) -> str:
-        """With which other versions it was trained, as text; empty where they are those here."""
+        """Software versions of the training that differ from the installed ones; may be empty."""
         here = current_versions()
         return ", ".join(
             f"{name} {then} (here {here[name]})"
@@ -83,12 +83,13 @@ class Model(Tabular):
         )
 
     def for_any_skin(self) -> Model:
-        """The same model, which answers sweeps of another skin too."""
-        return replace(self, anyway=True, gate=self.gate and self.gate.for_any_skin())
+        """A copy of the model that also accepts sweeps of another skin."""
+        return replace(self, any_skin=True, gate=self.gate and self.gate.for_any_skin())
 
     def with_fingerprints(self, sweeps: xr.Dataset) -> Model:
-        """The same model, whose `marks` hold those of sweeps that it was adapted on, too."""
-        return replace(self, marks=np.concatenate([self.fingerprints, fingerprints_of(sweeps)]))
+        """A copy of the model with the fingerprints of further sweeps."""
+        further = fingerprints_of(sweeps)
+        return replace(self, fingerprints=np.concatenate([self.fingerprints, further]))
 
     @property
     def pipeline(self) -> Pipeline:
@@ -97,17 +98,17 @@ class Model(Tabular):
 
     @property
     def target(self) -> str:
-        """What it tells, one of TARGETS."""
+        """The predicted target, one of TARGETS."""
         return self.problem.target
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What it looks at, as of `features`."""
+        """Quantities of the features, as of `features`."""
         return self.problem.quantities
 
     @property
     def interfaces(self) -> tuple[str, ...]:
-        """Those it looks at, in that order."""
+        """Interfaces that are used, in order."""
         return self.problem.interfaces
 
     @property
@@ -117,7 +118,7 @@ class Model(Tabular):
 
     @property
     def own_frequencies(self) -> dict[str, tuple[float, ...]]:
-        """Hz, ascending, of the interfaces that it looks at, by name, if some have their own."""
+        """Frequencies by interface, Hz, ascending; empty if all interfaces have the same."""
         return {
             name: tuple(f for f, read in zip(self.frequencies, row, strict=True) if read)
             for name, row in zip(self.interfaces, self.problem.taken, strict=False)
@@ -125,12 +126,12 @@ class Model(Tabular):
 
     @property
     def scene(self) -> Scene | None:
-        """The scene that it was trained for, None where unknown; raises as `carried_scene`."""
+        """The scene of the training, None if unknown. Raises as `carried_scene`."""
         return carried_scene(self.problem.scene, self.source)
 
     @property
     def known_scene(self) -> Scene:
-        """The scene that it was trained for. Raises InputError as `scene`, and where unknown."""
+        """The scene of the training. Raises InputError as `scene`, and if it is unknown."""
         if self.scene is None:
             told = "was trained on sweeps that carry no scene, which is needed here"
             raise InputError(f"{self.source}: {told}")
@@ -138,19 +139,19 @@ class Model(Tabular):
 
     @property
     def classes(self) -> tuple[int | str, ...]:
-        """Of a classifier, what it can answer; of positions none."""
+        """Classes of a classifier; empty for positions."""
         return tuple(self.learned.classes.tolist()) if isinstance(self.learned, Classifier) else ()
 
     @property
     def knows_unpressed(self) -> bool:
-        """Whether it can answer that nothing is pressed: it was shown the skin at rest."""
+        """True if "nothing pressed" is a possible answer: the training had baseline sweeps."""
         known = self.gate.classes if self.gate else self.classes
         return any(str(label) in NOTHING_PRESSED for label in known)
 
     def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.float64]:
-        """What it looks at, shape (sweep, feature).
+        """Features of the sweeps, shape (sweep, feature).
 
-        Raises InputError as `told`, and where the skin at rest is not known before each sweep.
+        Raises InputError as `usable_features`, and if a sweep has no baseline sweep before it.
         """
         X, rows = self.usable_features(sweeps, rest)
         check_baselines(sweeps, rows)
@@ -159,12 +160,12 @@ class Model(Tabular):
     def usable_features(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """What it looks at of the sweeps that it can tell, (row, feature), and which these are.
+        """Features of the sweeps that have them, (row, feature), and the numbers of these sweeps.
 
-        rest: sweeps of the skin at rest, where the model needs them and they are not among
-        `sweeps`. Raises InputError where these or the sweeps are of another skin, as their scene
-        tells, or have other frequencies than in training or lack an interface of it, and where the
-        skin at rest is never seen.
+        rest: baseline sweeps, if the model needs them and they are not among `sweeps`. Raises
+        InputError if the scene of these or of the sweeps is another skin's, if frequencies differ
+        from those of the training, if an interface is missing, or if there is no baseline sweep at
+        all.
         """
         check_compatible(self.problem, sweeps, rest, any_skin=self.any_skin)
         X, rows = available_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
@@ -174,24 +175,24 @@ class Model(Tabular):
 
     @property
     def guards_use_changes(self) -> bool:
-        """Whether its guards look at changes from the skin at rest, though it itself does not."""
+        """True if the guards use changes from the baseline although the model does not."""
         return self.learned.guards is not None and self.learned.guards.changes is not None
 
     def guard_changes(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, rows: NDArray[np.intp]
     ) -> NDArray[np.float64] | None:
-        """Changes from the skin at rest of these rows, (row, feature), if its guards look at them.
+        """Changes from the baseline for the guards, (row, feature); None if they do not use them.
 
-        NaN where the skin at rest is not known: nothing is guarded by it there.
+        NaN for rows without a baseline: there the guards are not applied.
         """
         if not self.guards_use_changes:
             return None
         return baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
 
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
-        """What it looks at and what it should tell, of the sweeps with such a target.
+        """Features and targets of the sweeps that have such a target.
 
-        Raises InputError as `told`, and as `samples_of`.
+        Raises InputError as `usable_features`, and as `samples_of`.
         """
         check_compatible(self.problem, sweeps, rest, any_skin=self.any_skin)
         return samples_of(
@@ -210,8 +211,8 @@ class Model(Tabular):
     ) -> tuple[NDArray, NDArray[np.float64]]:
         """Classes, shape (K,), and their calibrated probabilities, shape (sweep, K).
 
-        All alike for a sweep that has nothing at rest before it. Raises InputError as `told`, and
-        for a model of positions.
+        All probabilities are equal for a sweep without a baseline before it. Raises InputError as
+        `usable_features`, and for a model of positions.
         """
         if isinstance(self.learned, Regressor):
             raise InputError("a model of positions tells deviations, not probabilities")
@@ -225,9 +226,9 @@ class Model(Tabular):
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Centre in mm and strength of a touch, and their standard deviations, (sweep, 3) each.
 
-        They are told of every sweep: whether there is one touch to place, `answers` tells. Both are
-        NaN for a sweep that has nothing at rest before it. Raises InputError as `told`, and for a
-        model of classes.
+        Every sweep gets a position; `answers` says if there is one touch. Both are NaN for a sweep
+        without a baseline before it. Raises InputError as `usable_features`, and for a model of
+        classes.
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no positions")
@@ -237,10 +238,10 @@ class Model(Tabular):
         return place, deviation
 
     def regions(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> list[Region | None]:
-        """The smallest region of places that holds a touch with 95 %, of each sweep, if it is told.
+        """The smallest region that contains the touch with 95 % probability, for each sweep.
 
-        Of regressors without a posterior it is the ellipse of their deviations. Raises as
-        `positions`.
+        None for a sweep without a baseline before it. For regressors without a posterior it is the
+        ellipse of their deviations. Raises as `positions`.
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} tells no regions")
@@ -249,10 +250,10 @@ class Model(Tabular):
         return [told.get(row) for row in range(sweeps.sizes["sweep"])]
 
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
-        """The class or CANNOT_TELL of each sweep, and its probability.
+        """Class or CANNOT_TELL for each sweep, and its probability.
 
-        A model of positions answers "0" touches, "1" where there is one to place, or CANNOT_TELL. A
-        sweep that has nothing at rest before it cannot be told. Raises InputError as `told`.
+        A model of positions answers "0" touches, "1" touch, or CANNOT_TELL. A sweep without a
+        baseline before it gets CANNOT_TELL. Raises InputError as `usable_features`.
         """
         X, rows = self.usable_features(sweeps, rest)
         if isinstance(self.learned, Classifier):

@@ -1,4 +1,4 @@
-"""A trained model as plain fields and fitted estimators, and back: what stands in its file."""
+"""Conversion of a trained model to and from the fields that its file stores."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from ..trust.several import SeveralGuard
 from .localizer_model import Model
 
 LAYOUT = 10
-"""Counts up where files of a model can no longer be read as they were."""
+"""Layout of the model file; a new number means that older files are not readable."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
-"""Fields of layout 1, which did not name itself."""
+"""Fields of layout 1, which stored no layout number."""
 OWN_STEPS = (
     Components,
     Drifting,
@@ -53,7 +53,7 @@ STEPS = (
     KNeighborsRegressor,
     TransformedTargetRegressor,
 )
-"""What the pipeline may be made of."""
+"""Estimators that a pipeline may contain."""
 KINDS = {
     "pipeline": Pipeline,
     "sharpness": float,
@@ -91,12 +91,12 @@ PROBLEM = {
     "scene": str,
 }
 OWN_FREQUENCIES = {"taken": tuple}
-"""Also of a problem whose interfaces have frequencies of their own."""
+"""Additional field if interfaces have frequencies of their own."""
 
 
 ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
 OF_EARLIER = "localization.", "rcskin.localization.trust.novelty."
-"""What types begin with in files of layouts up to 3, and of those up to 9 that have guards."""
+"""Prefixes of type names in files of layouts up to 3, and up to 9 with guards."""
 
 
 class EarlierLayoutError(Exception):
@@ -104,7 +104,7 @@ class EarlierLayoutError(Exception):
 
 
 def fields_of(model: Model) -> dict[str, Any]:
-    """Everything of a model, under the names of KINDS and the layout."""
+    """All fields of a model, by the names in KINDS, and the layout."""
     learned = model.learned
     return {
         "layout": LAYOUT,
@@ -147,7 +147,7 @@ def _told(problem: LocalizationProblem) -> dict[str, Any]:
 
 
 def model_of(fields: Any) -> Model:
-    """The model of such fields. Raises EarlierLayoutError, or ValueError where they are of none."""
+    """The model of these fields. Raises EarlierLayoutError, or ValueError if they are invalid."""
     if _is_earlier(fields):
         raise EarlierLayoutError(ANOTHER_LAYOUT)
     _check(fields, {"layout": int, **KINDS})

@@ -1,4 +1,4 @@
-"""A trained model on disk, in the format of skops: data to be checked, never code to be trusted."""
+"""Model files in the format of skops: the content is checked, and no code is run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sklearn.exceptions import InconsistentVersionWarning
 
 from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
-from ..learners.registry import GONE, gone
+from ..learners.registry import REMOVED, gone
 from ..processor_count import physical_cpu_count
 from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
@@ -34,7 +34,7 @@ ENDING = ".skops"
 TRUSTED = [
     f"{kind.__module__}.{kind.__qualname__}" for kind in (*OWN_STEPS, KindGuard, SeveralGuard)
 ]
-"""Types that may be built from a file, besides those of scikit-learn that skops vouches for."""
+"""Types that may be loaded from a file, in addition to those that skops trusts."""
 
 
 def save(path: str | Path, model: Model) -> None:
@@ -48,10 +48,10 @@ def save(path: str | Path, model: Model) -> None:
 
 
 def load(path: str | Path) -> Model:
-    """A model written by `save`. Nothing in the file is built before all its types are known.
+    """A model written by `save`. All types in the file are checked before any is loaded.
 
-    Raises InputError naming the file where it is absent, not of skops, holds a type not in TRUSTED
-    (named too), holds something other than a model, or one of an earlier layout.
+    Raises InputError that names the file if it is absent, not of skops, holds a type not in TRUSTED
+    (named too), does not hold a model, or has an earlier layout.
     """
     path = Path(path)
     check_file_kind(path, "model")
@@ -93,7 +93,9 @@ def _trusted_content(path: Path, data: bytes) -> Any:
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
     if any(name.startswith(OF_EARLIER) for name in untrusted):
         name = _estimator(data)
-        told = f"its estimator {gone(name)}, and train it anew" if name in GONE else ANOTHER_LAYOUT
+        told = (
+            f"its estimator {gone(name)}, and train it anew" if name in REMOVED else ANOTHER_LAYOUT
+        )
         raise InputError(f"{path}: {told}")
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
@@ -101,7 +103,7 @@ def _trusted_content(path: Path, data: bytes) -> Any:
 
 
 def _estimator(data: bytes) -> str:
-    """The name of its estimator that stands in a file of any layout; empty where none is found."""
+    """Name of the estimator in a file of any layout; empty if there is none."""
     try:
         schema = json.loads(ZipFile(io.BytesIO(data)).read("schema.json"))
         return str(json.loads(schema["content"]["estimator"]["content"]))

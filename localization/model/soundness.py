@@ -1,7 +1,7 @@
-"""Whether the arrays of a model fit each other: sizes, ranges, indices, nothing that is no number.
+"""Consistency of the arrays in a model: sizes, ranges, indices, finite numbers.
 
-Libraries trust what they have fitted. Of a file they are handed what someone wrote: libsvm reads
-beyond the end of a support vector that is too short, and a scale of 0 answers without a word.
+Libraries trust the arrays they fitted. A model file may hold anything: libsvm reads beyond the end
+of a support vector that is too short, and a scale of 0 gives a wrong answer silently.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ DERIVED: Mapping[str, Callable[[Sizes], int]] = {
     "F/2": lambda sizes: sizes["F"] // 2,
 }
 KINDS = {"<": "iu", "int": "iu", "bool": "b", "classes": "biuUO"}
-"""Types of numpy that an array may have by its rule; else it holds floating-point numbers."""
+"""Kinds of numpy types that a rule allows; without a rule floating-point numbers."""
 MAY_BE_MINUS_INFINITY = "log_weight_"
-"""Logarithms of chances, which may be 0."""
+"""Logarithms of probabilities, which may be zero."""
 OUTPUTS = 3
-"""x, y and strength."""
+"""Number of outputs of a position: x, y and strength."""
 
 
 class UnsoundError(ValueError):
-    """What of a model cannot be as it is."""
+    """A part of a model is inconsistent; the message names it."""
 
 
 def check_sound(learned: Classifier | Regressor, features: int) -> None:
-    """Raises UnsoundError naming the part of a model that does not fit the others.
+    """Raises UnsoundError that names an inconsistent part of a model.
 
     features: how many numbers a sweep has.
     """
@@ -58,9 +58,9 @@ def check_sound(learned: Classifier | Regressor, features: int) -> None:
 
 
 def check_estimator(estimator: Any, features: int | None, where: str) -> int:
-    """How many numbers a fitted estimator gives, or takes where these are classes.
+    """Check a fitted estimator; return the size of its output (of its input for classes).
 
-    features: how many it is given; None where it says so itself. Raises UnsoundError.
+    features: the size of its input; None if the estimator stores it. Raises UnsoundError.
     """
     if isinstance(estimator, FrozenEstimator):
         return check_estimator(estimator.estimator, features, where)
@@ -90,7 +90,7 @@ DERIVED_FROM_NOTHING: Sizes = {str(number): number for number in (0, 2, 3, 4)}
 
 
 def _values(estimator: Any, path: str) -> Iterator[Any]:
-    """What stands at a dotted path; `*` for each of a list, `?` at the end for what may be None."""
+    """Values at a dotted path; `*`: each item of a list, `?` at the end: may be None."""
     found = [estimator]
     for part in path.rstrip("?").split("."):
         if part == "*":
@@ -153,7 +153,7 @@ def _told(rule: str) -> str:
 
 
 def _check_guards(guards: Guards | None, features: int | None) -> None:
-    """The guards of changes look at other features than the pipeline."""
+    """Check the guards; guards of changes use other features than the pipeline."""
     if guards is None:
         return
     for name in ("kinds", "several"):
@@ -164,7 +164,7 @@ def _check_guards(guards: Guards | None, features: int | None) -> None:
 
 
 def _check_numbers(value: Any, name: str) -> None:
-    """Raises UnsoundError where a number or an array in it is none, or without bound."""
+    """Raises UnsoundError if a number or an array in `value` is not finite."""
     if isinstance(value, np.ndarray | np.floating | float):
         array = np.asarray(value)
         if array.dtype.kind == "O":
@@ -186,8 +186,8 @@ def _check_numbers(value: Any, name: str) -> None:
 
 
 def _ask(learned: Classifier | Regressor, features: int) -> None:
-    """Asks about one sweep of zeros, unless the simulator would have to make tables for it."""
-    if hasattr(learned.pipeline[-1], "at_hand"):
+    """Predict one sweep of zeros, unless that requires tables from the simulator."""
+    if hasattr(learned.pipeline[-1], "for_baseline"):
         return
     sweep, changes = np.zeros((1, features)), None
     if learned.guards is not None and learned.guards.changes is not None:

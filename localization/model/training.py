@@ -1,4 +1,4 @@
-"""A localizer learned from sweeps whose presses are known."""
+"""Training of a localizer on sweeps whose presses are known."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
 from ..inversion.estimators import chosen
 from ..trust.fitting import learn_classes, learn_positions
-from ..trust.folds import judging, told
+from ..trust.folds import describe_splits, scoring_splits
 from .localizer_model import Model, current_versions
 
 if TYPE_CHECKING:
@@ -33,11 +33,11 @@ def train(
     tune: bool = False,
     progress: ProgressCallback = silent,
 ) -> Model:
-    """A model that tells of sweeps like these what `target` asks for.
+    """A model that predicts the `target` of sweeps like these.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
-    `samples_of`. estimator: of `estimators()`, or that of DEFAULT_OF. certain: the rate at which
-    answers are to be right on held-out sweeps; without it every sweep that is no novelty is
+    `samples_of`. estimator: of `estimators()`, by default that of DEFAULT_ESTIMATORS. certain: the
+    accuracy that answers must have on held-out sweeps; by default every sweep that is not novel is
     answered. tune: choose the estimator's parameters by cross-validation. progress: of the
     fits. Raises InputError where these cannot be had, or the sweeps are of one class.
     """
@@ -49,7 +49,7 @@ def train(
     else:
         gate = None
         learned = learn_classes(samples, made, certain=certain, tune=tune, progress=progress)
-    held_out = told(judging(samples.strata, samples.sessions), samples.sessions)
+    held_out = describe_splits(scoring_splits(samples.strata, samples.sessions), samples.sessions)
     return Model(
         learned=learned,
         estimator=made.name,
@@ -67,7 +67,7 @@ def train(
 def _gate(
     sweeps: xr.Dataset, samples: Samples, rest: xr.Dataset | None, certain: float | None
 ) -> Model | None:
-    """Of the same quantities and interfaces; None where there is but one number of touches."""
+    """Model of the number of touches from the same features; None if all sweeps have one number."""
     counted = sweeps.isel(sweep=has_target(sweeps, "touches"))
     if np.unique(labels(counted, "touches")).size < 2:
         return None

@@ -10,9 +10,9 @@ from .simulated_experiment import STRIPS
 
 def all_claims(results: Results) -> list[Claim]:
     """All statements, in the order of the paper."""
-    strips = [results.rehearsals[name].scene for name in STRIPS]
+    strips = [results.experiments[name].scene for name in STRIPS]
     return [
-        *device_claims.claims(strips, results.rehearsals["sheet-5x5"].scene),
+        *device_claims.claims(strips, results.experiments["sheet-5x5"].scene),
         *strip_claims.claims(results),
         *sheet_claims.claims(results),
     ]

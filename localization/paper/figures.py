@@ -18,7 +18,7 @@ from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
 from ..evaluation.confusion_chart import draw_confusion
 from .derived_quantities import paper_frequencies, totals
-from .simulated_experiment import Rehearsal
+from .simulated_experiment import SimulatedExperiment
 from .studies import crossed_cap
 
 if TYPE_CHECKING:
@@ -39,21 +39,21 @@ def attenuation_figure(path: Path, strips: Sequence[Scene]) -> None:
         figure.suptitle("Solid: infinite line, Eq 5; dots: Eq 6; dashed: the finite open line")
 
 
-def experiment_figure(path: Path, rehearsal: Rehearsal, confusion: Confusion) -> None:
+def experiment_figure(path: Path, experiment: SimulatedExperiment, confusion: Confusion) -> None:
     """Cp, Rs and the change of Cp against frequency for every pressed pixel; confusion matrix.
 
     Lines are noise-free, at the nominal press; dots are what the meter showed.
     """
-    curves = _curves(rehearsal.scene)
+    curves = _curves(experiment.scene)
     with chart(path, 10, 7.6) as figure:
         top, bottom = figure.subplots(2, 2)
         for axes, quantity in zip(top, UNITS, strict=True):
-            _draw_quantity(axes, quantity, curves, rehearsal.measured)
-        _draw_changes(bottom[0], curves, rehearsal)
+            _draw_quantity(axes, quantity, curves, experiment.measured)
+        _draw_changes(bottom[0], curves, experiment)
         draw_confusion(bottom[1], confusion)
         handles, labels = bottom[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8))
-        figure.suptitle(_caption(rehearsal.scene))
+        figure.suptitle(_caption(experiment.scene))
 
 
 def frequency_figure(path: Path, study: xr.DataArray) -> None:
@@ -153,12 +153,12 @@ def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.D
     axes.set_ylabel(label)
 
 
-def _draw_changes(axes: Axes, curves: xr.Dataset, rehearsal: Rehearsal) -> None:
-    Cp, measured = curves["Cp"].values[:, 0], rehearsal.measured["Cp"].values[:, 0]
-    at_rest = rehearsal.at_rest["Cp"].values[0, 0]
+def _draw_changes(axes: Axes, curves: xr.Dataset, experiment: SimulatedExperiment) -> None:
+    Cp, measured = curves["Cp"].values[:, 0], experiment.measured["Cp"].values[:, 0]
+    at_rest = experiment.at_rest["Cp"].values[0, 0]
     (curve_at_rest,) = Cp[curves["row"].values == 0]
     _draw_sweeps(axes, curves, 100 * (Cp / curve_at_rest - 1))
-    _draw_readings(axes, rehearsal.measured, 100 * (measured / at_rest - 1))
+    _draw_readings(axes, experiment.measured, 100 * (measured / at_rest - 1))
     axes.set_ylabel("Change of Cp by the press (%)")
 
 

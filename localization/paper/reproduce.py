@@ -28,7 +28,14 @@ from .claims import all_claims
 from .derived_quantities import open_line_frequencies, paper_frequencies
 from .report import write_report
 from .results import Results
-from .simulated_experiment import EXPERIMENTS, SHEETS, STRIPS, Rehearsal, rehearse, with_pixels
+from .simulated_experiment import (
+    EXPERIMENTS,
+    SHEETS,
+    STRIPS,
+    SimulatedExperiment,
+    simulate_experiment,
+    with_pixels,
+)
 from .studies import (
     contact_study,
     exact_sweeps,
@@ -57,29 +64,29 @@ def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") ->
     claims = all_claims(results)
     _write_tables(folder, results, claims)
     pictures = draw(folder, results, progress, ending)
-    software = results.rehearsals["sheet-5x5"].exact.attrs["software"]
+    software = results.experiments["sheet-5x5"].exact.attrs["software"]
     write_report(folder / "report.html", claims, pictures, software)
     return claims
 
 
 def _experiments(progress: ProgressCallback) -> Results:
-    rehearsals = {name: rehearse(load_scene(name), progress) for name in EXPERIMENTS}
+    experiments = {name: simulate_experiment(load_scene(name), progress) for name in EXPERIMENTS}
     confusions = {
         name: cross_validate(
-            rehearsal.measured, quantities=PAPER, seed=rehearsal.scene.experiment.seed
+            experiment.measured, quantities=PAPER, seed=experiment.scene.experiment.seed
         )
-        for name, rehearsal in rehearsals.items()
+        for name, experiment in experiments.items()
     }
-    sheets = [rehearsals[name] for name in SHEETS]
+    sheets = [experiments[name] for name in SHEETS]
     return Results(
-        rehearsals=rehearsals,
+        experiments=experiments,
         confusions=confusions,
         frequency=frequency_study(sheets, progress),
-        noise=noise_study(list(rehearsals.values()), progress),
+        noise=noise_study(list(experiments.values()), progress),
         contact=contact_study(progress),
         finer=_beyond(progress),
-        fewest=fewest_frequencies(rehearsals["strip-1x5"]),
-        pooled=pooled_counts(rehearsals["strip-1x5"]),
+        fewest=fewest_frequencies(experiments["strip-1x5"]),
+        pooled=pooled_counts(experiments["strip-1x5"]),
     )
 
 
@@ -92,27 +99,27 @@ def _beyond(progress: ProgressCallback) -> Confusion:
 def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
     import pandas as pd
 
-    for name, rehearsal in results.rehearsals.items():
-        write(rehearsal.measured, folder / f"{name}-sweeps.csv")
+    for name, experiment in results.experiments.items():
+        write(experiment.measured, folder / f"{name}-sweeps.csv")
         write_csv(results.confusions[name], folder / f"{name}-confusion.csv")
-        save(folder / f"{name}.skops", train(rehearsal.measured, quantities=PAPER))
+        save(folder / f"{name}.skops", train(experiment.measured, quantities=PAPER))
     for name, study in (
         ("frequencies", results.frequency),
         ("noise", results.noise),
         ("contacts", results.contact),
     ):
         write_frame(folder / f"{name}.csv", study.to_series().reset_index())
-    write_frame(folder / "figure-2c.csv", _cutoffs(results.rehearsals))
+    write_frame(folder / "figure-2c.csv", _cutoffs(results.experiments))
     write_frame(folder / "comparison.csv", pd.DataFrame(map(dataclasses.asdict, claims)))
 
 
-def _cutoffs(rehearsals: Mapping[str, Rehearsal]) -> pd.DataFrame:
+def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
     """Half-power frequencies of each pixel's end on the infinite and the finite open line."""
     import pandas as pd
 
     tables = []
     for name in EXPERIMENTS:
-        scene = rehearsals[name].scene
+        scene = experiments[name].scene
         n = scene.pixels.columns
         tables.append(
             pd.DataFrame(
@@ -136,11 +143,11 @@ def draw(folder: Path, results: Results, progress: ProgressCallback, ending: str
             draw(path)
         return folder / f"{name}.png"
 
-    scenes = {name: rehearsal.scene for name, rehearsal in results.rehearsals.items()}
+    scenes = {name: experiment.scene for name, experiment in results.experiments.items()}
 
     def device(path: Path) -> None:
         name = path.stem
-        figures.experiment_figure(path, results.rehearsals[name], results.confusions[name])
+        figures.experiment_figure(path, results.experiments[name], results.confusions[name])
 
     strips = [scenes[name] for name in STRIPS]
     attenuation = drawn("figure-2c", lambda path: figures.attenuation_figure(path, strips))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..evaluation.confusion import Confusion
-from .simulated_experiment import Rehearsal
+from .simulated_experiment import SimulatedExperiment
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +23,7 @@ class Results:
     finer: of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: of the 1x5 strip.
     """
 
-    rehearsals: Mapping[str, Rehearsal]
+    experiments: Mapping[str, SimulatedExperiment]
     confusions: Mapping[str, Confusion]
     frequency: xr.DataArray
     noise: xr.DataArray

@@ -28,7 +28,7 @@ from .derived_quantities import (
     totals,
 )
 from .results import Results
-from .simulated_experiment import SHEETS, Rehearsal
+from .simulated_experiment import SHEETS, SimulatedExperiment
 from .studies import DRAWS, LAYOUT_PIXELS, LAYOUTS, crossed_cap
 
 if TYPE_CHECKING:
@@ -39,22 +39,22 @@ LOW = 1.0
 
 def claims(results: Results) -> list[Claim]:
     """Statements about cut-offs in 2-D, sensitivity, and figure 4 with its confusion matrices."""
-    rehearsals, confusions, noise = results.rehearsals, results.confusions, results.noise
-    readout = rehearsals["sheet-5x5"].scene.readout
+    experiments, confusions, noise = results.experiments, results.confusions, results.noise
+    readout = experiments["sheet-5x5"].scene.readout
     drawn, mean = noise_of(readout), noise_of(readout, DRAWS)
     return [
-        _five_times_higher(rehearsals["strip-1x3"], rehearsals["sheet-3x3"]),
-        _sensitivity(rehearsals["strip-1x5"], rehearsals["sheet-5x5"]),
+        _five_times_higher(experiments["strip-1x3"], experiments["sheet-3x3"]),
+        _sensitivity(experiments["strip-1x5"], experiments["sheet-5x5"]),
         *(_accuracy(name, confusions, mean_share(noise, name), drawn) for name in SHEETS),
         _ten_frequencies(results.frequency, mean),
         _errors_of_5x5(confusions["sheet-5x5"], drawn),
         _beyond_5x5(confusions["sheet-5x5"], results.finer, drawn),
         _contacts(results.contact, mean),
-        _rows(rehearsals["sheet-5x5"]),
+        _rows(experiments["sheet-5x5"]),
     ]
 
 
-def _five_times_higher(strip: Rehearsal, sheet: Rehearsal) -> Claim:
+def _five_times_higher(strip: SimulatedExperiment, sheet: SimulatedExperiment) -> Claim:
     RC = [totals(device.scene).R * totals(device.scene).C for device in (strip, sheet)]
     eq6 = [paper_frequencies(device.scene) for device in (strip, sheet)]
     peaks = [separation_peaks(device.scene) for device in (strip, sheet)]
@@ -75,7 +75,7 @@ def _five_times_higher(strip: Rehearsal, sheet: Rehearsal) -> Claim:
     )
 
 
-def _sensitivity(strip: Rehearsal, sheet: Rehearsal) -> Claim:
+def _sensitivity(strip: SimulatedExperiment, sheet: SimulatedExperiment) -> Claim:
     of_strip, of_sheet = (
         100 * float(capacitance_changes(device.scene, LOW).mean()) for device in (strip, sheet)
     )
@@ -175,7 +175,7 @@ def _contacts(study: xr.DataArray, noise: str) -> Claim:
     )
 
 
-def _rows(sheet: Rehearsal) -> Claim:
+def _rows(sheet: SimulatedExperiment) -> Claim:
     floating = load_scene("sheet-5x5-two-interfaces")
     plain, shunted = (resistance_at_rest(scene) / 1e3 for scene in (sheet.scene, floating))
     contrast = [100 * row_contrast(scene) for scene in (sheet.scene, floating)]

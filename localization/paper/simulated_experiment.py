@@ -22,7 +22,7 @@ EXPERIMENTS = (*STRIPS, *SHEETS)
 
 
 @dataclass(frozen=True)
-class Rehearsal:
+class SimulatedExperiment:
     """An experiment's scene, its sweeps without noise, as the meter showed them, and at rest."""
 
     scene: Scene
@@ -31,12 +31,12 @@ class Rehearsal:
     at_rest: xr.Dataset
 
 
-def rehearse(scene: Scene, progress: ProgressCallback) -> Rehearsal:
+def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedExperiment:
     """Press every pixel as often as the scene's experiment says and read the meter each time."""
     solver = Solver(scene)
     presses = planned_presses(scene, stream(scene, PRESSES))
     exact = simulate(solver, tracked(presses, scene.name, progress))
-    return Rehearsal(
+    return SimulatedExperiment(
         scene,
         exact,
         read_out(exact, scene.readout, stream(scene, METER)),

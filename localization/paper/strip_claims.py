@@ -16,7 +16,7 @@ from .derived_quantities import (
     paper_frequencies,
 )
 from .results import Results
-from .simulated_experiment import STRIPS, Rehearsal
+from .simulated_experiment import STRIPS, SimulatedExperiment
 from .studies import DRAWS
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ LOW = 1.0
 
 def claims(results: Results) -> list[Claim]:
     """Statements about the curves and confusion matrices of figure 3; curves of the 1x5 strip."""
-    strip, confusions, noise = results.rehearsals["strip-1x5"], results.confusions, results.noise
+    strip, confusions, noise = results.experiments["strip-1x5"], results.confusions, results.noise
     readout = strip.scene.readout
     return [
         _equal_at_low_frequency(strip),
@@ -44,7 +44,7 @@ def claims(results: Results) -> list[Claim]:
     ]
 
 
-def _equal_at_low_frequency(strip: Rehearsal) -> Claim:
+def _equal_at_low_frequency(strip: SimulatedExperiment) -> Claim:
     changes = 100 * capacitance_changes(strip.scene, LOW)
     at_lowest = 100 * capacitance_changes(strip.scene, strip.scene.frequencies[0])
     R = low_frequency_resistances(strip.scene) / 1e6
@@ -62,7 +62,7 @@ def _equal_at_low_frequency(strip: Rehearsal) -> Claim:
     )
 
 
-def _first_pixel(strip: Rehearsal) -> Claim:
+def _first_pixel(strip: SimulatedExperiment) -> Claim:
     first = [100 * capacitance_changes(strip.scene, f)[0] for f in strip.scene.frequencies]
     return Claim(
         topic="Pixel 1 raises the capacitance at all interrogation frequencies",
@@ -75,7 +75,7 @@ def _first_pixel(strip: Rehearsal) -> Claim:
     )
 
 
-def _beyond_cutoff(strip: Rehearsal) -> Claim:
+def _beyond_cutoff(strip: SimulatedExperiment) -> Claim:
     f = strip.scene.frequencies[-1]
     changes = 100 * capacitance_changes(strip.scene, f)
     return Claim(
@@ -91,7 +91,7 @@ def _beyond_cutoff(strip: Rehearsal) -> Claim:
     )
 
 
-def _cutoffs(strip: Rehearsal) -> Claim:
+def _cutoffs(strip: SimulatedExperiment) -> Claim:
     infinite, finite = paper_frequencies(strip.scene), open_line_frequencies(strip.scene)
     return Claim(
         topic="Half-power frequencies at the pixels' ends",

@@ -19,7 +19,7 @@ from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ..evaluation.evaluation import cross_validate
 from ..inputs.features import PAPER
-from .simulated_experiment import Rehearsal, with_pixels
+from .simulated_experiment import SimulatedExperiment, with_pixels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,44 +34,48 @@ LAYOUT_MULTIPLES = (0.1, 1.0)
 STUDY_RTOL = 1e-3
 
 
-def frequency_study(rehearsals: Sequence[Rehearsal], progress: ProgressCallback) -> xr.DataArray:
+def frequency_study(
+    experiments: Sequence[SimulatedExperiment], progress: ProgressCallback
+) -> xr.DataArray:
     """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
 
     Dimensions (scene, frequencies, quantities). Ten are the lowest of the twenty, in the band that
     the paper's 1-D model gave, or every second one.
     """
-    cases = list(itertools.product(rehearsals, CHOICES.values(), QUANTITIES.values()))
+    cases = list(itertools.product(experiments, CHOICES.values(), QUANTITIES.values()))
     accuracies = [
         mean_accuracy(
-            rehearsal.exact.isel(frequency=choice),
-            rehearsal.scene,
-            rehearsal.scene.readout,
+            experiment.exact.isel(frequency=choice),
+            experiment.scene,
+            experiment.scene.readout,
             quantities,
         )
-        for rehearsal, choice, quantities in tracked(cases, "10 against 20 frequencies", progress)
+        for experiment, choice, quantities in tracked(cases, "10 against 20 frequencies", progress)
     ]
     return _table(
         accuracies,
-        scene=[rehearsal.scene.name for rehearsal in rehearsals],
+        scene=[experiment.scene.name for experiment in experiments],
         frequencies=list(CHOICES),
         quantities=list(QUANTITIES),
     )
 
 
-def noise_study(rehearsals: Sequence[Rehearsal], progress: ProgressCallback) -> xr.DataArray:
+def noise_study(
+    experiments: Sequence[SimulatedExperiment], progress: ProgressCallback
+) -> xr.DataArray:
     """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
-    cases = list(itertools.product(rehearsals, NOISE_MULTIPLES))
+    cases = list(itertools.product(experiments, NOISE_MULTIPLES))
     accuracies = [
         mean_accuracy(
-            rehearsal.exact,
-            rehearsal.scene,
-            scaled_noise(rehearsal.scene.readout, multiple),
+            experiment.exact,
+            experiment.scene,
+            scaled_noise(experiment.scene.readout, multiple),
         )
-        for rehearsal, multiple in tracked(cases, "accuracy against noise", progress)
+        for experiment, multiple in tracked(cases, "accuracy against noise", progress)
     ]
     return _table(
         accuracies,
-        scene=[rehearsal.scene.name for rehearsal in rehearsals],
+        scene=[experiment.scene.name for experiment in experiments],
         multiple=list(NOISE_MULTIPLES),
     )
 
@@ -94,26 +98,26 @@ def contact_study(progress: ProgressCallback) -> xr.DataArray:
     )
 
 
-def fewest_frequencies(rehearsal: Rehearsal) -> xr.DataArray:
+def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
     """Accuracy from the highest one, two, ... of a scene's frequencies; dimension (count,)."""
-    counts = range(1, len(rehearsal.scene.frequencies) + 1)
+    counts = range(1, len(experiment.scene.frequencies) + 1)
     accuracies = [
         mean_accuracy(
-            rehearsal.exact.isel(frequency=slice(-count, None)),
-            rehearsal.scene,
-            rehearsal.scene.readout,
+            experiment.exact.isel(frequency=slice(-count, None)),
+            experiment.scene,
+            experiment.scene.readout,
         )
         for count in counts
     ]
     return _table(accuracies, count=list(counts))
 
 
-def pooled_counts(rehearsal: Rehearsal) -> NDArray[np.int64]:
+def pooled_counts(experiment: SimulatedExperiment) -> NDArray[np.int64]:
     """Confusion counts (target, output) added up over DRAWS draws of the meter's noise."""
     return np.sum(
         [
             cross_validate(measured, quantities=PAPER, seed=draw).counts
-            for draw, measured in enumerate(_drawn(rehearsal.exact, rehearsal.scene))
+            for draw, measured in enumerate(_drawn(experiment.exact, experiment.scene))
         ],
         axis=0,
     )

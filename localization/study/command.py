@@ -85,13 +85,13 @@ def study(
     from .execution import warnings_of
     from .report import ENDINGS, screenful
     from .settings import checked_workers
-    from .study import planned
+    from .study import plan_study
 
     beside = checked_output(output, ENDINGS).with_suffix(".png")
     picture = checked_chart(chart or beside)
     workers = checked_workers(workers)
     requested_scene(scene)
-    plan = planned(
+    plan = plan_study(
         scene,
         vary,
         max_frequency=max_frequency,
@@ -105,7 +105,7 @@ def study(
     points = f"{len(plan.scenes)} points"
     note_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
     with on_terminal() as progress:
-        found = plan.carried_out(progress, rtol=rtol, workers=workers)
+        found = plan.run(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)
     meaning = accuracy_text(target, CHANGES, "on skins not trained on", scene)

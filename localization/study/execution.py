@@ -19,7 +19,7 @@ from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_text
 from .axis import Axis
-from .point import LOOSEST, Findings, Trial, judge
+from .point import LOOSEST, EvaluationSettings, PointFindings, score_point
 from .scene_keys import with_values
 
 if TYPE_CHECKING:
@@ -41,7 +41,9 @@ VARIABLES = {
 }
 
 
-def scenes_of(table: Mapping[str, Any], axes: Sequence[Axis], trial: Trial) -> list[Scene]:
+def scenes_of(
+    table: Mapping[str, Any], axes: Sequence[Axis], trial: EvaluationSettings
+) -> list[Scene]:
     """The scene at every point, the last axis varying fastest; raises InputError for a bad one."""
     scenes = []
     for values in itertools.product(*(axis.values for axis in axes)):
@@ -72,7 +74,7 @@ def fitting_rtol(scenes: Sequence[Scene]) -> float:
 def study(
     scenes: Sequence[Scene],
     axes: Sequence[Axis],
-    trial: Trial,
+    trial: EvaluationSettings,
     progress: ProgressCallback,
     *,
     rtol: float | None = None,
@@ -89,7 +91,7 @@ def study(
         workers, NEEDED, "too little memory may be the cause; fewer --workers"
     ) as pool:
         jobs = [(scene, trial, rtol) for scene in scenes]
-        findings = list(_spread(_judge, jobs, "accuracy", progress, pool))
+        findings = list(_spread(_score_point, jobs, "accuracy", progress, pool))
     attributes = {
         "scene": scene_text(scenes[0]),
         "target": trial.target,
@@ -100,10 +102,10 @@ def study(
     return _dataset(axes, findings, attributes)
 
 
-def _judge(
-    job: tuple[Scene, Trial, float],
-) -> Findings:
-    return judge(*job)
+def _score_point(
+    job: tuple[Scene, EvaluationSettings, float],
+) -> PointFindings:
+    return score_point(*job)
 
 
 def _spread(
@@ -125,7 +127,7 @@ def _on_one_thread(function: Callable[[Given], Made], given: Given) -> Made:
 
 
 def _dataset(
-    axes: Sequence[Axis], findings: Sequence[Findings], attributes: Mapping[str, Any]
+    axes: Sequence[Axis], findings: Sequence[PointFindings], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     import xarray as xr
 

@@ -43,7 +43,7 @@ REST_EVERY = 5
 
 
 @dataclass(frozen=True)
-class Trial:
+class EvaluationSettings:
     """What every point is judged by: sweeps as `rcskin dataset` draws them.
 
     target: "column", "row" or "pixel". draws: how often skins, presses and noise are drawn anew.
@@ -109,7 +109,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Findings:
+class PointFindings:
     """What was found at a point: the shares of classes found, of each part that was held out in
     each draw, and the separation."""
 
@@ -122,11 +122,11 @@ def strength(scene: Scene, press: Press) -> float:
     return pressed_factor(scene, press.touches[0]) if press.touches else 1.0
 
 
-def judge(
+def score_point(
     scene: Scene,
-    trial: Trial,
+    trial: EvaluationSettings,
     rtol: float,
-) -> Findings:
+) -> PointFindings:
     """Draw a scene's sweeps and cross-validate a localizer on them; separate its nominal presses.
 
     rtol: of the sweeps. Raises InputError where a draw has too few sweeps of a class.
@@ -138,7 +138,7 @@ def judge(
     Z = impedances(scene, nominal, family, rtol)
     readings = in_units_of_error(Z, scene.readout, scene.taken)
     shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
-    return Findings(
+    return PointFindings(
         tuple(share for each in shares for share in each),
         separation(readings, labels, scene.frequencies),
     )

@@ -104,7 +104,7 @@ def axis_label(key: Key) -> str:
     return LABELS.get(key.name, key.name)
 
 
-def experiment_told(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
+def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
     """The scene, its frequencies, noise and presses, in one line; leaves out what varies."""
     readout, experiment = table["readout"], table["experiment"]
     f = with_values(table, {}).frequencies

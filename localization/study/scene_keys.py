@@ -17,7 +17,7 @@ from ...simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 from ...simulator.scene.validation import one_line, unit_of
 from ...simulator.sweeps import InputError, inputs
 
-Place = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 """Where a number stands in nested tables and lists; lists count from 0."""
 
 BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
@@ -36,7 +36,7 @@ class Key:
     """
 
     name: str
-    places: tuple[Place, ...]
+    places: tuple[KeyPath, ...]
     whole: bool
 
     @property
@@ -92,13 +92,13 @@ def with_values(table: Mapping[str, Any], values: Mapping[Key, float]) -> Scene:
         raise InputError(f"{given}: {one_line(error, Scene)}") from error
 
 
-def _at(table: Any, place: Place) -> Any:
+def _at(table: Any, place: KeyPath) -> Any:
     for part in place:
         table = table[part]
     return table
 
 
-def _numbers(table: Any) -> Iterator[tuple[list[str], Place]]:
+def _numbers(table: Any) -> Iterator[tuple[list[str], KeyPath]]:
     """Names of every number and where it stands; items of lists go by number and by name."""
     for names, part, value in _items(table):
         if isinstance(value, dict | list):

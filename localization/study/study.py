@@ -14,8 +14,8 @@ from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
 from . import execution
 from .axis import READY_MADE, Axis, axes_of
-from .point import Trial
-from .report import ENDINGS, answers, experiment_told, spacing, write_table
+from .point import EvaluationSettings
+from .report import ENDINGS, answers, describe_experiment, spacing, write_table
 from .scene_keys import scene_table
 from .settings import changed
 from .study_figure import draw_study
@@ -64,15 +64,15 @@ class Study(Tabular):
 
 
 @dataclass(frozen=True)
-class Planned:
+class StudyPlan:
     """The points of a study before they are computed: checked scenes, and how they are judged."""
 
     table: Mapping[str, Any]
     axes: tuple[Axis, ...]
-    trial: Trial
+    trial: EvaluationSettings
     scenes: tuple[Scene, ...]
 
-    def carried_out(
+    def run(
         self,
         progress: ProgressCallback = silent,
         *,
@@ -83,10 +83,10 @@ class Planned:
         found = execution.study(
             self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
         )
-        return Study(found, self.axes, experiment_told(self.table, self.axes))
+        return Study(found, self.axes, describe_experiment(self.table, self.axes))
 
 
-def planned(
+def plan_study(
     scene: Scene | str,
     vary: Vary | None = None,
     *,
@@ -95,7 +95,7 @@ def planned(
     draws: int = 1,
     repetitions: int | None = None,
     seed: int | None = None,
-) -> Planned:
+) -> StudyPlan:
     """A study of a scene or the one of that name or path.
 
     vary: READY_MADE where it is None. max_frequency: the meter's upper limit, Hz. draws: how often
@@ -106,5 +106,5 @@ def planned(
     table = changed(scene_table(scene), max_frequency, repetitions, seed)
     axes = axes_of(vary or READY_MADE, table)
     varied = [place[0] for axis in axes for place in axis.key.places]
-    trial = Trial(target, draws, repetitions is not None or "experiment" in varied)
-    return Planned(table, tuple(axes), trial, tuple(execution.scenes_of(table, axes, trial)))
+    trial = EvaluationSettings(target, draws, repetitions is not None or "experiment" in varied)
+    return StudyPlan(table, tuple(axes), trial, tuple(execution.scenes_of(table, axes, trial)))

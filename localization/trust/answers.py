@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.safe_text import Tabular
 from ...simulator.sweeps import InputError
-from .rates import CONFIDENCE, at_least
+from .rates import CONFIDENCE, lower_bound
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,7 +95,7 @@ def threshold_of(
     best = 0.0
     for threshold in np.quantile(probability, 1 - np.array(SHARES), method="higher"):
         answered = right[probability >= threshold]
-        least = at_least(int(answered.sum()), answered.size, confidence)
+        least = lower_bound(int(answered.sum()), answered.size, confidence)
         if least >= certain:
             return float(threshold)
         best = max(best, least)

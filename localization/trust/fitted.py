@@ -12,7 +12,7 @@ from sklearn.pipeline import Pipeline
 from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
-from .rates import rate_told
+from .rates import rate_text
 from .several import SeveralGuard
 from .temperature import probabilities
 
@@ -41,18 +41,18 @@ class Guards:
         if self.several is not None:
             told |= self.several.predict(X) < 0
         if self.changes is not None and changes is not None:
-            known = known_at_rest(changes)
+            known = with_known_baseline(changes)
             if known.size:
                 told[known] |= self.changes.novel(changes[known])
         return told
 
 
-def known_at_rest(changes: NDArray[np.float64]) -> NDArray[np.intp]:
+def with_known_baseline(changes: NDArray[np.float64]) -> NDArray[np.intp]:
     """Of which sweeps the skin at rest is known, (n, feature)."""
     return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
 
-def tells_novelty(pipeline: Pipeline) -> bool:
+def has_novelty_test(pipeline: Pipeline) -> bool:
     """Whether its last step knows by itself which sweeps no touch explains."""
     return hasattr(pipeline[-1], "novel")
 
@@ -96,7 +96,7 @@ class Classifier(Learned):
     @property
     def outcome(self) -> str:
         """How it did on the sweeps held out, as text."""
-        return f"accuracy {rate_told(self.right, self.held_out)}"
+        return f"accuracy {rate_text(self.right, self.held_out)}"
 
     @property
     def classes(self) -> NDArray:

@@ -18,8 +18,8 @@ from ..learners.drift import drifting
 from ..learners.registry import Estimator
 from ..processor_count import physical_cpu_count
 from .answers import threshold_of
-from .fitted import Classifier, Guards, Regressor, known_at_rest, tells_novelty
-from .folds import PLENTY, Splits, held_out_of, judging
+from .fitted import Classifier, Guards, Regressor, has_novelty_test, with_known_baseline
+from .folds import PLENTY, Splits, held_out_indices, scoring_splits
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .several import several_guard
@@ -45,17 +45,17 @@ def learn_classes(
     """A classifier whose sharpness and threshold were found on sweeps held out.
 
     certain: the rate at which answers are to be right; None answers always. progress: of the fits.
-    Raises InputError where the samples are of one class, or as `judging`, `threshold_of`.
+    Raises InputError where the samples are of one class, or as `scoring_splits`, `threshold_of`.
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
     samples = samples.first_sessions(estimator.sessions)
-    splits = judging(samples.strata, samples.sessions)
+    splits = scoring_splits(samples.strata, samples.sessions)
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
-    unseen = held_out_of(splits)
+    unseen = held_out_indices(splits)
     again = _again(train, estimator, pipeline)
     held_out = held_out_decisions(again, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
@@ -75,13 +75,13 @@ def learn_positions(
     tune: bool = False,
     progress: ProgressCallback = silent,
 ) -> Regressor:
-    """A regressor whose deviations were found on sweeps held out. Raises as `judging`.
+    """A regressor whose deviations were found on sweeps held out. Raises as `scoring_splits`.
 
     progress: of the fits.
     """
     samples = samples.first_sessions(estimator.sessions)
-    splits = judging(None, samples.sessions)
-    unseen = held_out_of(splits)
+    splits = scoring_splits(None, samples.sessions)
+    unseen = held_out_indices(splits)
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
     next(fits)
@@ -116,7 +116,7 @@ def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipelin
 
 def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:
     """None where the pipeline tells novelties by itself; what it takes for drift is no novelty."""
-    if tells_novelty(pipeline):
+    if has_novelty_test(pipeline):
         return None
     own = _guards_of(replace(samples, X=drifting(pipeline)(samples.X)), splits)
     return replace(own, changes=_guards_of_changes(samples, splits))
@@ -124,7 +124,7 @@ def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | No
 
 def _guards_of(samples: Samples, splits: Splits) -> Guards:
     some = samples.subsampled(PLENTY)
-    own = splits if some is samples else judging(some.strata, some.sessions)
+    own = splits if some is samples else scoring_splits(some.strata, some.sessions)
     return Guards(kind_guard(some, own), several_guard(samples, splits))
 
 
@@ -132,7 +132,7 @@ def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
     """Of what the press changed; None where too few of the sweeps have the skin at rest beside."""
     if samples.changes is None:
         return None
-    known = known_at_rest(samples.changes)
+    known = with_known_baseline(samples.changes)
     apart = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
     if min(part.size for split in apart for part in split) < FEWEST:
         return None

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 GROUPINGS = ("press", "session")
-LEAST_SESSIONS = 2
+MIN_SESSIONS = 2
 """From so many on, sessions are held out as a whole."""
 PLENTY = 50_000
 """More sweeps than these are held out once, not fold by fold."""
-JUDGED = 20_000
+MAX_SCORED = 20_000
 """Sweeps of that one fold that are asked about at most: they tell a share to 0.4 % or better."""
 Split = tuple["NDArray[np.intp]", "NDArray[np.intp]"]
 Splits = list[Split]
@@ -53,7 +53,7 @@ def folds_of(
 def splits_of(
     strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
 ) -> Splits:
-    """As many folds as can be, at most `folds`, by session where there are LEAST_SESSIONS.
+    """As many folds as can be, at most `folds`, by session where there are MIN_SESSIONS.
 
     strata: what is to be in like shares in every fold, shape (sweep,); None for no such thing.
     Raises InputError where there are no two folds.
@@ -74,30 +74,30 @@ def splits_of(
     return _split(strata, groups, min(most, int(sizes.min())), seed)
 
 
-def judging(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
+def scoring_splits(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
     """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by.
 
-    Of more than JUDGED that it holds out, as many are asked about, evenly.
+    Of more than MAX_SCORED that it holds out, as many are asked about, evenly.
     """
     splits = splits_of(strata, sessions)
     if sessions.size <= PLENTY:
         return splits
     train, test = splits[0]
-    asked = np.linspace(0, test.size - 1, min(JUDGED, test.size)).round().astype(np.intp)
+    asked = np.linspace(0, test.size - 1, min(MAX_SCORED, test.size)).round().astype(np.intp)
     return [(train, test[asked])]
 
 
-def held_out_of(splits: Splits) -> NDArray[np.intp]:
+def held_out_indices(splits: Splits) -> NDArray[np.intp]:
     """The sweeps that are held out, in their order."""
     return np.sort(np.concatenate([test for _, test in splits]))
 
 
 def by_session(sessions: NDArray[np.int64]) -> bool:
     """Whether there are sessions enough to hold some out as a whole."""
-    return np.unique(sessions).size >= LEAST_SESSIONS
+    return np.unique(sessions).size >= MIN_SESSIONS
 
 
-def told(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
+def describe_splits(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
     """How sweeps were held out, as text. asked: how many folds were, told where there are fewer."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
     if len(splits) < asked:
@@ -107,11 +107,11 @@ def told(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
     return f"{folds} of the one session; what another mounting or skin brings is not judged"
 
 
-def told_nested(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
+def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
     """As `told`, and whether probabilities within were found by whole sessions too."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
-    return told(splits, sessions, asked) + but
+    return describe_splits(splits, sessions, asked) + but
 
 
 def _units(sessions: NDArray[np.int64]) -> str:

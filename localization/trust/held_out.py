@@ -48,7 +48,7 @@ def held_out_positions(
     own = False
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
-        own = tells_deviation(pipeline)
+        own = has_deviation(pipeline)
         if own:
             told[test], deviation[test] = pipeline.predict(samples.X[test], return_std=True)
         else:
@@ -56,6 +56,6 @@ def held_out_positions(
     return told, deviation if own else None
 
 
-def tells_deviation(pipeline: Pipeline) -> bool:
+def has_deviation(pipeline: Pipeline) -> bool:
     """Whether the last step's `predict` takes `return_std`."""
     return "return_std" in inspect.signature(pipeline[-1].predict).parameters

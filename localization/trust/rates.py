@@ -9,7 +9,7 @@ MANY = 500
 """From so many on, a bound is told to a tenth of a per cent."""
 
 
-def at_least(right: int, total: int, confidence: float = CONFIDENCE) -> float:
+def lower_bound(right: int, total: int, confidence: float = CONFIDENCE) -> float:
     """The rate that the true one surpasses with that confidence, if each was right by chance alone.
 
     Exact, one-sided: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404-413. Sweeps of one
@@ -21,7 +21,7 @@ def at_least(right: int, total: int, confidence: float = CONFIDENCE) -> float:
     return float(found.low)
 
 
-def rate_told(right: int, total: int) -> str:
+def rate_text(right: int, total: int) -> str:
     """As `98 % (52 of 53, at least 91 % with 95 % confidence)`; the bound is never rounded up.
 
     Where there was none: `none of 0`.
@@ -29,7 +29,7 @@ def rate_told(right: int, total: int) -> str:
     if not total:
         return "none of 0"
     tenths = 10 if total >= MANY else 1
-    least = math.floor(100 * tenths * at_least(right, total)) / tenths
+    least = math.floor(100 * tenths * lower_bound(right, total)) / tenths
     rate = 100 * right / total
     told = "100" if right == total else f"{min(rate, 99.9):.3g}"
     bound = f"at least {least:g} % with {100 * CONFIDENCE:g} % confidence"

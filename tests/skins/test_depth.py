@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.study.point import Trial, impedances
+from rcskin.localization.study.point import EvaluationSettings, impedances
 from rcskin.simulator.bounds.position import chosen_touch
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
@@ -202,7 +202,7 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     assert chosen_touch(planned).rise == scene.pressed_factor - 1
     presses = planned_presses(planned, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
-    plan = Trial(draws=1).plan(planned, 0, RTOL)
+    plan = EvaluationSettings(draws=1).plan(planned, 0, RTOL)
     (Z,) = impedances(plan.scene, [press_on(plan.scene, "1,2")], family_of(plan.scene, RTOL), RTOL)
     off = relative_difference(Z, Solver(scene, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
     assert off.max() <= RTOL

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.study.point import Trial
+from rcskin.localization.study.point import EvaluationSettings
 from rcskin.simulator.bounds.fields import Fields
 from rcskin.simulator.bounds.position import chosen_touch, places_on
 from rcskin.simulator.bounds.readings import hypotheses
@@ -67,7 +67,7 @@ def test_pixels_without_skin_are_no_class_and_no_press(kinds):
     assert (at_rest, pressed) == ((), [(pixel,) for pixel in there])
     assert [str(press)[:3] for press in every_press(scene)[1:]] == ["1,1", "1,2", "2,1"]
     planned = planned_presses(scene, np.random.default_rng(1))
-    for presses in (planned, Trial().nominal(scene)):
+    for presses in (planned, EvaluationSettings().nominal(scene)):
         assert {press.pixel for press in presses} == {(0, 0), *((i + 1, j + 1) for i, j in there)}
 
 

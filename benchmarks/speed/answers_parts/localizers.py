@@ -14,7 +14,7 @@ from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweep
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import LocalizationProblem, Samples, samples_of
-from rcskin.localization.inversion.estimators import NAME, chosen
+from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.learners.networks import SHORT
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.trust.fitting import learn_classes
@@ -36,7 +36,7 @@ SET = {"network": {"classify__stages": SHORT}}
 HELD_BACK = 0.25
 """Of all sessions, the last."""
 PAPER = "ksvm-ovo on Rs, Cp"
-MODEL = f"{NAME}, nothing learned"
+MODEL = f"{MODEL_BASED}, nothing learned"
 
 
 def answers(run: Run) -> Iterator[Answer]:
@@ -51,7 +51,7 @@ def answers(run: Run) -> Iterator[Answer]:
         yield from (_answered(way, name, against_rest, count) for count in sessions)
     for count in run.sized(OF_PAPER, (5,)):
         yield _answered(PAPER, "ksvm-ovo", as_read, count)
-    yield _answered(MODEL, NAME, against_rest, sessions[0])
+    yield _answered(MODEL, MODEL_BASED, against_rest, sessions[0])
 
 
 def _built(estimator: Estimator, problem: LocalizationProblem) -> Pipeline:

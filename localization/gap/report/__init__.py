@@ -1,1 +1,1 @@
-"""The gap between simulation and measurement, told and drawn."""
+"""Report of the gap between simulation and measurement."""

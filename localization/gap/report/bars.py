@@ -1,4 +1,4 @@
-"""Bars of the report: distances of distributions, shares of causes."""
+"""Bar charts of the report: distances of distributions, shares of causes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MEASURES = {"coefficient": "energy coefficient", "mmd2": "MMD²"}
 
 
 def draw_distributions(findings: GapFindings, path: Path) -> None:
-    """A row for each set of features, a group of bars for each class."""
+    """Draw a row for each set of features, a group of bars for each class."""
     sets = list(findings.own)
     classes = len(findings.stages[BEFORE].discrepancies[sets[0]])
     with chart(path, max(9.0, 0.5 * classes + 3), 2.6 * len(sets) + 0.6) as figure:
@@ -58,7 +58,7 @@ def _draw_measure(axes: Axes, findings: GapFindings, name: str, measure: str) ->
 
 
 def draw_causes(findings: GapFindings, path: Path) -> None:
-    """A bar for each parameter, the longest first."""
+    """Draw a bar for each parameter, the longest first."""
     names = [cause_label(each) for each in findings.causes]
     shares = [100 * each.removed for each in findings.causes]
     with chart(path, 7, 0.9 + 0.32 * len(names)) as figure:

@@ -1,4 +1,4 @@
-"""The report's charts: which there are, and what each shows."""
+"""List of the report's charts and their captions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PRESSES = {"pressed": "over the pressed pixels", "rest": "with nothing pressed"}
 
 
 class Chart(NamedTuple):
-    """A picture to be drawn: its name, what it shows, and how it is written to a path."""
+    """A chart: its name, its caption, and a function that draws it to a path."""
 
     name: str
     caption: str
@@ -28,7 +28,7 @@ class Chart(NamedTuple):
 
 
 def charts_of(findings: GapFindings) -> list[Chart]:
-    """All that the findings have something to show in."""
+    """All charts for which there are findings."""
     return [
         *_distance_charts(findings),
         *_accuracy_charts(findings),

@@ -1,4 +1,4 @@
-"""Curves of the report: distances against frequency, accuracies against touches added."""
+"""Curves of the report: distances against frequency, accuracies against added touches."""
 
 from __future__ import annotations
 
@@ -28,14 +28,13 @@ UNITS = {
     "separations": "(class separations)",
 }
 LINEAR = {"meter_errors": 1.0, "percent": 1.0, "separations": 0.1}
-"""Distances that do not matter: an axis shows them at least, and is linear up to them where it has
-to be logarithmic."""
+"""Negligible distances: the axis range contains them, and is linear up to them if logarithmic."""
 FAR = 30
-"""Times that, from which it has to be."""
+"""Multiple of LINEAR above which an axis is logarithmic."""
 
 
 def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
-    """Rs and Cp, a row for each unit; a colour for each interface. kind: pressed or rest."""
+    """Draw Rs and Cp, a row for each unit, a colour for each interface. kind: pressed or rest."""
     shown = {name: getattr(stage, kind) for name, stage in findings.stages.items()}
     units = [unit for unit in UNITS if _known(shown[BEFORE]["Rs"], unit)]
     with chart(path, 10, 2.4 * len(units) + 0.5) as figure:
@@ -51,7 +50,7 @@ def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
 
 
 def _known(distance: Distance, unit: str) -> bool:
-    """Whether distances can be counted in it at all."""
+    """True if the distances are known in this unit."""
     values = getattr(distance, unit)
     return values is not None and bool(np.isfinite(values).any())
 
@@ -81,7 +80,7 @@ def _draw_distance(
 
 
 def draw_accuracies(findings: GapFindings, path: Path) -> None:
-    """A panel for each set of features."""
+    """Draw a panel for each set of features."""
     noun, target = findings.trial.pair.label, findings.trial.options.target
     with chart(path, 9, 3.9) as figure:
         panels = figure.subplots(1, len(findings.own), sharey=True, squeeze=False)[0]

@@ -1,4 +1,4 @@
-"""The report: one HTML file with every chart in it, and the numbers beside it as JSON."""
+"""The report: one HTML file with all charts, and the numbers as JSON."""
 
 from __future__ import annotations
 
@@ -27,11 +27,14 @@ HEADINGS = {
     "distribution": "How far apart the distributions of the features are",
     "causes": "Which parameter explains most",
 }
-"""Of the sections of charts, by how the names of these begin."""
+"""Headings of the sections, by the beginning of the names of their charts."""
 
 
 def write_report(folder: Path, findings: GapFindings, ending: str | None = None) -> None:
-    """Write gap.html and gap.json, both whole or neither. ending: of charts beside them, if any."""
+    """Write gap.html and gap.json, both complete or neither.
+
+    ending: of separate chart files, if any.
+    """
     charts = charts_of(findings)
     with filled_at_once(folder) as made, TemporaryDirectory() as drawn:
         pictures = [Picture(Path(drawn) / f"{each.name}.png", each.caption) for each in charts]

@@ -1,4 +1,4 @@
-"""The findings as plain data for JSON: every key documented, every number with its unit."""
+"""Findings as plain data for JSON: every key is documented, every number has a unit."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..mean_accuracy import CrossValidated, MeanAccuracy
 
 ESTIMATED = ("name", "unit", "start", "value", "low", "high")
-"""What is written of each calibrated number."""
+"""Fields of each calibrated number."""
 KEYS = {
     "compared": "of each side, simulated and other: sweeps and sessions; noun, what the other side "
     "is; calibrating, how many of its sweeps calibrated",
@@ -61,7 +61,7 @@ KEYS = {
 
 
 def numbers(findings: GapFindings) -> dict[str, Any]:
-    """The findings under the keys of KEYS, which are told under `about`. All numbers are finite."""
+    """The findings under the keys of KEYS, which are explained in `about`. All are finite."""
     trial = findings.trial
     return {
         "about": KEYS,
@@ -150,7 +150,7 @@ def _tables(quantity: str, distance: Distance) -> dict[str, Any]:
 
 
 def _known(table: NDArray[np.float64]) -> list[list[float | None]]:
-    """None where a number is not known, or nothing was read."""
+    """The table with None for numbers that are unknown."""
     return [[each if math.isfinite(each) else None for each in line] for line in table.tolist()]
 
 

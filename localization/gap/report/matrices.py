@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from ..mean_accuracy import MeanAccuracy
 
 SIDE, EACH_CLASS = 3.6, 0.3
-"""Inches: of a matrix at least, and of a class in a large one."""
+"""Minimum side of a matrix, and side per class in a large one, inches."""
 TITLE_WIDTH = 46
-"""Letters of a line above a matrix."""
+"""Maximum number of letters in a line of a title."""
 
 
 def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
-    """Accuracies that are worth a matrix, by what they were trained on. name: of the features."""
+    """Accuracies that get a matrix, by their training. name: of the features."""
     noun, stages = findings.trial.pair.label, list(findings.stages)
     if findings.model:
         cases = {model_label(k).capitalize(): a for k, a in findings.model.accuracies.items()}
@@ -42,7 +42,7 @@ def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
 
 
 def draw_confusions(findings: GapFindings, name: str, path: Path) -> None:
-    """The main cases of one set of features, two side by side."""
+    """Draw the main cases of one set of features, two in a row."""
     cases = main_cases(findings, name)
     classes = max(len(each.confusion.labels) for each in cases.values())
     down, side = -(-len(cases) // 2), max(SIDE, EACH_CLASS * classes)

@@ -1,4 +1,4 @@
-"""The findings in words and in one table, as the console and the report tell them."""
+"""Findings as sentences and as one table, for the console and the report."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ....simulator.models.effects import EFFECTS
-from ...trust.rates import rate_told
+from ...trust.rates import rate_text
 from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 
 MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
-"""Shares of the misfit from which on a parameter explains most of a gap, or a part of it, and from
-which on a second one is told."""
+"""Shares of the misfit from which a parameter explains most of a gap, or a part of it, and from
+which a second parameter is mentioned."""
 
 
 class AccuracyRow(NamedTuple):
-    """A way to train and test, and by each set of features what it reaches, as text."""
+    """One kind of training, and its accuracy for each set of features, as text."""
 
     trained: str
     cells: tuple[str, ...]
 
 
 def accuracy_rows(findings: GapFindings) -> list[AccuracyRow]:
-    """Every accuracy, one way to train a row."""
+    """All accuracies, one row for each kind of training."""
     adjective = findings.trial.pair.label.adjective
     rows = []
     for k, accuracy in findings.model.accuracies.items() if findings.model else ():
@@ -50,17 +50,17 @@ def accuracy_rows(findings: GapFindings) -> list[AccuracyRow]:
 
 
 def column_headings(findings: GapFindings) -> list[str]:
-    """What stands above the cells of a row."""
+    """Headings of the cells of a row."""
     return [", ".join(findings.trial.features[name]) for name in findings.own]
 
 
 def model_label(k: int) -> str:
-    """The user's model, adapted by k sweeps of every pixel."""
+    """Label of the user's model, adapted by k sweeps of every pixel."""
     return f"the model, adapted by k = {k}" if k else "the model as it is"
 
 
 def summary(findings: GapFindings) -> list[str]:
-    """What matters most, a sentence each."""
+    """The most important findings, one sentence each."""
     noun, target = findings.trial.pair.label, findings.trial.options.target
     before = _largest(findings, BEFORE)
     told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
@@ -70,8 +70,8 @@ def summary(findings: GapFindings) -> list[str]:
         judged = findings.model.score
         told.append(
             f"Of the {noun.adjective} sweeps' {target}s the model tells "
-            f"{rate_told(*judged.rates()['accuracy'])} right, and answers "
-            f"{rate_told(*judged.rates()['answered'])}."
+            f"{rate_text(*judged.rates()['accuracy'])} right, and answers "
+            f"{rate_text(*judged.rates()['answered'])}."
         )
         return told
     for name in findings.own:
@@ -87,7 +87,7 @@ def summary(findings: GapFindings) -> list[str]:
 
 
 def cause_sentence(findings: GapFindings) -> str:
-    """How much of the gap a parameter explains, in one sentence; empty where nobody knows."""
+    """Sentence about the parameter that explains most of the gap; empty if unknown."""
     if not findings.causes:
         return ""
     first, *others = findings.causes
@@ -123,7 +123,7 @@ def _pairs(findings: GapFindings) -> str:
 
 
 def cause_label(cause: ParameterEffect) -> str:
-    """A parameter by its name; one of EFFECTS by what it is, as `a body at about 6 mm`."""
+    """Label of a parameter; for one of EFFECTS its description, as `a body at about 6 mm`."""
     return cause.description if cause.name in EFFECTS else _spaced(cause.name)
 
 
@@ -137,7 +137,7 @@ def estimate_row(estimate: FittedQuantity) -> tuple[str, str, str, str]:
 
 
 def _written(number: float, unit: str) -> str:
-    """Four digits, with a prefix where there is a unit."""
+    """Number with four digits, and with a prefix if there is a unit."""
     from matplotlib.ticker import EngFormatter
 
     rounded = f"{number:.4g}"
@@ -145,7 +145,7 @@ def _written(number: float, unit: str) -> str:
 
 
 def _largest(findings: GapFindings, stage: str) -> str:
-    """The root mean square over frequencies and interfaces, Rs and Cp apart."""
+    """Root mean square distance over frequencies and interfaces, for Rs and for Cp."""
     found = findings.stages[stage].pressed
     assert found is not None
     parts = []
@@ -158,14 +158,14 @@ def _largest(findings: GapFindings, stage: str) -> str:
 
 
 def _rms(values: np.ndarray) -> float:
-    """Of what was read."""
+    """Root mean square of the known values."""
     return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 def _percent(accuracy: MeanAccuracy) -> str:
-    """Mean and spread over draws, of which many test the same sweeps; of one draw, how many."""
+    """Mean and spread over draws, which may test the same sweeps; counts for one draw."""
     if accuracy.draws == 1:
-        return rate_told(accuracy.confusion.correct, accuracy.confusion.total)
+        return rate_text(accuracy.confusion.correct, accuracy.confusion.total)
     return f"{100 * accuracy.mean:.1f} ± {100 * accuracy.spread:.1f} %"
 
 

@@ -71,7 +71,7 @@ class Columns:
             target=self.target,
             interfaces=self.interfaces,
             frequencies=frequencies,
-            of_each={},
+            own_frequencies={},
             problem=SimpleNamespace(scene=SCENE.read_text()),
         )
 

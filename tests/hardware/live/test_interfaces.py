@@ -70,7 +70,7 @@ class Once:
         cost = dict(zip(self.localizer.model.interfaces, seconds[:, 1], strict=True))
         return (min(left, key=cost.get), self.localizer.model.frequencies[1]) if left else None
 
-    def tell(self, interface, frequency, Z, /):
+    def add_reading(self, interface, frequency, Z, /):
         self.told[interface] = frequency, Z
 
     def answer(self, during, /):

@@ -87,7 +87,7 @@ class Parts:
     """Of a localizer that reads what it likes."""
 
     target, interfaces, frequencies = "column", ("left",), (1e3, 4e3, 16e3)
-    of_each: dict = {}
+    own_frequencies: dict = {}
 
 
 def test_parts_of_two_interfaces_stand_in_their_places():

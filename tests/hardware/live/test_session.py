@@ -194,7 +194,7 @@ class Two:
             return None
         return "left", self.wanted.pop(-1 if len(self.wanted) == 3 else 0)
 
-    def tell(self, interface, frequency, Z, /):
+    def add_reading(self, interface, frequency, Z, /):
         self.told[frequency] = Z
 
     def answer(self, during, /):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.adaptation.class_adaptation import adapted
-from rcskin.localization.adaptation.position_adaptation import adapted_places
+from rcskin.localization.adaptation.position_adaptation import adapt_positions
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
@@ -95,7 +95,7 @@ def placing(make_sweeps):
 def test_places_on_other_sessions_are_told_better_after_than_before(placing, other):
     touches, unseen = _placed(other(2)), _placed(other(4).isel(sweep=slice(40, None)))
     samples = placing.samples(touches)
-    found = adapted_places(placing, samples, placing.gate.samples(touches))
+    found = adapt_positions(placing, samples, placing.gate.samples(touches))
     (before, _), (after, deviation) = (each.positions(unseen) for each in (placing, found.model))
     truth = placing.samples(unseen)
     off = [np.abs(told[truth.rows, 0] - truth.y[:, 0]).mean() for told in (before, after)]
@@ -110,7 +110,7 @@ def test_places_on_other_sessions_are_told_better_after_than_before(placing, oth
 def test_no_touch_judges_places_that_it_taught(placing, other):
     samples = placing.samples(_placed(other(3)))
     nonsense = replace(samples, y=np.random.default_rng(0).permutation(samples.y))
-    lies, found = adapted_places(placing, nonsense), adapted_places(placing, samples)
+    lies, found = adapt_positions(placing, nonsense), adapt_positions(placing, samples)
     np.testing.assert_array_equal(found.before.truth, found.after.truth)
     assert np.median(found.after.distance) < 0.5 * np.median(lies.after.distance)
     assert "whole sessions held out" in found.validation
@@ -119,7 +119,7 @@ def test_no_touch_judges_places_that_it_taught(placing, other):
 def test_places_told_by_the_simulator_are_not_moved(placing, other):
     inverting = replace(placing, estimator="model-adapted")
     with pytest.raises(InputError, match="by model-adapted cannot be adapted: it knows the skin"):
-        adapted_places(inverting, placing.samples(_placed(other(1))))
+        adapt_positions(inverting, placing.samples(_placed(other(1))))
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +130,7 @@ def folder(model, other, make_sweeps, tmp_path_factory):
     save(folder / "a.skops", adapted(model, model.samples(touches)).model)
     places = train(_placed(make_sweeps(1, 4)), "position", quantities=("dlnZ",))
     save(folder / "p.skops", places)
-    taught = adapted_places(places, places.samples(_placed(make_sweeps(1, 4)))).model
+    taught = adapt_positions(places, places.samples(_placed(make_sweeps(1, 4)))).model
     save(folder / "q.skops", taught)
     write(_placed(make_sweeps(1, 4, 2)).isel(sweep=slice(6)), folder / "five-places.nc")
     write(touches, folder / "touches.nc")

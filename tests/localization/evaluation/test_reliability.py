@@ -10,7 +10,7 @@ from rcskin.localization.evaluation.reliability import (
     draw_risk,
     risk,
 )
-from rcskin.localization.inversion.region import Places, region_of
+from rcskin.localization.inversion.region import PlaceDistribution, region_of
 
 SEED = 3
 
@@ -83,7 +83,7 @@ def posteriors(count, wider=1.0):
     bounds = np.array([[0.0, 120.0], [0.0, 80.0]])
     means = random.uniform([30, 30], [90, 50], (count, 2))
     covariance = np.diag((wider * sides) ** 2)[None]
-    places = [Places(np.ones(1), mean[None], covariance, bounds) for mean in means]
+    places = [PlaceDistribution(np.ones(1), mean[None], covariance, bounds) for mean in means]
     return places, means + sides * random.standard_normal((count, 2))
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import Asker
-from rcskin.localization.filtering.cell_grid import grid_of
+from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
+from rcskin.localization.filtering.cell_grid import cell_grid_of
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
@@ -87,7 +87,7 @@ def rest():
 
 def asked(model, rest, x, turn=0.0 * TURN, follower=None, **how):
     """Where it was read, and the answer. x: changes from rest."""
-    questions = Asker(model, follower=follower, **how).begin(rest, 0.0)
+    questions = AdaptivePolicy(model, follower=follower, **how).begin(rest, 0.0)
     here, read = "left", []
     while True:
         away = np.array([[name != here] for name in INTERFACES])
@@ -97,7 +97,7 @@ def asked(model, rest, x, turn=0.0 * TURN, follower=None, **how):
         here, frequency = wanted
         k = 3 * INTERFACES.index(here) + FREQUENCIES.index(frequency)
         read.append(here)
-        questions.tell(here, frequency, ABOUT_REST * np.exp(x[k] + 1j * x[k + READINGS]))
+        questions.add_reading(here, frequency, ABOUT_REST * np.exp(x[k] + 1j * x[k + READINGS]))
 
 
 def turns(read):
@@ -157,11 +157,11 @@ def test_a_belief_in_a_place_saves_readings_there(placing, rest):
     assert told.label == "1" and told.probability > 0.95
     assert np.hypot(*(np.array(told.coordinates[:2]) - theta[0, :2])) < 12
     assert counts[-1] <= counts[0]
-    assert grid_of(placing).cell == pytest.approx((7.5 * 0.105 / 0.12, 7.5 * 0.105 / 0.12))
+    assert cell_grid_of(placing).cell == pytest.approx((7.5 * 0.105 / 0.12, 7.5 * 0.105 / 0.12))
 
 
 def test_what_cannot_be_asked_is_bad_input(placing):
     with pytest.raises(InputError, match="`within` must be above 0 mm, got -1"):
-        Asker(placing, within=-1.0)
+        AdaptivePolicy(placing, within=-1.0)
     with pytest.raises(InputError, match="`certain` must be between 0 and 1, got 1"):
-        Asker(placing, 1.0)
+        AdaptivePolicy(placing, 1.0)

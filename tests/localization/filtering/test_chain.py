@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from rcskin.localization.filtering.chain import Belief, Cut, Evidence
 from rcskin.localization.filtering.states import chain_of_classes, chain_of_places
-from rcskin.localization.filtering.touch_dynamics import Touching
+from rcskin.localization.filtering.touch_dynamics import TouchDynamics
 from rcskin.simulator.sweeps import InputError
 from scipy.linalg import expm
 
 PITCH = (0.06, 0.04)
 """m, of rows and of columns."""
-TOUCHING = Touching(lasts=2.0, every=5.0, speed=20.0)
+TOUCHING = TouchDynamics(lasts=2.0, every=5.0, speed=20.0)
 TARGETS = {
     "column": [0, 1, 2, 3],
     "touches": [0, 1, 2],
@@ -62,7 +62,7 @@ def test_the_forward_pass_is_the_sum_over_all_paths(cuts):
     seen = [evidence(random, states, cuts) for _ in spans]
     belief = chain.start()
     for (gap, during), each in zip(spans, seen, strict=True):
-        belief = chain.seen(chain.after(belief, gap), each, during)
+        belief = chain.updated(chain.after(belief, gap), each, during)
     sums = np.zeros(states)
     sweeps = [within(chain, each, during) for (_, during), each in zip(spans, seen, strict=True)]
     between = [transitions(chain, gap) for gap, _ in spans]
@@ -89,7 +89,7 @@ def test_the_chance_of_a_change_is_summed_over_paths_to_states_of_another_kind(k
     if kinds:
         among[1:3, 1:3] = False
     changing = belief.states[:, None] * change * at_cuts * among
-    found = chain.seen(belief, seen, 0.4).changed
+    found = chain.updated(belief, seen, 0.4).changed
     assert found == pytest.approx(changing.sum() / paths.sum(), rel=1e-9)
 
 
@@ -97,7 +97,10 @@ def test_modes_move_as_the_exponential_of_the_rates(chain):
     start = np.random.default_rng(0).dirichlet(np.ones(len(chain.stationary)))
     for seconds in (0.01, 0.4, 7.0):
         np.testing.assert_allclose(
-            chain.moved(start, seconds), start @ transitions(chain, seconds), rtol=1e-9, atol=1e-12
+            chain.propagated(start, seconds),
+            start @ transitions(chain, seconds),
+            rtol=1e-9,
+            atol=1e-12,
         )
 
 
@@ -119,11 +122,11 @@ def test_places_are_wandered_over_as_far_as_told():
     """A touch of 20 mm/s wanders over 20 mm in a second, whatever the cells."""
     for cells in (20, 30):
         width = 240.0 / cells
-        one = Touching(lasts=1e9, every=1e9, speed=20.0)
+        one = TouchDynamics(lasts=1e9, every=1e9, speed=20.0)
         places = chain_of_places(cells, cells, (width, width), one, rest=True)
         middle = np.zeros(len(places.stationary))
         middle[1 + cells // 2 * cells + cells // 2] = 1.0
-        later = places.moved(middle, 1.0)[1:-1].reshape(cells, cells)
+        later = places.propagated(middle, 1.0)[1:-1].reshape(cells, cells)
         at = width * (np.arange(cells) - cells // 2)
         spread = (later * (at[:, None] ** 2 + at**2)).sum()
         assert spread == pytest.approx(20.0**2 if width < 20 else 20.0 * width, rel=0.02)
@@ -134,11 +137,11 @@ def test_a_change_in_mid_sweep_is_noticed_and_evidence_of_nothing_changes_little
     one, other, far = np.array([0, -50.0, -50, -50, -50]), np.full(5, -50.0), np.full(5, -60.0)
     other[2] = 0.0
     resting = Belief(np.array([0.99, 0.0025, 0.0025, 0.0025, 0.0025]))
-    midway = chain.seen(resting, Evidence(far, (Cut(one, other),)), 0.4)
+    midway = chain.updated(resting, Evidence(far, (Cut(one, other),)), 0.4)
     assert midway.changed > 0.99 and midway.states.argmax() == 2
-    steady = chain.seen(resting, Evidence(one, (Cut(one, one),)), 0.4)
+    steady = chain.updated(resting, Evidence(one, (Cut(one, one),)), 0.4)
     assert steady.changed < 0.01 and steady.states.argmax() == 0
-    blind = chain.seen(resting, Evidence(np.zeros(5)), 0.4)
+    blind = chain.updated(resting, Evidence(np.zeros(5)), 0.4)
     np.testing.assert_allclose(blind.states, chain.after(resting, 0.4).states, rtol=1e-9)
 
 
@@ -150,4 +153,4 @@ def test_chains_of_models_that_know_no_rest_lead_everywhere():
 @pytest.mark.parametrize("name", ["lasts", "every", "speed"])
 def test_times_and_speeds_are_above_zero(name):
     with pytest.raises(InputError, match=f"`touch-{name}` must be above 0, got 0"):
-        Touching(**{name: 0.0})
+        TouchDynamics(**{name: 0.0})

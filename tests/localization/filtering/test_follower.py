@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import Asker
+from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.filtering.touch_dynamics import Touching
-from rcskin.localization.inversion.estimators import NAME
+from rcskin.localization.filtering.touch_dynamics import TouchDynamics
+from rcskin.localization.inversion.estimators import MODEL_BASED
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.measure.readout import read_out
@@ -32,7 +32,9 @@ def models(exact):
     scene, random = load_scene("strip-1x3"), np.random.default_rng(0)
     some = exact.isel(sweep=[0, 0, *range(10)])
     sweeps = concatenate([read_out(some, scene.readout, random, k) for k in range(4)])
-    return {name: train(sweeps, "column", name, quantities=CHANGE) for name in (NAME, "ksvm-ovo")}
+    return {
+        name: train(sweeps, "column", name, quantities=CHANGE) for name in (MODEL_BASED, "ksvm-ovo")
+    }
 
 
 @pytest.fixture
@@ -65,23 +67,23 @@ def labels(followed):
     return [each.label for each in followed]
 
 
-@pytest.mark.parametrize("name", [NAME, "ksvm-ovo"])
+@pytest.mark.parametrize("name", [MODEL_BASED, "ksvm-ovo"])
 def test_touches_that_come_and_go_are_followed(models, run, rest, name):
     columns = [0, 0, 0, 2, 2, 2, 0, 0, 3, 3]
-    told = Follower(models[name]).through(run(columns), rest, PACE)
+    told = Follower(models[name]).follow_all(run(columns), rest, PACE)
     assert labels(told) == [str(column) for column in columns]
     assert all(each.probabilities.sum() <= 1 + 1e-9 for each in told)
 
 
 @pytest.mark.parametrize(
-    ("name", "columns"), [(NAME, (0, 2)), (NAME, (3, 0)), ("ksvm-ovo", (0, 1))]
+    ("name", "columns"), [(MODEL_BASED, (0, 2)), (MODEL_BASED, (3, 0)), ("ksvm-ovo", (0, 1))]
 )
 def test_a_sweep_that_a_touch_changes_midway_is_weighed_and_not_answered(
     models, run, rest, name, columns
 ):
     before, after = columns
     sweeps = run([before] * 3 + [columns] + [after] * 2)
-    told = Follower(models[name]).through(sweeps, rest, PACE)
+    told = Follower(models[name]).follow_all(sweeps, rest, PACE)
     assert told[3].label == CANNOT_TELL and told[3].changed > 0.5
     steady = [each for k, each in enumerate(told) if k != 3]
     assert labels(steady) == [str(before)] * 3 + [str(after)] * 2
@@ -91,17 +93,17 @@ def test_a_sweep_that_a_touch_changes_midway_is_weighed_and_not_answered(
 def test_one_bad_sweep_does_not_end_a_touch(models, run, rest):
     sweeps = run([0, 0, 2, 2, 2, 2])
     sweeps["X"].values[4] *= 1.5
-    told = Follower(models["ksvm-ovo"]).through(sweeps, rest, PACE)
+    told = Follower(models["ksvm-ovo"]).follow_all(sweeps, rest, PACE)
     assert models["ksvm-ovo"].answers(sweeps, rest).labels[4] == CANNOT_TELL
     assert labels(told)[2:] == ["2"] * 4
 
 
 def test_a_session_forgets_the_one_before_and_live_steps_are_the_same(models, run, rest):
     sweeps = concatenate([run([2] * 4), run([0] * 3).assign_coords(session=("sweep", [1] * 3))])
-    follower = Follower(models[NAME], Touching(lasts=1e6, every=1e6))
-    together = follower.through(sweeps, rest, PACE)
+    follower = Follower(models[MODEL_BASED], TouchDynamics(lasts=1e6, every=1e6))
+    together = follower.follow_all(sweeps, rest, PACE)
     assert labels(together) == ["2"] * 4 + ["0"] * 3
-    alone = Follower(models[NAME], Touching(lasts=1e6, every=1e6))
+    alone = Follower(models[MODEL_BASED], TouchDynamics(lasts=1e6, every=1e6))
     one_by_one = [
         alone.follow(sweeps.isel(sweep=[k]), rest, 0.0, PACE).probability for k in range(4)
     ]
@@ -109,15 +111,15 @@ def test_a_session_forgets_the_one_before_and_live_steps_are_the_same(models, ru
 
 
 def test_sweeps_end_early_and_are_right(models, run, rest):
-    model = models[NAME]
+    model = models[MODEL_BASED]
     columns, asked = [0, 1, 2, 3], 0
     sweeps = run(columns)
     Z = (sweeps["Rs"] + 1j * sweeps["X"]).values[:, 0]
     frequencies = list(model.frequencies)
     for column, own in zip(columns, Z, strict=True):
-        questions = Asker(model).begin(rest, 0.0)
+        questions = AdaptivePolicy(model).begin(rest, 0.0)
         while (wanted := questions.next(np.ones((1, len(frequencies))))) is not None:
-            questions.tell(*wanted, own[frequencies.index(wanted[1])])
+            questions.add_reading(*wanted, own[frequencies.index(wanted[1])])
             asked += 1
         told = questions.answer(PACE)
         assert told.label == str(column) and told.probability >= 0.95
@@ -125,14 +127,14 @@ def test_sweeps_end_early_and_are_right(models, run, rest):
 
 
 def test_quick_readings_are_taken_first(models, rest):
-    seconds = np.ones((1, len(models[NAME].frequencies)))
-    first = Asker(models[NAME]).begin(rest, 0.0).next(seconds)
-    slow = np.where(np.array([models[NAME].frequencies]) == first[1], 1e3, 1.0)
-    assert Asker(models[NAME]).begin(rest, 0.0).next(slow) != first
+    seconds = np.ones((1, len(models[MODEL_BASED].frequencies)))
+    first = AdaptivePolicy(models[MODEL_BASED]).begin(rest, 0.0).next(seconds)
+    slow = np.where(np.array([models[MODEL_BASED].frequencies]) == first[1], 1e3, 1.0)
+    assert AdaptivePolicy(models[MODEL_BASED]).begin(rest, 0.0).next(slow) != first
 
 
 def test_other_models_do_not_choose_frequencies(models):
     with pytest.raises(
         InputError, match="--adaptive takes models by model-based.*one by ksvm-ovo of"
     ):
-        Asker(models["ksvm-ovo"])
+        AdaptivePolicy(models["ksvm-ovo"])

@@ -8,10 +8,10 @@ import skops.io
 from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
-from rcskin.localization.inversion.estimators import ADAPTED, NAME, estimators
+from rcskin.localization.inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
-from rcskin.localization.inversion.skin_cache import ALIKE, SKINS_KEPT
+from rcskin.localization.inversion.skin_cache import MAX_SKINS, SAME_SKIN_RMS
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.scene.scene_files import builtin_text
 from rcskin.simulator.sweeps import InputError
@@ -135,15 +135,15 @@ def test_a_skin_that_is_met_again_needs_no_new_tables(adapted, tables):
     X = rows([1, 2], [0.2, 0.2])
     np.testing.assert_array_equal(adapted.predict_proba(X), adapted.predict_proba(X))
     assert len(tables.curves) == 1
-    for shade in range(SKINS_KEPT + 3):
+    for shade in range(MAX_SKINS + 3):
         adapted.predict(rows([1], [shade]))
-    assert len(adapted._skins.kept) == SKINS_KEPT
+    assert len(adapted._skins.kept) == MAX_SKINS
 
 
 def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, tables):
     """As `live` asks: sweep after sweep, each against a rest a little other than before."""
     adapted.beside, columns = True, np.tile([1, 2, 3, 4], 15)
-    shades = 0.2 + 0.2 * ALIKE * np.sin(np.arange(60))
+    shades = 0.2 + 0.2 * SAME_SKIN_RMS * np.sin(np.arange(60))
     told = [adapted.predict(each[None])[0] for each in rows(columns, shades)]
     np.testing.assert_array_equal(told, columns)
     assert len(tables.curves) == 1
@@ -160,7 +160,7 @@ def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, ta
         return make(shade)
 
     tables.pixels = waited_for
-    drifted = rows([2], [0.2 + ALIKE / 2])
+    drifted = rows([2], [0.2 + SAME_SKIN_RMS / 2])
     for _ in range(5):
         assert adapted.predict(drifted) == 2
     assert len(tables.curves) == 2 and len(adapted._skins.kept) == 1
@@ -239,10 +239,10 @@ def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, tmp_path, monk
     assert len(tables.curves) == 2
 
 
-@pytest.mark.parametrize("name", [NAME, ADAPTED])
+@pytest.mark.parametrize("name", [MODEL_BASED, MODEL_ADAPTED])
 def test_other_features_and_sweeps_without_their_scene_are_refused(name):
     made = estimators()[name]
-    takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == NAME else 4]
+    takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == MODEL_BASED else 4]
     problem = LocalizationProblem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
     assert made.build(problem).steps[0][0] == "invert"
     for wrong, told in (

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.localization.inversion.class_posterior import Inquiry
+from rcskin.localization.inversion.class_posterior import ClassPosterior
 from rcskin.localization.inversion.classifier import ModelBased
 
 _rig = runpy.run_path(str(Path(__file__).with_name("test_classifier.py")))
@@ -24,9 +24,9 @@ def sweep(column, seed=0):
 
 
 def told(localizer, x, order):
-    inquiry = Inquiry(localizer)
+    inquiry = ClassPosterior(localizer)
     for k in order:
-        inquiry.tell(k, x[[k, k + READINGS]])
+        inquiry.update(k, x[[k, k + READINGS]])
     return inquiry
 
 
@@ -73,9 +73,9 @@ def test_gains_are_the_information_that_readings_give(localizer):
 
 def test_a_prior_counts_as_it_should_and_gains_are_the_same_at_every_call(localizer):
     prior = np.log([0.97, 0.01, 0.01, 0.01])
-    inquiry = Inquiry(localizer, prior)
+    inquiry = ClassPosterior(localizer, prior)
     np.testing.assert_allclose(inquiry.probabilities, np.exp(prior))
-    again = Inquiry(localizer, prior).gains(np.arange(READINGS))
+    again = ClassPosterior(localizer, prior).gains(np.arange(READINGS))
     np.testing.assert_array_equal(inquiry.gains(np.arange(READINGS)), again)
 
 

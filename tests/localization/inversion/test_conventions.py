@@ -7,7 +7,7 @@ import pytest
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
 from rcskin.localization.inversion.classifier import ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
-from rcskin.localization.inversion.skin_cache import Skins
+from rcskin.localization.inversion.skin_cache import SkinCache
 from sklearn.base import is_regressor
 from sklearn.utils.estimator_checks import parametrize_with_checks
 from sklearn.utils.validation import check_array, check_is_fitted, validate_data
@@ -85,7 +85,7 @@ class _Doubled:
 
     def fit(self, X, y=None):
         X = validate_data(self, X)
-        self.mean_, self._skins = self._fitted(None, X), Skins(self._fitted)
+        self.mean_, self._skins = self._fitted(None, X), SkinCache(self._fitted)
         return self
 
     def _fitted(self, curve, X=None):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import Asker, skin_at_hand
+from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
 from rcskin.localization.inputs.features import features
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
@@ -81,7 +81,7 @@ def test_they_tell_pixels(models, sweeps):
 
 def test_a_sweep_is_asked_reading_by_reading_of_those_taken(models, sweeps, own):
     part = sweeps[1]
-    asker = Asker(models[1], 0.9999999)
+    asker = AdaptivePolicy(models[1], 0.9999999)
     rest, pressed = part.isel(sweep=slice(9)), part.isel(sweep=10)
     questions = asker.begin(rest, 1.0)
     asked = []
@@ -89,10 +89,10 @@ def test_a_sweep_is_asked_reading_by_reading_of_those_taken(models, sweeps, own)
         name, frequency = wanted
         asked.append((["left", "bottom"].index(name), FREQUENCIES.index(frequency)))
         here = pressed.sel(interface=name, frequency=frequency)
-        questions.tell(name, frequency, complex(here["Rs"].item(), here["X"].item()))
+        questions.add_reading(name, frequency, complex(here["Rs"].item(), here["X"].item()))
     assert len(asked) == len(set(asked)) and all(own.taken[place] for place in asked)
     assert questions.answer(1.0).label == f"{pressed['row'].item()},{pressed['column'].item()}"
-    step, curve = skin_at_hand(models[1], rest)
+    step, curve = inverter_for(models[1], rest)
     assert curve.shape == (own.taken.sum(),) and step.noise_.size == 2 * own.taken.sum()
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.localization.inversion.place_posterior import Placing, prior_of
+from rcskin.localization.inversion.place_posterior import PlacePosterior, log_prior_of
 from rcskin.localization.inversion.position import ModelBasedPosition, cells_of
 from rcskin.localization.inversion.region import region_of
 
@@ -21,9 +21,9 @@ def own():
 
 
 def told(own, x, order, rest=0.5):
-    placing = Placing(own, prior_of(own, rest))
+    placing = PlacePosterior(own, log_prior_of(own, rest))
     for k in order:
-        placing.tell(k, x[[k, k + READINGS]])
+        placing.update(k, x[[k, k + READINGS]])
     return placing
 
 
@@ -34,7 +34,7 @@ def test_all_readings_in_any_order_tell_what_the_whole_sweep_tells(own):
             placing = told(own, x, order, rest=0.0)
             np.testing.assert_allclose(placing.places.peak(3.0), whole.peak(3.0), atol=0.1)
             np.testing.assert_allclose(cells_of(placing.posterior), cells, atol=0.02, rtol=0.05)
-            assert not placing.novel and placing.at_rest == 0
+            assert not placing.novel and placing.unpressed == 0
 
 
 def test_regions_of_parts_of_sweeps_hold_the_touch_as_often_as_they_say(own):
@@ -47,9 +47,9 @@ def test_regions_of_parts_of_sweeps_hold_the_touch_as_often_as_they_say(own):
 
 def test_rest_is_told_from_touches_and_neither_from_what_is_none(own):
     X, _ = touches(20, 3)
-    assert max(told(own, x, EVERY).at_rest for x in X) < 0.05
+    assert max(told(own, x, EVERY).unpressed for x in X) < 0.05
     nothing = own.noise_ * np.random.default_rng(1).standard_normal((20, 2 * READINGS))
-    assert min(told(own, x, EVERY).at_rest for x in nothing) > 0.95
+    assert min(told(own, x, EVERY).unpressed for x in nothing) > 0.95
     assert told(own, X[0] + 0.05 * (-1.0) ** np.arange(2 * READINGS), EVERY).novel
 
 
@@ -67,10 +67,10 @@ def test_readings_that_gain_most_shrink_the_region_most(own):
 
 
 def test_a_belief_that_a_touch_is_there_counts(own):
-    prior = prior_of(own, 0.5)
+    prior = log_prior_of(own, 0.5)
     believed = prior.copy()
     believed[1:] -= 50.0
     believed[1 + 37] += 50.0
-    placing = Placing(own, believed)
+    placing = PlacePosterior(own, believed)
     assert cells_of(placing.posterior)[:, 0].argmax() == 37
-    assert placing.at_rest > Placing(own, prior).at_rest
+    assert placing.unpressed > PlacePosterior(own, prior).unpressed

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inversion.position import ModelBasedPosition
-from rcskin.localization.inversion.response_surface import surface
+from rcskin.localization.inversion.response_surface import response_surface
 from sklearn.base import clone
 
 SIDE, TOUCH, NUMBERS = 0.12, 0.015, 12
@@ -73,7 +73,10 @@ def test_touches_without_noise_are_found_within_what_noise_would_do(own):
 
 
 def test_slopes_of_the_surface_are_differences(own):
-    curve, theta = surface(builder("", "position", ""), own.noise_), np.array([[43.0, 71.0, 2.1]])
+    curve, theta = (
+        response_surface(builder("", "position", ""), own.noise_),
+        np.array([[43.0, 71.0, 2.1]]),
+    )
     slopes = curve.slopes(theta)[0]
     for axis in range(3):
         turn = 1e-4 * np.eye(3)[axis]
@@ -83,7 +86,7 @@ def test_slopes_of_the_surface_are_differences(own):
 
 def test_the_spread_of_answers_is_that_of_the_cramer_rao_bound(own):
     theta, rng = np.array([40.0, 70.0, 2.5]), np.random.default_rng(1)
-    J = surface(builder("", "position", ""), own.noise_).slopes(theta[None])[0]
+    J = response_surface(builder("", "position", ""), own.noise_).slopes(theta[None])[0]
     bound = np.linalg.inv(J.T @ J)
     x = change(*(theta * [1e-3, 1e-3, 1]))
     told = own.predict(x + own.noise_ * rng.standard_normal((150, NUMBERS)))

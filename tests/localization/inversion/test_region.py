@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inversion.region import Places, region_of
+from rcskin.localization.inversion.region import PlaceDistribution, region_of
 
 MIDDLE, DEVIATION, SIDE = np.array([62.0, 57.0]), 8.0, 120.0
 REACH = DEVIATION * np.sqrt(-2 * np.log(0.05))
@@ -13,7 +13,7 @@ REACH = DEVIATION * np.sqrt(-2 * np.log(0.05))
 def places():
     covariance = DEVIATION**2 * np.eye(2)
     bounds = np.array([[0.0, SIDE], [0.0, SIDE]])
-    return Places(np.ones(1), MIDDLE[None], covariance[None], bounds)
+    return PlaceDistribution(np.ones(1), MIDDLE[None], covariance[None], bounds)
 
 
 def around(radius, count=24):

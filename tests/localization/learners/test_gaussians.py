@@ -1,4 +1,4 @@
-"""Normal densities: the best answers there are where classes are so, of skins that differ."""
+"""ClassDensity densities: the best answers there are where classes are so, of skins that differ."""
 
 import numpy as np
 import pytest

@@ -11,7 +11,13 @@ from rcskin.localization.learners.components import Components
 from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
-from rcskin.localization.trust.folds import PLENTY, held_out_of, judging, splits_of, told
+from rcskin.localization.trust.folds import (
+    PLENTY,
+    describe_splits,
+    held_out_indices,
+    scoring_splits,
+    splits_of,
+)
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate
 from sklearn import clone
@@ -106,10 +112,10 @@ def test_components_vary_by_one_in_sum_and_each_has_a_name():
 
 def test_sweeps_in_plenty_are_held_out_once():
     sessions = np.arange(PLENTY + 500) // 500
-    once, few = judging(None, sessions), judging(None, sessions[:2000])
-    assert len(once) == 1 and told(once, sessions) == "1 fold, whole sessions held out"
-    assert 0.15 < held_out_of(once).size / sessions.size < 0.25
-    np.testing.assert_array_equal(held_out_of(few), np.arange(2000))
+    once, few = scoring_splits(None, sessions), scoring_splits(None, sessions[:2000])
+    assert len(once) == 1 and describe_splits(once, sessions) == "1 fold, whole sessions held out"
+    assert 0.15 < held_out_indices(once).size / sessions.size < 0.25
+    np.testing.assert_array_equal(held_out_indices(few), np.arange(2000))
     assert len(few) == len(splits_of(None, sessions[:2000]))
 
 

@@ -81,7 +81,7 @@ def test_charts_for_papers_are_written_beside_the_pictures(tmp_path, monkeypatch
         monkeypatch.setattr(figures, name, lambda path, *_: path.touch())
     scenes = {name: SimpleNamespace(scene=load_scene(name)) for name in EXPERIMENTS}
     none = dict.fromkeys(("frequency", "noise", "contact"))
-    results = SimpleNamespace(rehearsals=scenes, confusions=scenes, **none)
+    results = SimpleNamespace(experiments=scenes, confusions=scenes, **none)
     draw(tmp_path, results, silent, ending)
     for each in {".png", ending}:
         assert {path.stem for path in tmp_path.glob(f"*{each}")} == {*CHARTS}

@@ -1,4 +1,4 @@
-"""A study's table: what it holds is what solving and judging every point by itself gives."""
+"""A study's table: what it holds is what solving and scoring_splits every point by itself gives."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import rcskin
 from rcskin.localization.model.training import train
 from rcskin.localization.study.axis import parse_axes
 from rcskin.localization.study.execution import scenes_of, study
-from rcskin.localization.study.point import Trial
+from rcskin.localization.study.point import EvaluationSettings
 from rcskin.localization.study.report import answers
 from rcskin.localization.study.scene_keys import scene_table
 from rcskin.simulator.press.press import Press
@@ -18,7 +18,7 @@ def run_study():
     """Runs a study of a built-in scene over axes in their syntax; gives findings, scenes, axes."""
 
     def run_study(name, *vary, draws=1, target="column", repeated=True, **more):
-        trial = Trial(target, draws, repeated)
+        trial = EvaluationSettings(target, draws, repeated)
         table = scene_table(name)
         axes = parse_axes(vary, table)
         scenes = scenes_of(table, axes, trial)
@@ -48,7 +48,7 @@ def test_the_sweeps_given_to_the_localizer_are_of_several_skins_and_of_its_own_p
         seen.append(sweeps)
         return [1.0]
 
-    monkeypatch.setattr("rcskin.localization.study.point.held_out", look)
+    monkeypatch.setattr("rcskin.localization.study.point.held_out_accuracies", look)
     run_study("strip-1x3", "press.capacitance_factor=1.5,3", draws=2, repeated=False)
     for factor, draw in zip((1.5, 1.5, 3, 3), seen, strict=True):
         assert draw.sizes["sweep"] == 2000 and np.unique(draw["session"]).size == 4
@@ -60,8 +60,8 @@ def test_the_sweeps_given_to_the_localizer_are_of_several_skins_and_of_its_own_p
 def test_presses_of_a_data_set_that_are_stated_are_taken():
     table = scene_table("strip-1x3")
     table["dataset"]["press"]["factor"] = {"distribution": "fixed", "value": 2.5}
-    (scene,) = scenes_of(table, parse_axes(["pixels.rows=1"], table), Trial())
-    assert Trial().plan(scene, 0, 1e-4).scene.dataset.press.factor.low == 2.5
+    (scene,) = scenes_of(table, parse_axes(["pixels.rows=1"], table), EvaluationSettings())
+    assert EvaluationSettings().plan(scene, 0, 1e-4).scene.dataset.press.factor.low == 2.5
 
 
 @pytest.mark.usefixtures("unlearned")
@@ -116,6 +116,8 @@ def test_answers_name_the_best_and_what_is_as_good(run_study):
 
 def test_rest_is_a_class_where_the_experiment_has_it():
     scene, *_ = scenes_of(
-        table := scene_table("strip-1x3"), parse_axes(["pixels.rows=1"], table), Trial()
+        table := scene_table("strip-1x3"),
+        parse_axes(["pixels.rows=1"], table),
+        EvaluationSettings(),
     )
-    assert Trial().nominal(scene)[0] == Press()
+    assert EvaluationSettings().nominal(scene)[0] == Press()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.localization.study.axis import Axis
 from rcskin.localization.study.execution import scenes_of
-from rcskin.localization.study.point import Trial, _family, _unread, impedances
+from rcskin.localization.study.point import EvaluationSettings, _family, _unread, impedances
 from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
@@ -35,14 +35,16 @@ def touched(make_scene):
 def test_numbers_of_surroundings_are_keys_to_vary(touched, key, unit):
     table = scene_table(touched)
     found = find_key(key, table)
-    *_, varied = scenes_of(table, [Axis(found, (1e-3 if unit == "m" else 7e-12,))], Trial())
+    *_, varied = scenes_of(
+        table, [Axis(found, (1e-3 if unit == "m" else 7e-12,))], EvaluationSettings()
+    )
     assert found.unit == unit
     assert varied == touched.with_({key: 1e-3 if unit == "m" else 7e-12})
 
 
 def test_pixels_are_pressed_by_the_finger_of_the_scene(touched):
     """As the full solver has it, to the tolerance of the reduced model that studies share."""
-    nominal, rtol = Trial().nominal(touched), 1e-3
+    nominal, rtol = EvaluationSettings().nominal(touched), 1e-3
     Z = impedances(touched, nominal, _family(_unread(touched), rtol), rtol)
     solver = Solver(touched, 1e-5)
     exact = np.stack([solver.solve(press).Z for press in nominal])

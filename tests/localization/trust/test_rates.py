@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.trust.rates import CONFIDENCE, at_least, rate_told
+from rcskin.localization.trust.rates import CONFIDENCE, lower_bound, rate_text
 
 
 @pytest.mark.parametrize(
@@ -15,12 +15,12 @@ from rcskin.localization.trust.rates import CONFIDENCE, at_least, rate_told
     ],
 )
 def test_it_is_said_of_how_many(right, total, told):
-    assert rate_told(right, total) == told
+    assert rate_text(right, total) == told
 
 
 @pytest.mark.parametrize("rate", [0.5, 0.9, 0.99])
 def test_the_bound_holds_as_often_as_it_says(rate):
     found = np.random.default_rng(0).binomial(60, rate, 1500)
     counts, times = np.unique(found, return_counts=True)
-    kept = sum(n for k, n in zip(counts, times, strict=True) if at_least(int(k), 60) <= rate)
+    kept = sum(n for k, n in zip(counts, times, strict=True) if lower_bound(int(k), 60) <= rate)
     assert kept / found.size > CONFIDENCE - 0.015

@@ -5,7 +5,7 @@ import shutil
 
 import pytest
 from rcskin.hardware.record.press_order import standard_order
-from rcskin.localization.study.point import Trial
+from rcskin.localization.study.point import EvaluationSettings
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
@@ -102,6 +102,6 @@ def test_repetitions_that_memory_does_not_bear_are_refused(machine):
     machine(memory=1e9)
     often = load_scene("glove").with_({"experiment.repetitions": 10**6})
     with pytest.raises(InputError, match="sweeps of 20 readings would need"):
-        Trial(repeated=True).check(often)
+        EvaluationSettings(repeated=True).check(often)
     with pytest.raises(InputError, match="10000 sweeps of each of 100 x 100 pixels would need"):
         standard_order(100, 100, 10_000)
