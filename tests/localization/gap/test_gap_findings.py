@@ -88,7 +88,10 @@ def test_without_a_scene_nothing_is_calibrated_or_explained(make_skin_sweeps, ma
     findings = make_findings(make_skin_sweeps().drop_attrs(), make_skin_sweeps(6).drop_attrs())
     assert list(findings.stages) == ["before"]
     assert findings.causes == ()
-    assert findings.trial.error is not None and "repeatability" in findings.trial.error.source
+    assert (
+        findings.trial.reading_deviation is not None
+        and "repeatability" in findings.trial.reading_deviation.source
+    )
     assert told(findings, "the scene is unknown; --scene names it")
 
 
@@ -136,7 +139,7 @@ def test_one_class_alone_cannot_be_asked_for(make_skin_sweeps, make_findings):
         ({"target": "position"}, "`target` must be one of column, row, pixel, got 'position'"),
         ({"draws": 0}, "`draws` must be >= 1, got 0"),
         ({"seed": -1}, "`seed` must be >= 0, got -1"),
-        ({"touches": -1}, "`calibration-touches` must be >= 0, got -1"),
+        ({"calibration_touches": -1}, "`calibration-touches` must be >= 0, got -1"),
     ],
 )
 def test_values_out_of_range_are_refused(asked, message):
