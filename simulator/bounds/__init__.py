@@ -1,1 +1,1 @@
-"""What readings can tell at most: what limits are made of, and designs are judged by."""
+"""Bounds on the information in readings, for limits and for scores of designs."""

@@ -1,10 +1,10 @@
-"""The best that any classifier can do with one sweep of a skin it knows: Bayes' decision.
+"""Accuracy of the best classifier of one sweep of a known skin: Bayes' decision.
 
-Presses are drawn, read with the meter's errors, and every hypothesis is weighed by how likely the
-reading is under it, strengths summed over. The mean probability of the likeliest answer is the
-accuracy of the best classifier there can be; its standard error is that of the draws. The sum over
-strengths takes steps of at most STEP of the meter's error, at which it is exact to 3e-4. Readings
-are a smooth function of the strength of each touch: those at a few nodes give all others.
+Presses are drawn and read with the meter's errors. The posterior of every hypothesis is its
+likelihood, summed over strengths. The mean probability of the likeliest answer is the accuracy of
+the best possible classifier; its standard error is that of the draws. The sum over strengths has
+steps of at most STEP of the meter's error, at which it is exact to 3e-4. Readings are a smooth
+function of the strength of each touch and are interpolated between a few nodes.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ STEP = 1.5
 FIRST_LOOK = 9
 MOST_TEMPLATES = 3_000_000
 LEFT_OUT = 0.015
-"""Of the meter's error: what readings between nodes may be off by, and lose to fewer numbers."""
+"""Largest error of interpolation, and of the projection on axes, over the meter's error."""
 NODES = (3, 65)
-"""Strengths of a touch that others are interpolated between, at first and at most."""
+"""First and largest number of strengths of a touch between which others are interpolated."""
 KEPT = 256
-"""Counts of strengths, of which weights are kept."""
+"""Number of counts of strengths whose weights are cached."""
 
 Array = NDArray[np.float64]
 
 
 class Accuracy(NamedTuple):
-    """Share of sweeps whose answer is right, and its standard error by the number of draws."""
+    """Share of correct sweeps, and its standard error by the number of draws."""
 
     share: float
     error: float
@@ -53,7 +53,7 @@ class Accuracy(NamedTuple):
 
 @dataclass(frozen=True)
 class Judged:
-    """Probability that the best answer to each draw is right, shape (draw,)."""
+    """Probability that the best answer to each draw is correct, shape (draw,)."""
 
     right: Array
 
@@ -63,7 +63,7 @@ class Judged:
         return _mean(self.right)
 
     def above(self, other: Judged) -> Accuracy:
-        """By how much the accuracy exceeds another of the same draws, and that one's error."""
+        """Difference of the accuracy from another of the same draws, and its standard error."""
         return _mean(self.right - other.right)
 
 
@@ -75,7 +75,7 @@ def bayes(
     draws: int,
     progress: ProgressCallback = silent,
 ) -> Accuracy:
-    """The accuracy. among: in order of their answers. Raises InputError for noise too small."""
+    """Bayes' accuracy. among: hypotheses by answer. Raises InputError for too small noise."""
     readings.train(progress)
     random = np.random.default_rng(seed)
     drawn = Draws(among, presses, random, draws, _enough(readings, among, presses))
@@ -89,7 +89,7 @@ def bayes(
 
 
 def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> int:
-    """How many strengths give those between them to LEFT_OUT, of every pixel alone."""
+    """Number of nodes at which interpolated readings of every single pixel reach LEFT_OUT."""
     low, high = float(presses.low), float(presses.high)
     if low == high:
         return 1
@@ -115,7 +115,7 @@ def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistrib
 
 
 class Draws:
-    """Presses of hypotheses, drawn, and what the best classifier makes of readings of them."""
+    """Random presses of hypotheses, and the scores of the best classifier on their readings."""
 
     def __init__(
         self,
@@ -125,7 +125,7 @@ class Draws:
         draws: int,
         nodes: int,
     ) -> None:
-        """among: in order of their answers. nodes: strengths of each touch that are read."""
+        """among: hypotheses ordered by answer. nodes: number of strengths of each touch."""
         self._among, self._presses = among, presses
         self._which = random.choice(len(among), draws, p=[each.chance for each in among])
         self._touches = max(1, *(len(each.pixels) for each in among))
@@ -137,13 +137,16 @@ class Draws:
         return len(self._which)
 
     def batch(self, among: Sequence[Hypothesis], scene: Scene) -> PressBatch:
-        """Each hypothesis pressed at nodes in all ways, on the pixels of a scene."""
+        """All hypotheses at all combinations of nodes, as presses on the pixels of a scene."""
         ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
         return PressBatch.of(each.on(scene, way) for each in among for way in ways - 1)
 
     def judged(self, nodes: Array, errors: Array) -> Judged:
-        """nodes: whitened readings of `batch` of all, shape (hypothesis, way, number). errors: of
-        the meter, whitened, shape (draw, number). Raises InputError for noise too small."""
+        """Scores of all draws.
+
+        nodes: whitened readings of `batch`, shape (hypothesis, combination, number). errors:
+        whitened errors of the meter, shape (draw, number). Raises InputError for too small noise.
+        """
         axes = axes_of(nodes.reshape(-1, nodes.shape[-1]), LEFT_OUT)
         nodes = axes.of(nodes)
         clean = np.einsum("dk,dkn->dn", self._at_draws, nodes[self._which])
@@ -155,7 +158,7 @@ class Draws:
 
     @cached_property
     def _at_draws(self) -> Array:
-        """From readings in all ways to those drawn, shape (draw, way)."""
+        """Interpolation from all combinations of nodes to the draws, shape (draw, combination)."""
         found = np.ones((len(self._factors), 1))
         for factors in self._factors.T:
             more = self._between(factors)
@@ -163,20 +166,22 @@ class Draws:
         return found
 
     def _between(self, factors: Array) -> Array:
-        """From readings at nodes of one touch to those at factors, shape (factor, node)."""
+        """Interpolation from nodes of one touch to factors, shape (factor, node)."""
         if len(self._nodes) == 1:
             return np.ones((len(factors), 1))
         return barycentric(self._nodes, factors)
 
     @cached_method(KEPT)
     def _strengths(self, count: int) -> tuple[Array, Array]:
-        """From readings at nodes of one touch to those at so many strengths, (strength, node), and
-        the weight of each."""
+        """Interpolation from nodes of one touch to `count` strengths, shape (strength, node).
+
+        Also returns the weight of each strength.
+        """
         found = strengths(self._presses, count)
         return self._between(found.factor), found.weight
 
     def _templates(self, nodes: Array) -> tuple[Templates, NDArray[np.int64]]:
-        """All hypotheses at all strengths, and where the tiles of these begin."""
+        """Templates of all hypotheses at all strengths, and the starts of their tiles."""
         counts = [self._steps(own) for own in nodes]
         sizes = [math.prod(own) for own in counts]
         if sum(sizes) > MOST_TEMPLATES:
@@ -197,13 +202,13 @@ class Draws:
 
     @cached_method(KEPT)
     def _tiled(self, counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-        """As `in_tiles`, and the weight of each strength in that order."""
+        """Order and starts of `in_tiles`, and the weight of each strength in that order."""
         order, starts = in_tiles(counts)
         weight = reduce(np.multiply.outer, [self._strengths(count)[1] for count in counts])
         return order, starts, weight.ravel()[order]
 
     def _at_strengths(self, nodes: Array, counts: Sequence[int]) -> Array:
-        """Readings of one hypothesis at so many strengths of each touch, in all ways."""
+        """Readings of one hypothesis at all combinations of `counts` strengths of each touch."""
         found = self._by_touch(nodes)
         for touch, count in enumerate(counts):
             turned = np.tensordot(self._strengths(count)[0], found, axes=(1, touch))
@@ -211,8 +216,10 @@ class Draws:
         return found.reshape(-1, found.shape[-1])
 
     def _steps(self, nodes: Array) -> tuple[int, ...]:
-        """As many strengths of each touch as are no further apart than STEP of the meter's error,
-        however strong the other is."""
+        """Numbers of strengths of each touch with steps of at most STEP of the meter's error.
+
+        This holds at all strengths of the other touch.
+        """
         if len(self._nodes) == 1:
             return (1,) * self._touches
         found, (turn, _), counts = self._by_touch(nodes), self._strengths(FIRST_LOOK), []

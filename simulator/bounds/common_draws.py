@@ -1,7 +1,7 @@
 """Bayes' accuracy of pressed pixels for many skins and readings, with the same draws for all.
 
-The same pixels, strengths and errors of the meter are drawn for every one, so that the difference
-of two has a far smaller error than each.
+All use the same random pixels, strengths and errors of the meter, so that the difference of two
+accuracies has a far smaller error than each of them.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from .bayes import Array, Draws, Judged
 from .readings import hypotheses
 
 NODES = 6
-"""Strengths of each touch that are read: as many for all skins, which give readings between them to
-a small part of the meter's error."""
+"""Number of strengths of each touch, the same for all skins. Interpolation between them has an
+error far below the meter's."""
 TOLD = ("column", "row", "pixel", "pair")
 KEPT = 256
-"""Draws of interfaces."""
+"""Number of interfaces whose errors are cached."""
 
 
 class CommonDraws:
-    """Draws of presses and of the meter's errors, and what the best classifier makes of them."""
+    """Random presses and errors of the meter, and the scores of the best classifier on them."""
 
     def __init__(
         self,
@@ -44,9 +44,11 @@ class CommonDraws:
         draws: int = 2000,
         against_rest: int = 0,
     ) -> None:
-        """scene: its pixels and meter count; other arguments as of `bayes_accuracy`. Raises
-        InputError for another target than column, row, pixel and pair, and for a meter without
-        noise."""
+        """scene: for its pixels and meter. Other arguments: see `bayes_accuracy`.
+
+        Raises InputError for a target other than column, row, pixel and pair, and for a meter
+        without noise.
+        """
         if target not in TOLD:
             raise InputError(f"`target` must be one of {', '.join(TOLD)}, got {target!r}")
         self._scene, self._seed, self._against_rest = scene, seed, against_rest
@@ -56,9 +58,9 @@ class CommonDraws:
     def judged(
         self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_] | None = None
     ) -> Judged:
-        """For one skin whose model is read in these ways.
+        """Scores for one skin with these readings.
 
-        told: which of the readings are taken, shape (interface, frequency); as they say for None.
+        told: True for readings that are used, shape (interface, frequency); None: all of `reading`.
         """
         told = reading.read if told is None else told
         each = zip(reading.interfaces, told, strict=True)
@@ -73,7 +75,7 @@ class CommonDraws:
         return random.standard_normal((len(self._draws), 2, frequencies))
 
     def _whitened(self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_]) -> Array:
-        """Readings of every hypothesis in all ways, shape (hypothesis, way, number)."""
+        """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
         frequency = reading.frequency
         batch = self._draws.batch(self._among, self._scene)
         Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
@@ -84,9 +86,9 @@ class CommonDraws:
         return flat.reshape(len(self._among), -1, flat.shape[1])
 
     def _of_interface(self, numbers: Array, told: NDArray[np.bool_]) -> Array:
-        """Numbers (press, 2, frequency) of one interface, each erring by 1, shape (press, n).
+        """Whitens numbers (press, 2, frequency) of one interface, to shape (press, n).
 
-        What all frequencies share of a session's errors is taken from their mean.
+        The session's errors, common to all frequencies, reduce the mean over frequencies.
         """
         readout, kept = self._scene.readout, numbers[..., told]
         noise = errors_of(self._scene, self._against_rest).noise[:, None]

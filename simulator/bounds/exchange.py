@@ -1,4 +1,4 @@
-"""Choices of some of many candidates: growth by the best each time, then exchanges."""
+"""Choice of n of many candidates: greedy growth, then exchanges."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Score = Callable[[NDArray[np.int64]], NDArray[np.float64]]
-"""From choices, shape (choice, n), to what is to be small, shape (choice,)."""
+"""Function from choices, shape (choice, n), to the minimized score, shape (choice,)."""
 
 GAIN = 1e-9
-"""Of the score, that an exchange must gain."""
+"""Smallest relative decrease of the score by an exchange."""
 
 
 def best_choice(
@@ -21,11 +21,11 @@ def best_choice(
     starts: Sequence[NDArray[np.int64]] = (),
     excludes: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.int64]:
-    """n candidates of the least score, ascending: the best of exchanges from several starts.
+    """n candidates of low score, ascending: the best result of exchanges from several starts.
 
-    starts: further choices to begin at, beside the one that grows by the best candidate each time.
-    excludes: which candidates are not chosen with which, shape (candidate, candidate), symmetric;
-    by default each with itself. Some choice of n must be left by it wherever choosing begins.
+    starts: further choices to begin at, in addition to the greedy one. excludes: True for pairs of
+    candidates that exclude each other, shape (candidate, candidate), symmetric; by default each
+    candidate excludes itself. It must allow a choice of n from any start.
     """
     excludes = np.eye(candidates, dtype=bool) if excludes is None else excludes
     begun = [_grown(score, n, excludes), *starts]
@@ -61,6 +61,6 @@ def _exchanged(
 
 
 def _with_each(chosen: NDArray[np.int64], excludes: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The choice and one more, for every candidate it leaves, shape (option, n + 1)."""
+    """The choice plus one more, for every allowed candidate, shape (option, n + 1)."""
     more = np.flatnonzero(~excludes[chosen].any(axis=0))
     return np.column_stack([np.tile(chosen, (len(more), 1)), more]).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What sweeps tell, as matrices: of the meter's errors, of a skin that is not quite known."""
+"""Fisher information of sweeps, with the meter's errors and an uncertain skin as unknowns."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..measure.readout import ErrorModel, observed_slope
 from ..scene.scene import Scene
 
 RIDGE = 1e-12
-"""Added to the information, scaled to a unit diagonal: what is less than this is none."""
+"""Added to the information, scaled to a unit diagonal; smaller information counts as none."""
 
 
 def summed(slopes: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -25,8 +25,8 @@ def summed(slopes: NDArray[np.float64]) -> NDArray[np.float64]:
 def covariances(information: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
     """Bound on the covariance of the first `wanted` unknowns, shape (..., wanted, wanted).
 
-    information: with priors, shape (..., p, p). The variance of an unknown of which there is none
-    at all is infinite.
+    information: with priors, shape (..., p, p). An unknown without any information has an infinite
+    variance.
     """
     diagonal = np.diagonal(information, axis1=-2, axis2=-1)
     none = diagonal <= 0
@@ -51,9 +51,9 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorModel:
-    """The errors of a sweep of a scene at so many frequencies, all of them at all interfaces.
+    """Error model of a sweep of a scene with all interfaces at `frequencies` frequencies.
 
-    Raises InputError without noise.
+    Raises InputError for a meter without noise.
     """
     read = np.ones((len(scene.interfaces), frequencies), dtype=bool)
     return ErrorModel(scene.readout, read, against_rest=against_rest)
@@ -62,16 +62,20 @@ def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorM
 def in_noise(
     Z: NDArray[np.complex128], slopes: Sequence[NDArray[np.complex128]], model: ErrorModel
 ) -> NDArray[np.float64]:
-    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope); 0 where
-    nothing is read."""
+    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope).
+
+    They are 0 where nothing is read.
+    """
     shape = 2, *model.read.shape
     columns = [observed_slope(Z, dZ).reshape(shape) / _deviation(model) for dZ in slopes]
     return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
 
 
 def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Slopes by gain and turn of each interface, shape (interface, frequency, 2, unknown), and
-    1/deviation² of each unknown; none where they drop out."""
+    """Slopes by gain and phase error of each interface, (interface, frequency, 2, unknown).
+
+    Also returns 1/deviation² of each unknown. There are none where these errors cancel.
+    """
     accuracy = np.array([model.readout.magnitude_accuracy, model.readout.phase_accuracy])
     quantities = [] if model.against_rest else np.flatnonzero(accuracy > 0).tolist()
     unknown = [(i, q) for i in range(len(model.read)) for q in quantities]
@@ -83,12 +87,12 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 def _deviation(model: ErrorModel) -> NDArray[np.float64]:
-    """Of each reading, infinite where there is none, shape (2, interface, frequency)."""
+    """Standard deviation of each reading, infinite for none, shape (2, interface, frequency)."""
     return np.where(model.read, model.noise[:, None, None], np.inf)
 
 
 def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:
-    """Where each pixel lies on a grid of so many cells along its sides, (row, column) of cells."""
+    """Map of each pixel on a grid with `cells` along each of its sides, (row, column) of cells."""
     rows, columns = scene.pixels.rows, scene.pixels.columns
     units = np.eye(rows * columns).reshape(-1, rows, columns)
     return {

@@ -1,8 +1,9 @@
-"""How well one sweep tells where and how strongly a skin is touched: Cramér and Rao's bound.
+"""Cramér and Rao's bound on position and strength of a touch from one sweep.
 
-A touch is a rectangle of known size, anywhere; unknown are x, y and its strength, the rise of
-capacitance over that at rest, and of a finger its capacitance to earth. Beside them the meter's
-errors of the session are unknown and, on demand, the skin, within the spread of [dataset.session].
+A touch is a rectangle of known size at any position. The unknowns are x, y and its strength, which
+is the rise of capacitance over the unpressed one, and for a finger its capacitance to earth. The
+meter's errors of the session are unknown too and, as an option, the skin within the spread of
+[dataset.session].
 """
 
 from __future__ import annotations
@@ -42,10 +43,10 @@ WHOLE = 1 - 1e-6
 
 @dataclass(frozen=True)
 class Bounds:
-    """Standard deviations that no unbiased estimate goes below, infinite where nothing is told.
+    """Smallest standard deviations of unbiased estimates, infinite where nothing is resolved.
 
-    places: (x, y) in m, shape (place, 2). x, y: m; strength: of capacitance at rest; (place,).
-    correlation: of errors of x and y, shape (place,). room: as of `Slopes`.
+    places: (x, y) in m, shape (place, 2). x, y: m; strength: over the unpressed capacitance; shape
+    (place,). correlation: of errors of x and y, shape (place,). room: see `Slopes`.
     """
 
     places: NDArray[np.float64]
@@ -56,8 +57,10 @@ class Bounds:
     room: tuple[float, float]
 
     def median_error(self, draws: int = 256, seed: int = 0) -> float:
-        """Distance in m below which half of all errors lie, over all places, for an estimate with
-        normal errors at the bound; a coordinate that is not told errs as far as there is room."""
+        """Median error in m over all positions, for normal errors with the bound's deviations.
+
+        A coordinate that is not resolved has the standard deviation of a guess over its range.
+        """
         first, second = np.random.default_rng(seed).standard_normal((2, draws, len(self.places)))
         along = np.sqrt(1 - self.correlation**2) * second + self.correlation * first
         x, y = (
@@ -69,12 +72,12 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Slopes:
-    """Derivatives of all readings by what is unknown, over the meter's noise.
+    """Derivatives of all readings by the unknowns, over the meter's noise.
 
-    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED first,
-    then a finger's capacitance. prior: 1/deviation² of each unknown, shape (unknown,). frequency:
-    Hz. room: how far the middle of a touch can move along x and y, m: no bound beyond that tells
-    anything.
+    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED
+    first, then a finger's capacitance. prior: 1/deviation² of each unknown, shape (unknown,).
+    frequency: Hz. room: range of the middle of a touch along x and y, m; a deviation above it
+    resolves nothing.
     """
 
     places: NDArray[np.float64]
@@ -89,9 +92,10 @@ class Slopes:
         interfaces: Sequence[int] | None = None,
         taken: NDArray[np.bool_] | None = None,
     ) -> Bounds:
-        """Of sweeps at some of the frequencies, in Hz, and through some of the interfaces only.
+        """Bounds for sweeps at some of the frequencies, in Hz, and some of the interfaces.
 
-        taken: which of these is read at which of those, shape (interface, frequency); None for all.
+        taken: True where an interface is read at a frequency, shape (interface, frequency); None:
+        everywhere.
         """
         chosen = slice(None) if frequencies is None else self.number(frequencies)
         by = self.by if interfaces is None else self.by[:, list(interfaces)]
@@ -101,15 +105,15 @@ class Slopes:
         return self.of_information(summed(by)[:, chosen].sum(axis=1))
 
     def some(self, step: int) -> Slopes:
-        """Of every so many places only."""
+        """The slopes at every `step`-th position."""
         return replace(self, places=self.places[::step], by=self.by[::step])
 
     def number(self, frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Where these frequencies stand."""
+        """Indices of these frequencies."""
         return np.searchsorted(self.frequency, frequencies)
 
     def of_information(self, information: NDArray[np.float64]) -> Bounds:
-        """information: without priors, shape (place, unknown, unknown)."""
+        """Bounds from the information without priors, shape (place, unknown, unknown)."""
         covariance = covariances(information + np.diag(self.prior), len(WANTED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
         x, y = (np.where(spread[:, k] < self.room[k], spread[:, k], np.inf) for k in (0, 1))
@@ -120,9 +124,9 @@ class Slopes:
 
 
 def chosen_touch(scene: Scene, size: float | None = None, factor: float | None = None) -> TouchSize:
-    """A touch as large as a pixel, or a square of `size` in m; of the scene's factor or another.
+    """A touch of the size of a pixel, or a square of `size` in m; factor: default the scene's.
 
-    Raises InputError where it does not fit the skin or does not change it.
+    Raises InputError where it is larger than the skin or does not change the capacitance.
     """
     skin, pixels = scene.skin, scene.pixels
     width, height = skin.length / pixels.columns, skin.width / pixels.rows
@@ -143,8 +147,10 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
 
 
 def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
-    """Middles of touches that lie on the skin whole: those of cells, or where a side leaves none,
-    the skin's own middle; at most `most` along each side. Of other outlines as `_on_skin` says."""
+    """Middles of touches inside the skin: the middles of cells, at most `most` on each side.
+
+    Where no cell fits along a side, it is the middle of the skin. Other outlines: see `_on_skin`.
+    """
     skin, grid = scene.skin, scene.divided(cells).pixels.shape
     x = _along(skin.length, grid[1], touch.width, most)
     y = _along(skin.width, grid[0], touch.height, most)
@@ -155,7 +161,7 @@ def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = Non
 def _on_skin(
     scene: Scene, places: Sequence[Place], touch: TouchSize, grid: tuple[int, int]
 ) -> list[Place]:
-    """Those whose cells are skin all over; where no touch finds room, the one with most of it."""
+    """The positions whose cells are all skin; where there is none, those with most skin."""
     part = held(scene.on_grid(*grid)).part.reshape(grid)
     cells = Cells.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
@@ -176,12 +182,12 @@ def position_slopes(
     laying: Cells | Deep | None = None,
     model: ErrorModel | None = None,
 ) -> Slopes:
-    """Derivatives at every place, of all interfaces at all frequencies, in Hz, ascending.
+    """Slopes at every position, for all interfaces at all frequencies, in Hz, ascending.
 
-    against_rest: how many sweeps of the skin at rest the sweep is compared with, 0 for none.
-    unknown_skin: whether the skin is among what is unknown. laying: how touches are laid on cells,
-    by default as `touches_on` says. model: of a meter that does not read all interfaces at all
-    frequencies. Raises InputError for a meter without noise, and as that lays.
+    against_rest: number of baseline sweeps that the sweep is compared with, 0 for none.
+    unknown_skin: True if the skin is unknown too. laying: rasterizer of touches, by default
+    `touches_on`. model: error model, needed where not all interfaces are read at all
+    frequencies. Raises InputError for a meter without noise, and as the laying does.
     """
     scene = fields.scene
     model = model or error_model(scene, len(frequency), against_rest)
@@ -205,8 +211,10 @@ def position_slopes(
 def errors_of_places(
     fields: AnyFields, places: Sequence[Place], touch: TouchSize
 ) -> LaidErrors | None:
-    """What laying touches on cells changes, of a sample of places; None where they are pressed by
-    factors, which end at their edges. Raises as `laid_errors`."""
+    """Errors of touches rasterized on cells, at a sample of positions.
+
+    None where presses are factors, which end at their edges. Raises as `laid_errors`.
+    """
     scene = fields.scene
     deep = touches_on(scene, fields.grid, touch)
     if not isinstance(deep, Deep):
@@ -246,12 +254,12 @@ class SkinUnknowns:
         self.prior = np.array([1 / each**2 for each in self.deviations.values()])
 
     def maps(self, factors: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """How c changes with the foam of each pixel; fingers do not."""
+        """Change of c with the foam of each pixel; fingers do not change with it."""
         of_foam = factors if factors.ndim == 2 else factors * np.array([1.0, 0.0])[:, None, None]
         return {name: pixel * of_foam for name, pixel in self._pixels.items()}
 
     def slopes(self, answer: Response) -> NDArray[np.float64]:
-        """Of a press, less those of the skin at rest where that is what it is compared with."""
+        """Slopes of a press, minus those of the baseline where one is subtracted."""
         found = self._in_noise(answer)
         return found - self._in_noise(self._rest) if self._model.against_rest else found
 

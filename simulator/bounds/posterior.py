@@ -1,6 +1,6 @@
-"""How likely each answer is to a reading, by all readings that answers let expect.
+"""Posterior probability of answers to a reading, from templates of expected readings.
 
-All errors of readings are independent and normal with deviation 1.
+Errors of readings are independent and normal with standard deviation 1.
 """
 
 from __future__ import annotations
@@ -12,25 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-"""Of float64, or of float32 where that is enough."""
+"""Array of float64, or of float32 where that precision is enough."""
 
 AT_ONCE = 20_000_000
-"""Numbers that are held at once."""
+"""Largest number of values in memory at once."""
 
 
 class Axes(NamedTuple):
-    """From readings to few numbers: orthogonal axes, shape (number, axis), from an origin."""
+    """Projection of readings on few orthogonal axes (`turn`), shape (number, axis)."""
 
     origin: Array
     turn: Array
 
     def of(self, readings: Array) -> Array:
-        """Shape (..., number) to (..., axis)."""
+        """Coordinates of readings, shape (..., number) to (..., axis)."""
         return (readings - self.origin) @ self.turn
 
 
 def axes_of(readings: Array, left_out: float = 0.0, most: int | None = None) -> Axes:
-    """Along which readings differ, until none lies further off than `left_out`; `most` of these."""
+    """Principal axes of readings, until no residual exceeds `left_out`; at most `most` axes."""
     origin = readings.mean(axis=0)
     centred = readings - origin
     _, turn = np.linalg.eigh(centred.T @ centred)
@@ -40,10 +40,10 @@ def axes_of(readings: Array, left_out: float = 0.0, most: int | None = None) -> 
 
 
 class Templates(NamedTuple):
-    """Readings to expect, those of each answer together.
+    """Expected readings, grouped by answer.
 
-    readings: shape (template, number). chance: of each, shape (template,). starts: of the templates
-    of each answer.
+    readings: shape (template, number). chance: prior of each, shape (template,). starts: index of
+    the first template of each answer.
     """
 
     readings: Array
@@ -52,14 +52,16 @@ class Templates(NamedTuple):
 
     @property
     def prior(self) -> Array:
-        """ln of how likely a template is to no reading at all, but for a constant, (template,)."""
+        """Logarithm of the part of the likelihood without the reading, shape (template,)."""
         with np.errstate(divide="ignore"):
             return np.log(self.chance) - (self.readings**2).sum(axis=1) / 2
 
 
 def starts_of(answers: Sequence[object], counts: Sequence[int]) -> NDArray[np.int64]:
-    """Where each answer's templates begin. answers: of hypotheses, the same ones side by side.
-    counts: templates of each hypothesis."""
+    """Index of the first template of each answer.
+
+    answers: of the hypotheses, equal ones next to each other. counts: templates of each hypothesis.
+    """
     begun = [k for k in range(len(answers)) if k == 0 or answers[k] != answers[k - 1]]
     return np.cumsum([0, *counts])[begun]
 

@@ -1,4 +1,4 @@
-"""Touches to be told apart, and what the meter reads of each."""
+"""Hypotheses of touches, and the meter's readings of each."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ TARGETS: tuple[str, ...] = get_args(Target)
 Pixel = tuple[int, int]
 
 BYTES_FOR_HYPOTHESIS = 400
-"""Of the pair, of what holds it and of its answer, as Python keeps them."""
+"""Memory for a pair, its container and its answer as Python objects."""
 
 NONE = (-1, -1)
-"""What counts as row and column 0: the skin at rest."""
+"""Pixel of the unpressed skin, which becomes row and column 0."""
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Pixels touched, (row, column) from 0; the answer that is right then; how likely it is.
+    """Touched pixels, (row, column) from 0, with the correct answer and the prior (`chance`).
 
-    fingers: capacitance of each touch to earth, F; none of rods. presses: whether touches press,
-    too.
+    fingers: capacitance of each touch to earth, F; empty for rods. presses: True if touches also
+    press.
     """
 
     pixels: tuple[Pixel, ...]
@@ -65,7 +65,7 @@ class Hypothesis:
     presses: bool = True
 
     def on(self, scene: Scene, rises: NDArray[np.float64]) -> TouchedCells:
-        """What it touches where it presses by these rises, shape (touch,), see `Parts`."""
+        """Touched parts (see `Parts`) at these rises, shape (touch,)."""
         columns = scene.pixels.columns
         cells = np.array([i * columns + j for i, j in self.pixels], dtype=np.int64)
         rises = rises[: len(cells)] * self.presses
@@ -76,7 +76,7 @@ class Hypothesis:
 
     @property
     def singles(self) -> list[Hypothesis]:
-        """Each of its touches that press, by itself."""
+        """Each of its pressing touches as a hypothesis of its own."""
         fingers = self.fingers or (0.0,) * len(self.pixels)
         each = zip(self.pixels, fingers, strict=True)
         return [
@@ -87,21 +87,21 @@ class Hypothesis:
 
 
 def by_rod(hypothesis: Hypothesis) -> Hypothesis:
-    """The same pressed by what has no capacitance to earth."""
+    """The hypothesis pressed by a rod, without capacitance to earth."""
     return replace(hypothesis, fingers=())
 
 
 def touched_alone(hypothesis: Hypothesis) -> Hypothesis:
-    """The same touched by fingers that do not press."""
+    """The hypothesis touched by fingers that do not press."""
     return replace(hypothesis, presses=False)
 
 
 def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hypothesis]:
-    """Every one of a target, ordered by answers, with the finger of the scene's `press`.
+    """All hypotheses of a target, ordered by answer, with the finger of the scene's `press`.
 
-    column, row, pixel: any one pixel, or none where the skin at rest is a class of the scene's;
-    pair: any two; touches: none, one or two, how many being as likely. size: as of `Readings`.
-    Raises InputError for another target, or too few pixels.
+    column, row, pixel: any one pixel, or none where the scene has a class for the unpressed skin;
+    pair: any two; touches: none, one or two, with equal priors. size: see `Readings`. Raises
+    InputError for another target, or too few pixels.
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
@@ -115,8 +115,10 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
 
 
 def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
-    """Any one pixel touched by a rod that presses, by a finger that does, or by one that does not;
-    the answer is which of these. size: as of `Readings`."""
+    """Hypotheses of the kind of touch: a rod, a finger that presses, or one that only touches.
+
+    Any one pixel is touched. size: see `Readings`.
+    """
     pixels = [each for each in hypotheses(scene, "pixel", size) if each.pixels]
     ways = by_rod, lambda each: each, touched_alone
     return [
@@ -135,7 +137,7 @@ def _with_fingers(scene: Scene, hypothesis: Hypothesis, size: float | None) -> H
 
 
 def place_about(scene: Scene, pixel: Pixel, size: float | None) -> Place:
-    """A whole pixel, or a square of a size in m about its middle."""
+    """A whole pixel, or a square of a size in m around its middle."""
     if size is None:
         return Touch(pixel[0] + 1, pixel[1] + 1, 1.0)
     x, y = middles(scene)[pixel[0] * scene.pixels.columns + pixel[1]]
@@ -160,7 +162,7 @@ def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]
 
 
 def _pairs(pixels: list[Pixel]) -> list[tuple[Pixel, ...]]:
-    """Any two of these pixels. Raises InputError where all of them do not fit in memory."""
+    """All pairs of these pixels. Raises InputError where they do not fit in memory."""
     count = math.comb(len(pixels), 2)
     check_memory(BYTES_FOR_HYPOTHESIS * count, f"{count} pairs of pixels", "give fewer `pixels`")
     return list(itertools.combinations(pixels, 2))
@@ -173,14 +175,14 @@ def _answer(target: str, pixel: Pixel) -> tuple[int, ...]:
 
 RTOL = 1e-4
 CELLS = 3
-"""Along each side of a pixel, that touches of another size are laid on by the area they cover."""
+"""Number of cells along each side of a pixel, for touches of another size."""
 
 LEAST_FACTOR, LARGEST_FACTOR = 0.5, 3.0
-"""Trained on at least."""
+"""Smallest range of factors for training."""
 
 
 class Readings:
-    """One skin, known, and its meter: from pixels and factors to whitened readings."""
+    """Whitened readings of a known skin and its meter, from pixels and factors."""
 
     def __init__(
         self,
@@ -189,8 +191,8 @@ class Readings:
         against_rest: int = 0,
         size: float | None = None,
     ) -> None:
-        """presses: factors that are asked for. size: m, of a square touch about the middle of each
-        pixel, in place of the whole pixel. Raises InputError for a meter without noise."""
+        """presses: distribution of factors. size: side in m of a square touch around the middle of
+        each pixel, instead of the whole pixel. Raises InputError for a meter without noise."""
         if size is not None and scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
         if size is not None:
@@ -205,14 +207,14 @@ class Readings:
             self._factors = 1.0, max(min(LARGEST_FACTOR, scene.max_factor), float(presses.high))
 
     def train(self, progress: ProgressCallback = silent) -> None:
-        """Train the reduced model, if it is not yet, and show that this goes on."""
+        """Trains the reduced model, unless it is trained, and reports progress."""
         for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
 
     def of(self, pressed: Hypothesis, factors: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Readings of the same pixels pressed in many ways, shape (press, number).
+        """Readings of many presses of the same pixels, shape (press, number).
 
-        factors: of each, shape (pixel, press).
+        factors: shape (pixel, press).
         """
         return self.of_each(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
@@ -223,8 +225,10 @@ class Readings:
         return self.model.whitened(observed(self._seen(batch)))
 
     def laid_errors(self, presses: AnyDistribution) -> LaidErrors | None:
-        """What laying touches by depth on cells changes, of a sample of pixels and strengths; None
-        where nothing is laid, or presses end at their edges."""
+        """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.
+
+        None where touches are whole pixels, or presses end at their edges.
+        """
         if self._size is None or not isinstance(self._touches, DeepOnes):
             return None
         pixels = held(self.scene).numbers
@@ -243,14 +247,14 @@ class Readings:
         return self.scene.leads.at_meter(Z, frequency)
 
     def _laid(self, batch: PressBatch) -> PressBatch:
-        """Touches about the middles of pixels as cells."""
+        """Touches around the middles of pixels, rasterized on cells."""
         assert self._size is not None
         grid = self.scene.divided(CELLS).pixels.shape
         return laid_with_fingers(self.scene, grid, self._touches, batch, self._size)
 
     @cached_property
     def _divided(self) -> Scene:
-        """The scene with cells for pixels, which rise evenly."""
+        """The scene with cells as pixels, each with a uniform rise."""
         return uniformly_pressed(self.scene.divided(CELLS), "a limit")
 
     @cached_property

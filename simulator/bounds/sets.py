@@ -1,4 +1,4 @@
-"""Sets of frequencies that others would choose, and the band to choose from."""
+"""Reference sets of frequencies, and candidates in a band."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from ..sweeps import InputError
 
 EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
 DISTINCT = 1.1
-"""Least ratio of two chosen frequencies. Nearer, the field's reach, which falls as the root of the
-frequency, differs by less than 5 %: a second reading repeats the first, which `repeats` is for."""
+"""Smallest ratio of two chosen frequencies. The penetration depth falls with the root of the
+frequency; below this ratio it differs by less than 5 %, and the second reading repeats the first.
+`repeats` allows that."""
 DIGITS = 6
-"""A meter is told its frequencies in so many."""
+"""Significant digits of a meter's frequencies."""
 
 
 def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
-    """f_i = 0.0382 / (R C x_i²) in Hz, ascending, x_i = i l / n from the fed edge for i = 1 .. n.
+    """f_i = 0.0382 / (R C x_i²) in Hz, ascending; x_i = i l / n from the driven edge, i = 1 .. n.
 
-    R C of loop and foam for each length along the skin is sheet resistance times capacitance per
-    area. Source: paper Eq 6.
+    R C per squared length is the resistance of both sheets times the capacitance per area. Source:
+    paper Eq 6.
     """
     skin = scene.skin
     sheets = skin.both_sheets
@@ -35,25 +36,24 @@ def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
 
 
 def logarithmic(band: tuple[float, float], n: int) -> NDArray[np.float64]:
-    """n frequencies in Hz evenly spaced on a logarithmic scale over a band; its middle for one."""
+    """n frequencies in Hz with logarithmic spacing over a band; the middle of it for n = 1."""
     low, high = band
     return rounded(np.geomspace(low, high, n) if n > 1 else np.array([math.sqrt(low * high)]))
 
 
 def within(frequencies: NDArray[np.float64], band: tuple[float, float]) -> NDArray[np.float64]:
-    """The same, those outside a band moved to its ends."""
+    """Frequencies clipped to a band."""
     return np.clip(frequencies, *band)
 
 
 def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, NDArray[np.float64]]:
-    """n frequencies in Hz by Eq. 6 and evenly spaced, held within a band."""
+    """n frequencies in Hz by Eq. 6, and n with logarithmic spacing, clipped to a band."""
     found = {EQUATION_6: equation_6(scene, n), LOGARITHMIC: logarithmic(band, n)}
     return {name: within(frequencies, band) for name, frequencies in found.items()}
 
 
 def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> NDArray[np.float64]:
-    """Frequencies in Hz, ascending, to choose among: of a grid over the band, and the scene's own
-    in it."""
+    """Candidate frequencies in Hz, ascending: a grid over the band, and the scene's own in it."""
     own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
     return np.unique(np.concatenate([own, within(logarithmic(band, grid), band)]))
 
@@ -61,18 +61,18 @@ def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> NDArray
 def candidates_of(
     scene: Scene, n: int, band: tuple[float, float], grid: int
 ) -> NDArray[np.float64]:
-    """The same, and those of `compared`, that n are chosen among."""
+    """Candidates of `candidates_in` and the frequencies of `compared`, ascending."""
     others = compared(scene, n, band).values()
     return np.unique(np.concatenate([candidates_in(scene, band, grid), *others]))
 
 
 def own_band(scene: Scene) -> tuple[float, float]:
-    """From the lowest to the highest frequency of a scene, Hz."""
+    """Lowest and highest frequency of a scene, Hz."""
     return float(scene.frequencies[0]), float(scene.frequencies[-1])
 
 
 def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
-    """The band written LOW:HIGH in Hz, of the scene's own what is absent. Raises InputError."""
+    """The band of a text LOW:HIGH in Hz, with the scene's own as default. Raises InputError."""
     low, high = parse_band(text or ":", own_band(scene))
     if not (0 < low and high < math.inf):
         raise InputError(
@@ -82,9 +82,9 @@ def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
 
 
 def frequencies_among(text: str | None, scene: Scene) -> NDArray[np.float64] | None:
-    """What `--among` names, in Hz, ascending: the scene's frequencies, or those of a list.
+    """Frequencies of the option `--among` in Hz, ascending: the scene's, or those of a list.
 
-    Raises InputError for what is neither.
+    Raises InputError for any other text.
     """
     if text is None or text == "scene":
         return None if text is None else scene.frequencies
@@ -98,9 +98,9 @@ def frequencies_among(text: str | None, scene: Scene) -> NDArray[np.float64] | N
 
 
 def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
-    """Which frequencies in Hz, ascending, are not chosen together: those nearer than DISTINCT.
+    """True for pairs of frequencies in Hz, ascending, with a ratio below DISTINCT.
 
-    The ratio is smaller where n of them must find room: each takes a half of its share at most.
+    The ratio is smaller where n of them need it: each uses at most half of its share of the band.
     """
     logarithm = np.log(frequencies)
     room = float(np.ptp(logarithm)) / (4 * n)
@@ -109,11 +109,11 @@ def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
 
 
 def allowed(choice: NDArray[np.int64], excludes: NDArray[np.bool_]) -> bool:
-    """Whether a choice of candidates holds none that excludes another."""
+    """True if no candidates of a choice exclude each other."""
     others = excludes[np.ix_(choice, choice)]
     return bool(others[np.triu_indices(len(choice), 1)].sum() == 0)
 
 
 def rounded(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
-    """To the digits that a meter is told."""
+    """Frequencies rounded to the digits of a meter."""
     return np.array([float(f"{f:.{DIGITS}g}") for f in frequencies])

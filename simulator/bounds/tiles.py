@@ -1,8 +1,8 @@
-"""The likeliest answer among so many strengths of two touches that most are not worth a look.
+"""Posterior of answers with very many strengths of two touches, without negligible templates.
 
-Templates of neighbouring strengths form tiles. A tile lies within a ball, so that what its
-templates can add to a likelihood is bounded by the distance of the ball; where that is less than
-NEGLIGIBLE of what some template adds, none of them is looked at.
+Templates of neighbouring strengths form tiles. A tile is inside a ball, and the distance of the
+ball bounds the likelihood of its templates. A tile whose bound is less than NEGLIGIBLE of the
+likelihood of some template is skipped.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from .posterior import AT_ONCE, Array, Templates
 
 SIDE = 8
-"""Strengths of each touch in a tile."""
+"""Number of strengths of each touch in a tile."""
 NEGLIGIBLE = 1e-12
-"""Of a likelihood: what each tile may add that is left out."""
+"""Largest relative likelihood of a skipped tile."""
 
 
 class Balls(NamedTuple):
-    """One about each tile: middle (ball, number), radius and all its templates' chance, (ball,)."""
+    """Balls around tiles: middle (ball, number), radius, and prior of all templates (ball,)."""
 
     middle: Array
     radius: Array
@@ -30,8 +30,10 @@ class Balls(NamedTuple):
 
 
 def in_tiles(counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of strengths in all ways, the last touch's changing first: an order in which tiles lie
-    together, and where in it each begins."""
+    """Order of all combinations of strengths by tile, and the start of each tile in it.
+
+    The combinations are numbered with the last touch's strength changing first.
+    """
     each = np.indices(counts).reshape(len(counts), -1)
     tile = np.ravel_multi_index(tuple(each // SIDE), tuple(-(-n // SIDE) for n in counts))
     order = np.argsort(tile, kind="stable")
@@ -40,8 +42,10 @@ def in_tiles(counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def posterior_of_tiles(known: Templates, tiles: NDArray[np.int64], measured: Array) -> Array:
-    """As `posterior`, to NEGLIGIBLE times the number of tiles. tiles: their first templates,
-    ascending, each of one answer."""
+    """Result of `posterior` with a relative error of NEGLIGIBLE times the number of tiles.
+
+    tiles: index of the first template of each, ascending; each tile has one answer.
+    """
     balls = _balls(known, tiles)
     step = max(1, AT_ONCE // len(tiles))
     parts = [measured[k : k + step] for k in range(0, len(measured), step)]
@@ -73,7 +77,7 @@ def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measure
 def _near(
     known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array
 ) -> tuple[NDArray[np.bool_], Array]:
-    """Tiles that count, shape (tile, reading), and ln of what some template at least adds."""
+    """Tiles to evaluate, shape (tile, reading), and a lower bound of the log likelihood."""
     ends = np.append(tiles[1:], len(known.chance))
     squared = (balls.middle**2).sum(axis=1)[:, None] + (measured**2).sum(axis=1)
     squared -= 2 * balls.middle @ measured.T

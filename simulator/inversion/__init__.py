@@ -1,1 +1,1 @@
-"""What the localizer inverts by: tables of sweeps, of places and of skins that are not known."""
+"""Tables for localizers that invert the simulator: touches, positions and unknown skins."""

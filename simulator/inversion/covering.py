@@ -1,4 +1,4 @@
-"""Distributions as even steps, each of which stands for a normal distribution around it."""
+"""Distributions approximated by normal distributions at equally spaced values."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 OVERLAP = 0.5
-"""Deviation that a value stands for, over the step to the next: their sum is flat to 1 %."""
+"""Standard deviation of each value over the step to the next: their sum is flat to 1 %."""
 
 
 def covered(quantile: Callable[[NDArray], NDArray], count: int) -> tuple[NDArray, NDArray, float]:
-    """So many steps over a distribution, the chance of each, and the deviation it stands for."""
+    """Values at `count` equal steps of a distribution, their probabilities and their deviation."""
     draws = quantile((np.arange(2000) + 0.5) / 2000)
     low, high = quantile(np.array([0.0, 1.0]))
     if not high > low:

@@ -1,6 +1,7 @@
-"""Fingers that a scene's touches may have, for tables: their capacitances, and what is not known.
+"""Prior of the fingers of a scene's touches, for tables.
 
-Each stands for the normal distribution around it of one common deviation, as strengths do.
+Each capacitance represents a normal distribution around it, with a common deviation, as strengths
+do.
 """
 
 from __future__ import annotations
@@ -17,12 +18,14 @@ from ..sweeps import InputError
 from .covering import covered
 
 COUNT = 6
-"""Capacitances, where they are drawn."""
+"""Number of capacitances, where they are drawn."""
 
 
 class Way(NamedTuple):
-    """One way to touch a pixel: the factor under it, the finger's capacitance, F, its chance, and
-    whether it presses: its factor is not known to the last then."""
+    """One touch of a pixel: factor, capacitance of the finger in F, and probability.
+
+    presses: True if the touch presses; its factor is uncertain then.
+    """
 
     factor: float
     finger: float
@@ -31,8 +34,11 @@ class Way(NamedTuple):
 
 
 class Fingers(NamedTuple):
-    """capacitance: F, with the chance of each, shape (finger,). deviation: that each stands for, F.
-    alone: share of touches that do not press."""
+    """Prior of a finger.
+
+    capacitance: F, with the probability of each (`chance`), shape (finger,). deviation: of each, F.
+    alone: share of touches that do not press.
+    """
 
     capacitance: NDArray[np.float64]
     chance: NDArray[np.float64]
@@ -40,7 +46,7 @@ class Fingers(NamedTuple):
     alone: float
 
     def ways(self, factors: NDArray[np.float64], chances: NDArray[np.float64]) -> list[Way]:
-        """All of them, those that press first; the chances of each sum to 1."""
+        """All touches of a pixel, those that press first; their probabilities sum to 1."""
         each = list(zip(self.capacitance.tolist(), self.chance.tolist(), strict=True))
         pressed = [
             Way(factor, C, (1 - self.alone) * by_factor * by_C, True)
@@ -51,7 +57,7 @@ class Fingers(NamedTuple):
 
 
 def fingers_of(scene: Scene, presses: str) -> Fingers:
-    """As [dataset.press] draws them or, for presses "press", as [press] has one."""
+    """Fingers of [dataset.press] or, for presses "press", the finger of [press]."""
     drawn = scene.dataset.press
     if presses == "dataset" and drawn.finger is not None:
         return Fingers(*covered(drawn.finger.at, COUNT), drawn.without_press or 0.0)
@@ -60,7 +66,7 @@ def fingers_of(scene: Scene, presses: str) -> Fingers:
 
 
 def require_rods(scene: Scene, presses: str, target: str) -> None:
-    """Raises InputError where touches have fingers, which a target is not told of by tables."""
+    """Raises InputError where touches have fingers, which tables of some targets do not support."""
     if fingers_of(scene, presses).capacitance.any():
         raise InputError(
             f"{scene.name}: localizers that invert the simulator tell the {target} of presses by a "
@@ -69,6 +75,6 @@ def require_rods(scene: Scene, presses: str, target: str) -> None:
 
 
 def _own(scene: Scene) -> float:
-    """The finger of the scene's `press` on a whole pixel, F; 0 of a rod."""
+    """The finger of the scene's `press` on a whole pixel, F; 0 for a rod."""
     how = scene.press.finger
     return finger_capacitance(scene, Touch(1, 1, 1.0), how) if how else 0.0

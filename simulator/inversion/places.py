@@ -1,4 +1,4 @@
-"""Touches anywhere on the skin, as tables over place and strength that splines run through."""
+"""Tables of touches at any position, over position and strength, for splines."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from .unknown_skin import UnknownSkin
 
 NODES, STRENGTH_NODES = 15, 4
 CELLS_PER_TOUCH, MOST_CELLS = 3, 40
-"""Along its side, that a touch is laid on by the area it covers; and along the skin's, at most."""
+"""Number of cells along a side of a touch; largest number of cells along a side of the skin."""
 SQUARE = math.sqrt(math.pi) / 2
-"""Side of a square over the diameter of the disc of its area."""
+"""Side of a square over the diameter of a disc of the same area."""
 SIZE_STEP = 0.05
 GROUND = 96
-"""Cells along each side, of which is told whether they are skin."""
+"""Number of cells along each side of the mask of the skin."""
 QUANTILES = (np.arange(512) + 0.5) / 512
 
 
 def cells_per_pixel(scene: Scene) -> int:
-    """Along each side, so that the data set's touches cover enough of them."""
+    """Number of cells along each side of a pixel, so that the data set's touches cover enough."""
     side, _ = touch_size(scene)
     skin, pixels = scene.skin, scene.pixels
     needed = CELLS_PER_TOUCH / side * max(skin.length / pixels.columns, skin.width / pixels.rows)
@@ -36,12 +36,12 @@ def cells_per_pixel(scene: Scene) -> int:
 
 
 def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[str, NDArray]:
-    """Squares of the mean size of the data set's touches, whole on the skin, laid on cells.
+    """Tables of square touches inside the skin, of the mean size in the data set.
 
-    x, y [m], strength_nodes: where; values (x, y, strength, number): what is observed against rest;
-    skin (x, y, number, unknown): of the unknowns at the middle strength, the last two those of the
-    touch's own width and height; sides (2,): of the skin, m. Where the skin is no rectangle,
-    on_skin: of even cells over its sides, shape (y, x).
+    x, y [m], strength_nodes: nodes. values (x, y, strength, number): observed change from the
+    baseline. skin (x, y, number, unknown): effects of the unknowns at the middle strength; the last
+    two are the touch's own width and height. sides (2,): of the skin, m. on_skin: mask of uniform
+    cells, shape (y, x), only where the skin is not a rectangle.
     """
     scene = unknown.forward.scene
     side, deviation = touch_size(scene)
@@ -81,13 +81,13 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
 
 
 def _on_cells(scene: Scene) -> NDArray[np.bool_]:
-    """Whether the middles of even cells lie on the skin, shape (y, x)."""
+    """True where the middle of a uniform cell is on the skin, shape (y, x)."""
     x, y = ((np.arange(GROUND) + 0.5) / GROUND * side for side in scene.skin.sides)
     return covers(scene.skin, np.stack(np.meshgrid(x, y)))
 
 
 def touch_size(scene: Scene) -> tuple[float, float]:
-    """Mean side of the data set's touches as squares of their areas, and its deviation, m."""
+    """Mean and deviation of the side of squares with the areas of the data set's touches, m."""
     drawn = scene.dataset.press
     sizes = drawn.size.at(QUANTILES)
     sides = np.concatenate([sizes * (SQUARE if s == "disc" else 1.0) for s in drawn.shape])
@@ -95,7 +95,7 @@ def touch_size(scene: Scene) -> tuple[float, float]:
 
 
 def _nodes(side: float, length: float) -> NDArray[np.float64]:
-    """Places of centres, closer together towards the edges."""
+    """Positions of the nodes, closer together towards the edges."""
     turns = np.cos(np.pi * np.arange(NODES) / (NODES - 1))
     return length / 2 - (length - side) / 2 * turns
 
@@ -111,7 +111,7 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
 
 
 def _seen(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
-    """What is observed of even skins against rest, shape (press, number)."""
+    """Observed changes of uniform skins from the baseline, shape (press, number)."""
     touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
     seen = unknown.seen(unknown.forward.impedances(touched, unknown.values))
     return seen[1:] - seen[0]

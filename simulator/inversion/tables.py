@@ -1,8 +1,8 @@
-"""What a scene's touches should look like to the meter, for a localizer that inverts the simulator.
+"""Templates of a scene's touches, for localizers that invert the simulator.
 
-All is told as `observed` orders it, against the skin at rest: plain arrays, which the localizer
-takes without knowing of the simulator. Strengths are factors of capacitance; each stands for the
-normal distribution around it of one common deviation, and together they are the prior.
+All values are changes from the baseline in the order of `observed`, as arrays that do not depend on
+the simulator. Strengths are factors of capacitance; each represents a normal distribution around it
+with a common deviation, and together they are the prior.
 """
 
 from __future__ import annotations
@@ -30,9 +30,10 @@ from .unknown_skin import UnknownSkin
 Tables = dict[str, NDArray]
 STRENGTHS = 6
 RTOL = 1e-3
-"""Of Rs and Cp: a meter's noise is several times that."""
+"""Tolerance of Rs and Cp: a meter's noise is several times larger."""
 DRIFT = 1e-3
-"""As the line through the nearest sweeps at rest leaves, where presses change a skin by 5e-4."""
+"""Residual drift after a line through the nearest baseline sweeps, where presses change a skin by
+5e-4."""
 POSITION = "position"
 TWO_TOUCHES = ("touches", "pair")
 
@@ -47,20 +48,19 @@ def templates(
 ) -> Tables:
     """Tables of a scene, for a localizer of a target.
 
-    presses: whether strengths are drawn as in [dataset.press] or as [press] spreads them. rest: of
-    which skin, by the mean of so many sweeps of it at rest as `observed` has them, shape (number,);
-    without it the skin is that of the sessions' mean, and unknown as these are. drift: standard
-    deviation of what foam and sheets change by, relative, between a touch and that curve.
-    All hold deviation (number,): of one reading by the meter; drift (number, 2): of foam and sheets
-    since rest, if that is given; chances (3,): of 0, 1, 2 touches;
-    strengths (strength,), weights and spread (): the prior; weights are of strengths with each
-    finger that may touch, (strength,).
-    For pixels: grid (2,): rows and columns; pixels (place, 2): row and column;
-    single (place, strength, number): a touch; slope, of the same shape: by strength; skin (place,
-    strength, number, unknown): of each unknown of the skin at one deviation, and of drift since
-    rest; shift (place, strength, number): what is known to be added. For two touches also
-    pairs (pair, 2): places, and pair (pair, strength, strength, number). For positions: as of
-    `place_tables`.
+    presses: "dataset" for strengths of [dataset.press], "press" for those of [press]. rest: mean of
+    `averaged` baseline sweeps in the order of `observed`, shape (number,), from which the skin is
+    estimated; without it the skin is the mean of the sessions, with their uncertainty. drift:
+    relative standard deviation of changes of foam and sheets between the baseline and a touch.
+    All tables have deviation (number,): of one reading by the meter; drift (number, 2): effect of
+    drifting foam and sheets, if there is a baseline; chances (3,): of 0, 1, 2 touches; strengths
+    (strength,), weights and spread (): the prior; weights are of strengths with each possible
+    finger, (strength,).
+    For pixels: grid (2,): rows and columns; pixels (place, 2): row and column; single (place,
+    strength, number): a touch; slope, same shape: derivative by strength; skin (place, strength,
+    number, unknown): effect of one deviation of each unknown of the skin, and of drift; shift
+    (place, strength, number): known effect of the skin. For two touches also pairs (pair, 2):
+    places, and pair (pair, strength, strength, number). For positions: see `place_tables`.
     Raises InputError for a meter without noise, and as `require_rods` does for more than one touch
     and for positions.
     """
@@ -115,7 +115,7 @@ def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
 
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
-    """Strengths, the chance of each, and the deviation that each stands for."""
+    """Strengths, the probability of each, and their common deviation."""
     drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
     if presses == "press":
         return covered(own_presses(scene).at, STRENGTHS)
@@ -125,7 +125,7 @@ def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]
 
 
 def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) -> Tables:
-    """Every pixel on the skin alone in every way. of_finger: deviation of its capacitance, F."""
+    """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
     rest = unknown.seen(forward.respond(*NOTHING, unknown.values).Z)
     places = held(forward.scene).numbers
@@ -144,9 +144,9 @@ def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) ->
 
 
 def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tuple[NDArray, ...]:
-    """What is observed of it, its slope by strength, the effect of the unknown skin and shift.
+    """Observed values of a touch, slope by strength, effect of the unknown skin, and shift.
 
-    Where a finger's capacitance is not known, that is one more unknown of the touch.
+    An uncertain capacitance of a finger is one more unknown of the touch.
     """
     cells, rises = np.array([pixel]), np.array([way.factor - 1])
     if way.finger or of_finger:
@@ -163,7 +163,7 @@ def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tupl
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
-    """Every two pixels at every two strengths."""
+    """Tables of all pairs of pixels at all pairs of strengths."""
     places = held(unknown.forward.scene).numbers
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")

@@ -1,8 +1,8 @@
-"""What is not known of a skin before it is measured, and what that does to a touch's change.
+"""Unknowns of a skin before it is measured, and their effect on the change by a touch.
 
-Sheets, foam, contacts and leads differ from session to session as the scene's [dataset.session]
-draws them. A sweep against rest still shows some of it; to first order it is a sum of columns, one
-for each unknown at one standard deviation.
+Sheets, foam, contacts and leads differ between sessions as the scene's [dataset.session] draws
+them. Part of this remains in the change from the baseline. To first order it is a sum of columns,
+one for each unknown at one standard deviation.
 """
 
 from __future__ import annotations
@@ -24,30 +24,30 @@ from ..press.pixels import cell_centres
 from ..scene.scene import Scene
 
 STEPS = 5
-"""Of Gauss and Newton, from the mean skin to one that is observed."""
+"""Number of Gauss-Newton steps from the mean skin to an observed one."""
 FARTHEST = 5.0
-"""Deviations from the mean skin that any unknown is looked for in."""
+"""Largest distance of any unknown from the mean skin, in its standard deviations."""
 DRIFTING = ("capacitance", "sheet_resistance")
 
 
 class Known(NamedTuple):
-    """What is known of the unknowns, in their deviations: mean, and a root of the covariance."""
+    """Distribution of the unknowns in their deviations: mean, and a root of the covariance."""
 
     mean: NDArray[np.float64]
     factor: NDArray[np.float64]
 
 
 def expected(scene: Scene) -> dict[str, float]:
-    """PARAMETERS of the skin and leads that sessions of the scene have in the mean."""
+    """Mean PARAMETERS of the skin and leads over the sessions of a scene."""
     spreads = session_spreads(scene)
     return {name: own + spreads[name].shift for name, own in own_values(scene).items()}
 
 
 class UnknownSkin:
-    """The unknowns of a scene's skin, by their effect on what `observed` tells of a touch.
+    """Unknowns of a scene's skin, with their effect on the observed change by a touch.
 
     They are those of [dataset.session], each counted in its standard deviations: PARAMETERS, then
-    the foam of each pixel or its slow waves, then the slow waves of the sheets' conductance.
+    the foam of each pixel or its cosine modes, then the cosine modes of the sheets' conductance.
     """
 
     def __init__(self, forward: Forward) -> None:
@@ -64,45 +64,45 @@ class UnknownSkin:
         self._at_rest = self._columns(*NOTHING)
 
     def seen(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """As `observed`, of what the scene's interfaces are read at, shape (..., number)."""
+        """Observed values at the frequencies of the scene's interfaces, shape (..., number)."""
         return observed(Z, self.forward.scene.taken)
 
     def seen_slope(
         self, Z: NDArray[np.complex128], dZ: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
-        """The derivative of `seen` from that of Z."""
+        """Derivative of `observed` from that of Z."""
         return observed_slope(Z, dZ, self.forward.scene.taken)
 
     def of_touch(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Effect of the unknowns on a touch against rest, and what is known to be added.
+        """Effect of the unknowns on the change by a touch, and the known effect of the skin.
 
-        Of one standard deviation of each, shape (number, unknown); of a skin that is known from its
-        curve at rest, of independent sums of what is left. What its uneven foam and sheets add to
-        an even skin's, shape (number,).
+        The first has one column for one standard deviation of each unknown, shape (number,
+        unknown); after conditioning on a baseline, for independent sums of the remaining ones. The
+        second is the effect of known heterogeneous foam and sheets, shape (number,).
         """
         change, shared = self._columns(cells, rises) - self._at_rest, len(self._deviations)
         return change @ self._known.factor, change[:, shared:] @ self._known.mean[shared:]
 
     def at_rest(self) -> NDArray[np.float64]:
-        """What is observed of the skin at rest, shape (number,)."""
+        """Observed values of the unpressed skin, shape (number,)."""
         shared = len(self._deviations)
         even = self.seen(self.forward.respond(*NOTHING, self.values).Z)
         return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
 
     def drift(self, step: float) -> NDArray[np.float64]:
-        """Columns of all foam and of both sheets changing by a relative step, (number, 2)."""
+        """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
         response = self.forward.respond(*NOTHING, self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
         return step * np.stack([self.seen_slope(response.Z, each) for each in slopes], axis=-1)
 
     def resting_as(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
-        """What is still unknown of the skin that is observed at rest, by Gauss-Newton steps.
+        """The unknowns after the observation of a baseline, by Gauss-Newton steps.
 
-        rest: the mean of so many sweeps as `observed` has them, with the meter's errors of the
-        session, shape (number,). Parameters of the skin are moved, its waves add up linearly: of
-        hundreds of sweeps more would be told than that holds.
+        rest: mean of `averaged` baseline sweeps in the order of `observed`, with the meter's errors
+        of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly. With
+        hundreds of sweeps the data would be more precise than this linearization.
         """
         skin, error = self, _error_at_rest(self.forward.scene, rest, averaged)
         for _ in range(STEPS):
@@ -140,7 +140,7 @@ class UnknownSkin:
     def _of_foam(
         self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray:
-        """Of each pixel's capacitance, or of each slow wave of it."""
+        """Derivatives by each pixel's capacitance, or by each cosine mode of it."""
         pressed, on_foam = np.ones(len(by_cell)), cells < len(by_cell)
         np.add.at(pressed, cells[on_foam], rises[on_foam])
         pressed *= math.exp(self.values["capacitance"])
@@ -148,9 +148,9 @@ class UnknownSkin:
 
 
 def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> NDArray[np.float64]:
-    """Covariance of what is observed: errors of the session are shared within a meter's range.
+    """Covariance of observed values: errors of the session are common within a meter's range.
 
-    Ranges are taken to be decades of |Z|, each with a fixed error of its own.
+    Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
     error = errors_of(scene, averaged=averaged)
     decade = np.tile(np.floor(rest[: len(rest) // 2] / math.log(10)), 2)
@@ -161,7 +161,7 @@ def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> ND
 def _moved(
     mean: Mapping[str, float], deviations: Mapping[str, float], by: NDArray[np.float64]
 ) -> dict[str, float]:
-    """Parameters that differ from the mean by so many deviations, within what is possible."""
+    """Parameters at `by` deviations from the mean, within their physical limits."""
     moved = dict(mean)
     for (name, deviation), turns in zip(deviations.items(), by, strict=False):
         value = mean[name] + deviation * float(turns)
@@ -170,7 +170,7 @@ def _moved(
 
 
 def _foam_terms(forward: Forward) -> NDArray[np.float64]:
-    """Changes of the cells' capacitance over their own, shape (unknown, cell)."""
+    """Relative changes of the cells' capacitance, shape (unknown, cell)."""
     scene, cells = forward.scene, forward.divided.pixels
     session, pixels = scene.dataset.session, scene.pixels
     if session.foam_pattern == "pixel":
@@ -184,9 +184,9 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
 
 
 def _wave_terms(forward: Forward) -> NDArray[np.float64]:
-    """K of the waves at one standard deviation each, in the reduced model's coordinates.
+    """K of the cosine modes at one standard deviation, in the reduced model's coordinates.
 
-    One field stands for both sheets: to first order, waves of each add by its share of resistance.
+    Where one field describes both sheets, modes of each add, weighted by its share of resistance.
     """
     scene, reduced = forward.scene, forward.reduced
     family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(HALF_WAVES))

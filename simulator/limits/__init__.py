@@ -1,4 +1,4 @@
-"""What one sweep can tell at most, whoever reads it: bounds on position, strength and pixel."""
+"""Limits of one sweep for any estimator: bounds on position, strength and pixel."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def bayes_accuracy(
     against_rest: int = 0,
     progress: ProgressCallback = silent,
 ) -> tuple[float, float]:
-    """Share of sweeps that the best classifier of a known skin gets right, and its standard error.
+    """Accuracy of the best classifier of a known skin, and its standard error.
 
-    No classifier gets more of them right but for the standard error. target: column, row, pixel,
-    pair (two touches, both right) or touches (how many, 0 to 2). presses: distribution of factors,
-    by default the scene's. against_rest: sweeps of the skin at rest, in the same session, whose
-    mean each sweep is read as the difference to; 0: as it is. A very large number bounds all uses
-    of the skin at rest, for then nothing is left of the meter's errors of the session. Raises
-    InputError for another target, a meter without noise, or one with too little of it.
+    No classifier is more accurate, up to the standard error. target: column, row, pixel, pair (two
+    touches, both correct) or touches (their number, 0 to 2). presses: distribution of factors, by
+    default the scene's. against_rest: number of baseline sweeps of the same session whose mean is
+    subtracted from each sweep; 0 for none. A very large number bounds all uses of the unpressed
+    skin, because it removes the meter's errors of the session. Raises InputError for another
+    target, a meter without noise, or one with too little noise.
     """
     from ..bounds.bayes import bayes
     from ..bounds.readings import Readings, hypotheses
@@ -53,12 +53,12 @@ def hand_accuracy(
     against_rest: int = 0,
     progress: ProgressCallback = silent,
 ) -> Between:
-    """As `bayes_accuracy`, for a hand that presses beside the pixels that it means.
+    """Best accuracy as in `bayes_accuracy`, for presses that miss the middle of their pixel.
 
-    offset: standard deviation along each side of a pixel, over that side. samples: presses that
-    each hypothesis is marginalised over; the limit lies between `least` and `most`, which close in
-    on it with more of them, but for `error`. Raises InputError as `bayes_accuracy` does, and for an
-    offset out of range.
+    offset: standard deviation of the position along each side of a pixel, over that side. samples:
+    presses over which each hypothesis is marginalised. The limit is between `least` and `most`, up
+    to `error`; more samples make the interval smaller. Raises InputError as `bayes_accuracy` does,
+    and for an offset out of range.
     """
     from ..bounds.readings import hypotheses
     from ..measure.experiment import own_presses
@@ -84,12 +84,12 @@ def hand_distance(
     samples: int = 40_000,
     against_rest: int = 0,
 ) -> tuple[float, float]:
-    """Median distance, m, of square touches anywhere from the middle of their posterior, and its
-    standard error, of a skin that is known. It may be less than of any unbiased estimate.
+    """Median distance, m, between square touches and the median of their posterior.
 
-    size: of a side, m. presses, against_rest: as in `bayes_accuracy`. samples: touches that the
-    posterior is told by; with few of them the distance comes out large. Raises InputError for a
-    size out of range or a meter without noise.
+    Also returns its standard error. Touches are at random positions on a known skin. The distance
+    may be less than that of any unbiased estimate. size: of a side, m. presses, against_rest: see
+    `bayes_accuracy`. samples: touches that represent the posterior; with few of them the distance
+    is too large. Raises InputError for a size out of range or a meter without noise.
     """
     from ..bounds.position import chosen_touch
     from ..measure.experiment import own_presses
@@ -115,13 +115,14 @@ def position_bound(
     most: int | None = None,
     progress: ProgressCallback = silent,
 ) -> Bounds:
-    """Least standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
+    """Smallest standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
 
-    No unbiased estimate from one sweep goes below them. size: of the square touch in m, by default
-    a pixel's; factor: by default the scene's. against_rest: as in `bayes_accuracy`. unknown_skin:
-    whether the skin differs from the scene's as [dataset.session] says. most: places along each
-    side, by default every cell. Infinite where a coordinate is told no closer than its room.
-    Raises InputError for a size or factor out of range or a meter without noise.
+    They bound all unbiased estimates from one sweep. size: of the square touch in m, by default a
+    pixel's. factor: by default the scene's. against_rest: see `bayes_accuracy`. unknown_skin: True
+    if the skin differs from the scene's by [dataset.session]. most: largest number of positions
+    along each side, by default one for every cell. Deviations are infinite where a coordinate is
+    not known better than its range. Raises InputError for a size or factor out of range or a meter
+    without noise.
     """
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
     from ..bounds.position import chosen_touch, places_on, position_slopes

@@ -34,46 +34,46 @@ def limits(
     ] = None,
     interface: Interfaces = None,
     sheet_resistance: Annotated[
-        str | None, typer.Option(help="Further maps for both sheets of R,R,... ohm/sq.")
+        str | None, typer.Option(help="R,R,... in ohm/sq of both sheets, for further maps.")
     ] = None,
     n: Annotated[
         int | None,
-        typer.Option("-n", help="Frequencies of the sets that are compared; else one a pixel."),
+        typer.Option("-n", help="Frequencies in the compared sets; default: one for each pixel."),
     ] = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
     finger: Annotated[
         str | None,
-        typer.Option(help="What touches: finger (earthed), floating, rod, or 5.3pF."),
+        typer.Option(help="Kind of touch: finger (earthed), floating, rod, or 5.3pF."),
     ] = None,
     against_rest: AgainstRest = BASELINE_SWEEPS,
     unknown_skin: Annotated[
         bool,
-        typer.Option("--unknown-skin", help="Skins differ as `dataset.session` of the scene says."),
+        typer.Option("--unknown-skin", help="Skins differ by `dataset.session` of the scene."),
     ] = False,
     charts: Charts = "png",
     accuracy: Annotated[
         float | None,
         typer.Option(
-            help="Print the most pixels, as many rows to columns as in the scene, that any "
-            "classifier tells this well, 0 to 1."
+            help="Print the largest number of pixels at which a classifier can be this accurate, "
+            "0 to 1, for grids in the proportion of the scene's."
         ),
     ] = None,
-    draws: Annotated[int, typer.Option(help="Sweeps drawn for an accuracy.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 1,
+    draws: Annotated[int, typer.Option(help="Number of sweeps drawn for an accuracy.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 1,
 ) -> None:
-    """How well one sweep can tell a touch at best, whoever reads it.
+    """Compute the limits of one sweep for any estimator of a touch.
 
-    Maps of Cramer and Rao's bound on x, y and strength over the sheet, by
-    frequency set, interface and sheet resistance; distances between pixels'
-    sweeps in units of the meter's error; and Bayes' accuracy of columns, rows
-    and pixels, which no classifier surpasses. Beside each stands what is
-    taken as known and what not. --size, --factor and --finger hold for all of
-    them. Where a finger presses, the accuracies of the same pixels pressed by
-    a rod, and touched by the finger without a press, follow; --factor 1 is of
-    that touch alone.
+    Results are maps of Cramer and Rao's bound on x, y and strength over the
+    sheet, by frequency set, interface and sheet resistance; distances between
+    the sweeps of pixels in units of the meter's error; and Bayes' accuracy of
+    columns, rows and pixels, which no classifier exceeds. Each states what is
+    known and what is unknown. --size, --factor and --finger apply to all of
+    them. Where a finger presses, there are also accuracies for pixels pressed
+    by a rod, and touched by the finger without a press; --factor 1 is that
+    touch alone.
 
-    With --accuracy: the largest number of pixels for it, by target, of grids
+    With --accuracy: the largest number of pixels for it, by target, for grids
     in the proportion of the scene's rows and columns.
     """
     from ..bounds.position import chosen_touch

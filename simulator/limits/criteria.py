@@ -1,9 +1,9 @@
-"""What a set of frequencies is judged by: how well it tells places, columns or pixels.
+"""Criteria for sets of frequencies: precision of positions, separation of columns or pixels.
 
 position: the bound on the distance between touch and estimate, in m, root mean square over the
-sheet, where a touch may be anywhere beforehand. column, pixel: the distance of the nearest two
-pixels that are to be told apart, in the meter's errors, strengths being unknown within the spread
-of presses. What not even all candidates together tell, mirror images above all, is left out.
+sheet, for a touch at any position. column, pixel: the distance of the nearest two pixels with
+different answers, in the meter's errors, with strengths unknown within the spread of presses. What
+all candidates together do not resolve, such as mirror images, is left out.
 """
 
 from __future__ import annotations
@@ -38,21 +38,21 @@ from ..sweeps import InputError
 
 CRITERIA = ("position", "column", "pixel")
 TOLD_APART = 1.0
-"""In the meter's errors: what all candidates together must reach."""
+"""Smallest separation, in the meter's errors, that all candidates together must reach."""
 NO_ROOM = 1e-30
-"""m²: of a coordinate that is known."""
+"""m²: prior variance of a coordinate that is known."""
 AT_ONCE = 200_000
-"""Matrices inverted together."""
+"""Largest number of matrices that are inverted together."""
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """A figure of merit of any set of candidates.
+    """A figure of any set of candidates, to be minimized.
 
     frequency: of the candidates, Hz. information: of each, shape (case, candidate, p, p). prior:
-    shape (p, p). merit: from variances of the first `wanted` unknowns, shape (choice, case,
-    wanted), to a figure that is to be small, shape (choice,). left_out: coordinates at a place, or
-    pairs of pixels, that no candidates tell.
+    shape (p, p). merit: function from variances of the first `wanted` unknowns, shape (choice,
+    case, wanted), to the figure, shape (choice,). left_out: number of coordinates, or pairs of
+    pixels, that all candidates together do not resolve.
     """
 
     frequency: NDArray[np.float64]
@@ -63,7 +63,7 @@ class Criterion:
     left_out: int = 0
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
-        """The figure of choices of candidates, shape (choice, n) to (choice,)."""
+        """Figures of choices of candidates, shape (choice, n) to (choice,)."""
         chunk = max(1, AT_ONCE // len(self.information))
         parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
         return np.concatenate([self._score(part) for part in parts])
@@ -74,9 +74,10 @@ class Criterion:
 
 
 def position_criterion(slopes: Slopes) -> Criterion:
-    """Of the distance between touch and estimate, in coordinates that all candidates tell.
+    """Criterion of the distance between touch and estimate.
 
-    Raises InputError where there are none.
+    It uses the coordinates that all candidates together resolve. Raises InputError where there are
+    none.
     """
     information, prior = summed(slopes.by), np.diag(slopes.prior)
     anywhere = np.square(slopes.room) / 12
@@ -99,11 +100,11 @@ def identity_criterion(
     progress: ProgressCallback = silent,
     touch: TouchSize | None = None,
 ) -> Criterion:
-    """Of the nearest two pixels whose columns, or which themselves, are to be told apart.
+    """Criterion of the distance between the nearest two pixels with different answers.
 
-    Its figure is the inverse of their distance. touch: about the middle of a pixel, by default the
-    whole pixel as the scene presses it. Raises InputError where none can be, and for touches of
-    another size on pixels that are groups.
+    Its figure is the inverse of their distance. touch: around the middle of a pixel, by default the
+    whole pixel as the scene presses it. Raises InputError where no pixels are resolved, and for
+    touches of another size on pixels in groups.
     """
     scene = fields.scene
     model = error_model(scene, len(frequency), against_rest)
@@ -133,7 +134,7 @@ def identity_criterion(
 
 
 def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[Laid]:
-    """What a touch about each pixel's middle does, where all of the pixel is one or its groups."""
+    """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
     scene, whole = fields.scene, chosen_touch(fields.scene)
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
     if scene.pixels.groups is not None and not of_its_size:
@@ -151,7 +152,7 @@ def _pressed(
     hypothesis: Hypothesis,
     frequency: NDArray[np.float64],
 ) -> Response:
-    """One pixel pressed, and the derivative by its strength."""
+    """Response to one pressed pixel, with the derivative by its strength."""
     columns, none = fields.scene.pixels.columns, np.zeros(fields.grid)
     own = [pixels[i * columns + j] for i, j in hypothesis.pixels]
     factors = 1 + sum((each.factors - 1 for each in own), none)
@@ -166,7 +167,10 @@ def _pair_slopes(
     answers: Sequence[Response],
     model: ErrorModel,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """From one pixel to the other, by both strengths and by the session's errors, over noise."""
+    """Differences of pairs, slopes by both strengths and by the session's errors, over noise.
+
+    Also returns the prior information of each.
+    """
     shape = 2, *model.read.shape
     deviation = np.moveaxis(model.deviation.reshape(shape), 0, -1)
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
@@ -186,7 +190,7 @@ def _pair_slopes(
 
 
 def checked_criterion(name: str) -> str:
-    """The same name. Raises InputError where there is none such."""
+    """Returns the name of a criterion. Raises InputError for any other."""
     if name not in CRITERIA:
         raise InputError(f"--criterion must be one of {', '.join(CRITERIA)}, got {name!r}")
     return name

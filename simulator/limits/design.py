@@ -1,4 +1,4 @@
-"""The n frequencies that tell most, beside those of the paper and those of even spacing."""
+"""Choice of the best n frequencies, compared with the paper's and with logarithmic spacing."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ GRID = 60
 LEAST_GRID, LARGEST_GRID = 2, 400
 
 DESIGN_PLACES = 64
-"""About so many that frequencies are chosen at."""
+"""Approximate number of positions for the choice of frequencies."""
 
 
 @dataclass(frozen=True)
 class Design:
     """Sets of frequencies in Hz by name, OPTIMAL among them, and the figure of each.
 
-    figures: what is to be small, in m for position, for column and pixel one over the distance in
-    the meter's errors. left_out: coordinates at places, or pairs of pixels, that no set tells.
-    errors: for position, the median error in m as `limits` has it, by name.
+    figures: minimized values; in m for position, for column and pixel 1 over the distance in the
+    meter's errors. left_out: number of coordinates, or pairs of pixels, that no set resolves.
+    errors: for position, the median error in m of each set, as in `limits`.
     """
 
     criterion: str
@@ -47,7 +47,7 @@ class Design:
 
     @property
     def heading(self) -> str:
-        """What the figures are."""
+        """Heading of the column of figures."""
         if self.criterion == "position":
             return "median error"
         return f"nearest {self.criterion}s (meter's errors)"
@@ -60,16 +60,16 @@ class Design:
 
     @property
     def over(self) -> str:
-        """What `ratio` is of."""
+        """Heading of the column of `ratio`."""
         return "rms bound over the best" if self.criterion == "position" else "over the best"
 
     def comparison(self, name: str) -> str:
-        """A set in words: its figure, and how it compares with the best."""
+        """Text of a set: its figure, and its ratio to the best."""
         figure = f"{self.told(name)}, {self.ratio(name):.3g} of the best"
         return f"median error {figure} by the rms bound" if self.errors else figure
 
     def ratio(self, name: str) -> float:
-        """How much worse a set is: its rms bound over the best's, or its distance over that."""
+        """Rms bound of a set over the best's, or its distance over the best's."""
         ratio = self.figures[name] / self.figures[OPTIMAL]
         return ratio if self.criterion == "position" else 1 / ratio
 
@@ -87,11 +87,10 @@ def design(
     among: NDArray[np.float64] | None = None,
     progress: ProgressCallback = silent,
 ) -> Design:
-    """The best n of `candidates_of` a scene over a band in Hz, by a criterion of `criteria`.
+    """The best n of `candidates_of` a scene in a band in Hz, by a criterion of `criteria`.
 
-    No two of them are nearer than `too_near` says, unless they may be repeated. among: choose from
-    these frequencies in Hz instead, ascending. Raises InputError where n or the grid is out of
-    range.
+    Unless repeats are allowed, no two of them are `too_near`. among: candidate frequencies in Hz,
+    ascending, instead of these. Raises InputError where n or the grid is out of range.
     """
     check_design(n, grid if among is None else len(among), repeats, grid)
     others = compared(scene, n, band)
@@ -122,9 +121,9 @@ def best_set(
     repeats: bool = False,
     spaced: bool = True,
 ) -> NDArray[np.int64]:
-    """The best n of the candidates `own`, numbers of frequencies of the criterion.
+    """The best n of the candidates `own`, which are indices of frequencies of the criterion.
 
-    others: sets to begin at, beside. spaced: whether none are nearer than `too_near` says.
+    others: further sets from which exchanges begin. spaced: True if no two may be `too_near`.
     """
     excludes = too_near(judged.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats
@@ -134,12 +133,12 @@ def best_set(
 
 
 def some_places(slopes: Slopes) -> Slopes:
-    """About DESIGN_PLACES of the places, evenly spread."""
+    """About DESIGN_PLACES of the positions, evenly spread."""
     return slopes.some(max(1, len(slopes.places) // DESIGN_PLACES))
 
 
 def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
-    """Raises InputError where so many frequencies cannot be chosen."""
+    """Raises InputError where n frequencies cannot be chosen."""
     if not LEAST_GRID <= grid <= LARGEST_GRID:
         raise InputError(f"--grid must be from {LEAST_GRID} to {LARGEST_GRID}, got {grid}")
     if not (n >= 1 and (repeats or n <= candidates)):
@@ -156,7 +155,7 @@ def _criterion(
     against_rest: int,
     progress: ProgressCallback,
 ) -> tuple[Criterion, Slopes | None]:
-    """The criterion and, for position, the slopes at all places that `limits` looks at."""
+    """The criterion and, for position, the slopes at all positions of `limits`."""
     of_groups = name != "position" and scene.pixels.groups is not None
     cells = 1 if of_groups else None
     fields = fields_of(scene, float(candidates[-1]), touch, cells)

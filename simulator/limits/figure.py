@@ -1,4 +1,4 @@
-"""Maps of the bound on position over the sheet, and how far pixels' sweeps lie apart."""
+"""Charts of limits: maps of the bound on position, distances between the sweeps of pixels."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ QUANTITIES = {
     "strength": (100.0, "Deviation of\nthe rise (% of C)"),
 }
 LONGER, LEAST_WIDE, LEAST_HIGH = 2.4, 1.5, 1.3
-"""Inches of a map: of its longer side, and at least for a title above it and a label beside it."""
+"""Inches of a map: its longer side, and its smallest width and height, for title and label."""
 BESIDE, BETWEEN, AROUND = 1.6, 0.45, 1.4
-"""Inches: colour bar and its label, numbers between maps, and all that stands above and below."""
+"""Inches: colour bar with label, space between maps, and space above and below all of them."""
 NOT_TOLD = "0.8"
 MARGIN = 0.08
 NOISE = 1.0
@@ -38,7 +38,7 @@ LETTERS_PER_INCH = 11
 
 
 def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:
-    """The bounds of x, y and strength for every variant: maps, along a strip lines; a PNG."""
+    """Draws the bounds of x, y and strength of all variants, as maps, or as lines for a strip."""
     if len(np.unique(variants[0].bounds.places[:, 1])) == 1:
         return _draw_lines(scene, variants, title, path)
     wide, high = _size_of_map(scene)
@@ -64,7 +64,7 @@ def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path)
 
 
 def _size_of_map(scene: Scene) -> tuple[float, float]:
-    """Width and height of each map in inches, both large enough for its words."""
+    """Width and height of each map in inches, both large enough for its texts."""
     longer = max(scene.skin.sides)
     wide, high = (LONGER * side / longer for side in scene.skin.sides)
     return max(wide, LEAST_WIDE), max(high, LEAST_HIGH)
@@ -132,7 +132,7 @@ def _edges(middles: NDArray[np.float64], alone: float) -> NDArray[np.float64]:
 
 
 def draw_sheet(axes: Axes, scene: Scene) -> None:
-    """Outline, pixel grid and foils, in mm."""
+    """Draws outline, pixel grid and foils, in mm."""
     length, width = MM * np.array(scene.skin.sides)
     longer = max(length, width)
     axes.grid(False)
@@ -175,7 +175,7 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
 def draw_distances(
     apart: NDArray[np.float64], names: Sequence[str], title: str, path: Path
 ) -> None:
-    """How far each two pixels' sweeps lie apart, as a matrix; writes a PNG."""
+    """Draws the distances between the sweeps of all pairs of pixels as a matrix."""
     from matplotlib.colors import LogNorm
 
     size = 2.4 + 0.22 * len(names)

@@ -1,4 +1,4 @@
-"""What a survey of limits has found, as files and on the terminal."""
+"""Results of a survey of limits, as files and on the terminal."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .report import summary, write_distances, write_places
 from .survey import Question, Variant
 
 MOST_ROWS = 14
-"""Of the table on the terminal; all are in limits.json."""
+"""Largest number of rows of the table on the terminal; all rows are in limits.json."""
 WRITTEN = ("limits.csv", "limits.json", "pixels.*")
-"""Patterns of the names of what is written."""
+"""Name patterns of the written files."""
 ERROR = (
-    "error: half of all lie nearer in the plane; a coordinate that is not told, or told worse than "
-    "by chance, errs as chance does over the room there is"
+    "error: median distance in the plane; a coordinate that is not resolved, or less precise than "
+    "a guess, has the error of a guess over its range"
 )
 COLUMNS = {
     "x (mm)": "median_deviation_x_mm",
@@ -37,7 +37,7 @@ COLUMNS = {
 class Findings(NamedTuple):
     """Bounds of a scene.
 
-    laid: what laying touches on cells changes, None where they are pressed by factors.
+    laid: errors of touches rasterized on cells, None where presses are factors.
     """
 
     scene: Scene
@@ -47,7 +47,7 @@ class Findings(NamedTuple):
     laid: LaidErrors | None
 
     def write(self, folder: Path, ending: str) -> None:
-        """Maps, with this ending, tables, and a summary."""
+        """Writes maps with this ending, tables and a summary."""
         content = {
             "scene": self.scene.name,
             "position_asked": self.question.told,
@@ -65,7 +65,7 @@ class Findings(NamedTuple):
             write_json(made / "limits.json", content)
 
     def show(self, folder: Path) -> None:
-        """Print the first rows, and where all are."""
+        """Prints the first rows and the place of the others."""
         shown = [(variant, summary(variant)) for variant in self.variants[:MOST_ROWS]]
         rows = (
             [variant.comparison, variant.name, *(str(numbers[key]) for key in COLUMNS.values())]

@@ -24,40 +24,41 @@ if TYPE_CHECKING:
 
 def frequencies(
     scene: SceneName,
-    n: Annotated[int, typer.Option("-n", help="How many.")],
+    n: Annotated[int, typer.Option("-n", help="Number of frequencies.")],
     criterion: Annotated[
         str,
         typer.Option(
             autocompletion=lambda: ["position", "column", "pixel"],
-            help="position: the bound on the distance from the touch, rms over the sheet; column "
-            "or pixel: the distance of the nearest two in the meter's errors.",
+            help="position: the bound on the position error, rms over the sheet; column or pixel: "
+            "the distance of the nearest two in the meter's errors.",
         ),
     ] = "position",
     band: Annotated[
         str | None,
-        typer.Option(help="LOW:HIGH in Hz; what is absent is the scene's lowest or highest."),
+        typer.Option(help="LOW:HIGH in Hz; default: the scene's lowest and highest frequency."),
     ] = None,
     among: Annotated[
         str | None,
         typer.Option(
-            help="Choose from these alone: scene, for those of the scene, or F,F,... in Hz."
+            help="The only candidates: scene (the scene's frequencies), or F,F,... in Hz."
         ),
     ] = None,
-    grid: Annotated[int, typer.Option(help="How many to choose from.")] = 60,
+    grid: Annotated[int, typer.Option(help="Number of candidate frequencies.")] = 60,
     interface: Interfaces = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
     against_rest: AgainstRest = BASELINE_SWEEPS,
     repeats: Annotated[
-        bool, typer.Option("--repeats", help="A frequency may be read more than once.")
+        bool, typer.Option("--repeats", help="A frequency may be chosen more than once.")
     ] = False,
 ) -> None:
-    """The n frequencies that tell most, beside Eq. 6 of the paper and log spacing.
+    """Choose the best n frequencies; compare with Eq. 6 of the paper and log spacing.
 
-    Any two differ by 10 % or more, as far as n find room; nearer ones would
-    repeat a reading. By position, the error is the median error that `limits`
-    shows; sets are compared by the rms bound. In a pipe one frequency in Hz a
-    line; the comparison then goes to standard error.
+    Any two differ by at least 10 %, if there is room for n of them: nearer
+    ones would repeat a reading. For positions, the table shows the median
+    error as `limits` does; sets are compared by the rms bound. In a pipe the
+    output is one frequency in Hz per line, and the comparison goes to standard
+    error.
     """
 
     from ..bounds.position import chosen_touch

@@ -1,4 +1,4 @@
-"""A hand that presses beside the pixels it means, and what is left to be told."""
+"""Limits for presses at random positions: accuracy of pixels, distance of positions."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ Array = NDArray[np.float64]
 
 
 class Hand:
-    """Rectangles on a skin, pressed here and there, more or less: what the meter reads of them.
+    """Random presses of rectangles on a skin, and the meter's readings of them.
 
     presses: factors of capacitance. size: sides of a touch along x and y, m. offset: standard
-    deviation of its middle from what was meant, along each side, over that side. What would lie
-    beyond the skin is cut off.
+    deviation of its middle from that of the pixel, along each side, over that side. Parts of a
+    touch outside the skin are cut off.
     """
 
     def __init__(
@@ -70,19 +70,19 @@ class Hand:
     def of_pixels(
         cls, scene: Scene, presses: AnyDistribution, *, offset: float = 0.0, against_rest: int = 0
     ) -> Self:
-        """Touches as large as a pixel. Raises as the constructor."""
+        """Presses of the size of a pixel. Raises InputError as the constructor does."""
         skin, pixels = scene.skin, scene.pixels
         size = skin.length / pixels.columns, skin.width / pixels.rows
         return cls(scene, presses, size=size, offset=offset, against_rest=against_rest)
 
     def missing(self, offset: float) -> Self:
-        """The same hand, by another offset; both press the skin by one model."""
+        """A copy with another offset that shares the reduced model."""
         other = copy(self)
         other._offset, other._skin = offset, self._skin
         return other
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
-        """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
+        """Whitened readings without noise of `count` presses of pixels, shape (press, number)."""
         pixels = self.scene.pixels
         pitch = self._extent / [pixels.columns, pixels.rows]
         middles = np.array([(j + 0.5, i + 0.5) for i, j in meant.pixels]).reshape(-1, 2) * pitch
@@ -90,13 +90,13 @@ class Hand:
         return self.read(middles + self._offset * self._sides * aside, random)
 
     def anywhere(self, random: np.random.Generator, count: int) -> tuple[Array, Array]:
-        """Middles of touches that lie on the skin whole, m, shape (press, 2), and readings."""
+        """Middles of random touches inside the skin, m, shape (press, 2), and their readings."""
         room = self._extent - self._sides
         middles = self._sides / 2 + random.random((count, 2)) * room
         return middles, self.read(middles[:, None], random)
 
     def read(self, middles: Array, random: np.random.Generator) -> Array:
-        """Of touches around middles, m, shape (press, touch, 2), of random strength."""
+        """Readings of touches of random strength; middles in m, shape (press, touch, 2)."""
         factors = self._presses.at(random.random(middles.shape[:2]))
         parts = range(0, len(middles), AT_ONCE)
         return np.concatenate(
@@ -110,7 +110,7 @@ class Hand:
         return self._model.whitened(observed(self.scene.leads.at_meter(Z, frequency)))
 
     def _rasterized(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
-        """Touches on cells. sides: m, of each if not all alike."""
+        """Touches rasterized on cells. sides: of each in m, unless all have the same."""
         x, y = np.moveaxis(middles, -1, 0)
         width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
         touches = np.full(len(middles), middles.shape[1])
@@ -138,22 +138,22 @@ class Hand:
 
 
 NUMBERS = 16
-"""Directions of most change that readings are compared in; the others hold noise alone."""
+"""Number of principal directions in which readings are compared; others have only noise."""
 
 LOOKED_AT = 100
-"""Presses of each answer that tell these directions."""
+"""Number of presses of each answer that determine these directions."""
 
 PAIRS_AT_ONCE = 2**23
 WEISZFELD_STEPS = 40
 CLOSEST = 1e-4
-"""m, within which the middle of the posterior is found."""
+"""m: smallest distance in the iteration for the median of the posterior."""
 
 Single = NDArray[np.float32]
-"""Enough for what a meter's noise covers."""
+"""Single precision is far below a meter's noise."""
 
 
 class Between(NamedTuple):
-    """A limit that lies between two estimates, but for their standard error."""
+    """Interval that contains a limit, up to a standard error."""
 
     least: float
     most: float
@@ -169,8 +169,10 @@ def accuracy_of_hand(
     samples: int = 4000,
     progress: ProgressCallback = silent,
 ) -> Between:
-    """Share of sweeps that the best classifier tells right. among: in order of their answers.
-    samples: presses of each hypothesis."""
+    """Accuracy of the best classifier of random presses.
+
+    among: hypotheses ordered by answer. samples: presses of each hypothesis.
+    """
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
     looked_at = np.concatenate([hand.pressed(each, known, LOOKED_AT) for each in among])
     axes = axes_of(looked_at, most=NUMBERS)
@@ -193,8 +195,9 @@ def accuracy_of_hand(
 def distance_of_hand(
     hand: Hand, *, seed: int = 1, draws: int = 500, samples: int = 40_000
 ) -> tuple[float, float]:
-    """Median distance in m between a touch anywhere and the middle of its posterior, and its
-    standard error. The middle is that of least mean distance. With few samples it comes out large.
+    """Median distance in m between a random touch and its posterior's median, with standard error.
+
+    The median is the point of smallest mean distance. With few samples the result is too large.
     """
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
     places, readings = hand.anywhere(known, samples)
@@ -215,7 +218,10 @@ def _single(values: Array) -> Single:
 
 
 def _judged(told: Array, answer: NDArray[np.int64]) -> Between:
-    """told: probability of each answer, shape (reading, answer). answer: that is right."""
+    """Lower and upper estimates of the accuracy.
+
+    told: probability of each answer, shape (reading, answer). answer: the correct one.
+    """
     best = told.max(axis=1, keepdims=True)
     ties = told >= best * (1 - 1e-6)
     right = ties[np.arange(len(told)), answer] / ties.sum(axis=1)
@@ -224,7 +230,7 @@ def _judged(told: Array, answer: NDArray[np.int64]) -> Between:
 
 
 def _middle(share: Array, places: Array) -> Array:
-    """Of least mean distance from places so likely, by Weiszfeld's iteration, (reading, 2)."""
+    """Geometric medians of weighted positions by Weiszfeld's iteration, shape (reading, 2)."""
     middle = share @ places
     for _ in range(WEISZFELD_STEPS):
         away = np.hypot(*(middle[:, None] - places).transpose(2, 0, 1))

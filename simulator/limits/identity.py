@@ -1,4 +1,4 @@
-"""Whether touches are told apart: bounds by pairs, for one skin and over counts of pixels."""
+"""Limits of the identity of touches: Bayes' accuracy, pairwise bounds and counts of pixels."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from ..sweeps import InputError
 from .ways import Ways, by_finger, digits, numbers, percent, ways
 
 STRENGTHS = 16
-"""Equally likely ones that a hypothesis is told in."""
+"""Number of equally likely strengths of a hypothesis."""
 
 LOOKED_AT = 41
-"""Strengths among which the nearest of two pixels' are looked for."""
+"""Number of strengths at which the distance of two pixels is evaluated."""
 
 
 def upper_bound(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> float:
-    """An accuracy that no classifier of hypotheses as likely as each other surpasses."""
+    """Upper bound on the accuracy of any classifier of equally likely hypotheses."""
     curves = [_curve(readings, each, presses) for each in among]
     wrong = np.zeros((len(among), len(among)))
     for i, j in itertools.combinations(range(len(among)), 2):
@@ -42,7 +42,7 @@ def upper_bound(readings: Readings, among: Sequence[Hypothesis], presses: AnyDis
 
 
 def confusion(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Share of errors between two at least: equally likely readings of each, shape (k, number)."""
+    """Smallest error rate between two hypotheses, with equally likely readings (k, number)."""
     size = math.lcm(len(one), len(other))
     error = ndtr(-cdist(one, other) / 2)
     error = np.repeat(np.repeat(error, size // len(one), 0), size // len(other), 1)
@@ -55,10 +55,10 @@ def distances(
     presses: AnyDistribution,
     spread: float | None = None,
 ) -> NDArray[np.float64]:
-    """How far each two hypotheses of one pixel lie apart, in the meter's errors, (k, k).
+    """Distances between hypotheses of one pixel, in the meter's errors, shape (k, k).
 
-    At the nearest of any two strengths that presses have or, with `spread`, where the sum of the
-    squares of the distance and of both strengths' deviations from the middle over it is least.
+    Each is the minimum over both strengths of the presses. With `spread`, the squared deviations of
+    both strengths from their mean, over the squared spread, are added to the squared distance.
     """
     factor = np.linspace(presses.low, presses.high, LOOKED_AT if presses.low < presses.high else 1)
     off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
@@ -81,9 +81,9 @@ def _curve(
 
 @dataclass(frozen=True)
 class Sampling:
-    """How accuracies are found: by so many sweeps drawn from a seed.
+    """Settings for accuracies: number of drawn sweeps and their seed.
 
-    against_rest, size: as of `Readings`.
+    against_rest, size: see `Readings`.
     """
 
     seed: int
@@ -92,7 +92,7 @@ class Sampling:
     size: float | None = None
 
     def readings(self, scene: Scene, presses: AnyDistribution) -> Readings:
-        """Of a scene under such presses."""
+        """Readings of a scene under these presses."""
         return Readings(scene, presses, self.against_rest, self.size)
 
     def bayes(
@@ -102,7 +102,7 @@ class Sampling:
         presses: AnyDistribution,
         progress: ProgressCallback,
     ) -> Accuracy:
-        """Bayes' accuracy of hypotheses under such presses."""
+        """Bayes' accuracy of hypotheses under these presses."""
         return bayes(readings, among, presses, self.seed, self.draws, progress)
 
 
@@ -111,11 +111,11 @@ TARGETS = ("column", "row", "pixel")
 
 @dataclass(frozen=True)
 class Identity:
-    """Bayes' accuracy and the pairwise bound on it by target; distances between pixels' sweeps.
+    """Bayes' accuracy and its pairwise bound by target; distances between the sweeps of pixels.
 
-    apart: in the meter's errors, strengths unknown, shape (pixel, pixel); names: of the pixels.
-    asked: what is known and what is not, in words. laid: of touches by depth. ways: of pixels that
-    are touched otherwise, where fingers press.
+    apart: distances in the meter's errors with unknown strengths, shape (pixel, pixel). names: of
+    the pixels. asked: text of what is known and what is unknown. laid: errors of touches by depth.
+    ways: accuracies of other kinds of touch, where fingers press.
     """
 
     accuracy: dict[str, Accuracy]
@@ -127,7 +127,7 @@ class Identity:
     ways: Ways | None = None
 
     def summary(self) -> dict[str, Any]:
-        """As it is written to a file."""
+        """Content of the file."""
         own = {
             target: {**numbers(found), "pairwise_upper_bound": digits(self.bound[target], 6)}
             for target, found in self.accuracy.items()
@@ -136,7 +136,7 @@ class Identity:
         return {"asked": self.asked, **laid, **own, **ways}
 
     def lines(self) -> list[str]:
-        """As it is printed."""
+        """Lines for the terminal."""
         laid = [] if self.laid is None else [f"  {self.laid.told}"]
         own = [
             f"  {target}s right: at most {percent(found)} "
@@ -148,7 +148,7 @@ class Identity:
 
 
 def identity(scene: Scene, sampling: Sampling, progress: ProgressCallback = silent) -> Identity:
-    """Of a known skin, pressed as the scene's experiment does."""
+    """Identity bounds of a known skin, pressed as in the scene's experiment."""
     presses = own_presses(scene)
     readings, size = sampling.readings(scene, presses), sampling.size
     among = {target: hypotheses(scene, target, size) for target in TARGETS}
@@ -169,7 +169,7 @@ def identity(scene: Scene, sampling: Sampling, progress: ProgressCallback = sile
 
 
 def _asked(scene: Scene, size: float | None) -> str:
-    """What a classifier that errs so little knows, and what it does not."""
+    """Text of what the classifier of the bounds knows and what it does not."""
     press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
     where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
     factor = f"times {scene.pressed_factor:g}{by_finger(scene, size)}"
@@ -183,19 +183,19 @@ def _asked(scene: Scene, size: float | None) -> str:
 FEWEST, MOST = 2, 12
 
 DEVIATIONS = 2
-"""Standard errors that an accuracy may lie below what is asked."""
+"""Number of standard errors by which an accuracy may be below the required one."""
 
 
 @dataclass(frozen=True)
 class Count:
-    """Pixels along the side with more of them, the best accuracy, and the pairwise bound."""
+    """Number of pixels along the longer side of the grid, best accuracy, and pairwise bound."""
 
     n: int
     accuracy: Accuracy
     bound: float
 
     def reaches(self, asked: float) -> bool:
-        """Whether that accuracy cannot be excluded."""
+        """True if this accuracy is possible within the standard error."""
         return self.accuracy.share + DEVIATIONS * self.accuracy.error >= asked
 
 
@@ -206,9 +206,9 @@ def counts(
     sampling: Sampling,
     progress: ProgressCallback = silent,
 ) -> Iterator[Count]:
-    """From FEWEST pixels on, up to the first number that does not reach what is asked.
+    """Counts from FEWEST pixels up to the first that does not reach the accuracy.
 
-    Raises InputError where that is no accuracy between 0 and 1.
+    Raises InputError where the accuracy is not between 0 and 1.
     """
     if not 0 < asked < 1:
         raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
@@ -226,7 +226,7 @@ def counted(
     sampling: Sampling,
     progress: ProgressCallback = silent,
 ) -> Count:
-    """The best accuracy with n pixels along the side with more of them."""
+    """The best accuracy with n pixels along the longer side of the grid."""
     divided = with_pixels(scene, n)
     presses, among = own_presses(divided), hypotheses(divided, target, sampling.size)
     readings = sampling.readings(divided, presses)
@@ -236,8 +236,11 @@ def counted(
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:
-    """The same skin with n pixels along the side that has more, and as many along the other as its
-    own rows and columns are to each other, rounded; at least one. A strip stays a strip."""
+    """The scene with n pixels along the longer side of the grid.
+
+    The other side keeps the proportion of rows and columns, rounded, with at least one pixel. A
+    strip stays a strip.
+    """
     own = scene.pixels.shape
     rows, columns = (max(1, round(n * each / max(own))) for each in own)
     strip = own[0] == 1, own[1] == 1 < own[0]

@@ -1,4 +1,4 @@
-"""The best that any classifier can do, as a result that scripts get."""
+"""Best accuracy of any classifier, as a result for scripts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..safe_text import Tabular
 
 @dataclass(frozen=True, repr=False)
 class Limit(Tabular):
-    """Share of sweeps that the best classifier of a `target` gets right, and its standard error.
+    """Accuracy of the best classifier of a `target`, and its standard error.
 
     Unpacks into these two numbers.
     """

@@ -1,4 +1,4 @@
-"""The bounds as numbers: a line for each place as CSV, a summary as JSON and on the terminal."""
+"""Bounds as numbers: a CSV line for each position, and a summary of each variant."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ HEADER = (
 
 
 def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
-    """A number in other units, or that it is not told."""
+    """A rounded number in other units, or NOT_TOLD where it is infinite."""
     return float(f"{unit * value:.{digits}g}") if math.isfinite(value) else NOT_TOLD
 
 
 def write_places(variants: Sequence[Variant], path: Path) -> None:
-    """Every place of every variant as a line of a CSV."""
+    """Writes a CSV line for every position of every variant."""
     write_rows(
         path,
         HEADER,
@@ -47,14 +47,14 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
 
 
 def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
-    """How far each two pixels' sweeps lie apart as a CSV, a line for each pair."""
+    """Writes the distance between the sweeps of each pair of pixels as a CSV line."""
     pairs = itertools.combinations(range(len(names)), 2)
     rows = ([names[i], names[j], told(apart[i, j])] for i, j in pairs)
     write_rows(path, ["pixel", "other", "distance_errors"], rows)
 
 
 def summary(variant: Variant) -> dict[str, Any]:
-    """One variant in a few numbers; medians are over the sheet."""
+    """Summary of one variant; medians are over the sheet."""
     own = variant.bounds
     return {
         "comparison": variant.comparison,

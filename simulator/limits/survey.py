@@ -1,4 +1,4 @@
-"""What the bound on position depends on: frequencies, interfaces, sheet resistance."""
+"""Survey of the bound on position over frequencies, interfaces and sheet resistance."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from .design import GRID, best_set, some_places
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 FLOATING = "floating"
-"""A finger of a person who floats."""
+"""Text of the finger of a person without connection to earth."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One of several ways that are compared: of which comparison, its name, and its bounds.
+    """One variant of a comparison: name of the comparison, own name, and bounds.
 
-    frequency: Hz, all that any interface is read at.
+    frequency: all frequencies of any interface, Hz.
     """
 
     comparison: str
@@ -47,9 +47,9 @@ class Variant:
 
 @dataclass(frozen=True)
 class Question:
-    """A touch, how many sweeps at rest a sweep is compared with, whether the skin is unknown.
+    """Options of a survey: touch, number of baseline sweeps (`against_rest`), unknown skin.
 
-    by_depth: whether the scene presses by depth, which is felt beside a touch.
+    by_depth: True if the scene presses by depth, which also changes the foam next to a touch.
     """
 
     touch: TouchSize
@@ -59,7 +59,7 @@ class Question:
 
     @property
     def told(self) -> str:
-        """What an estimate that errs so little knows, and what it does not."""
+        """Text of what the estimate of the bounds knows and what it does not."""
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
         unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
@@ -79,8 +79,11 @@ def survey(
     n: int | None = None,
     progress: ProgressCallback = silent,
 ) -> list[Variant]:
-    """The scene's frequencies beside n by Eq. 6, evenly spaced and optimal ones; every interface
-    alone; every sheet resistance in ohm/sq. n: by default as many as pixels from the fed edge on.
+    """Bounds of all variants of frequencies, interfaces and sheet resistance.
+
+    Frequencies are the scene's, n by Eq. 6, n in logarithmic spacing, and n optimal ones.
+    Interfaces are each alone and all together. sheet_resistances: ohm/sq. n: by default the number
+    of pixels from the driven edge.
     """
     n = n or _pixels_from_edge(scene)
     slopes = _slopes(scene, question, candidates_of(scene, n, own_band(scene), GRID), progress)
@@ -104,7 +107,7 @@ def survey(
 
 
 def errors_of_survey(scene: Scene, question: Question) -> LaidErrors | None:
-    """What laying touches by depth on cells changes of what the scene's own variant is told by."""
+    """Errors of touches by depth rasterized on cells, for the scene's own variant."""
     if not question.by_depth:
         return None
     fields = fields_of(scene, float(scene.frequencies[-1]), question.touch)
@@ -113,7 +116,7 @@ def errors_of_survey(scene: Scene, question: Question) -> LaidErrors | None:
 
 
 def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
-    """The same scene with both sheets of another sheet resistance in ohm/sq. Raises InputError."""
+    """The scene with another sheet resistance of both sheets in ohm/sq. Raises InputError."""
     if not (np.isfinite(sheet_resistance) and sheet_resistance > 0):
         raise InputError(
             f"--sheet-resistance must be finite and > 0 ohm/sq, got {sheet_resistance:g}"
@@ -127,7 +130,7 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
 
 
 def with_factor(scene: Scene, factor: float) -> Scene:
-    """The same scene pressed so many times the capacitance at rest."""
+    """The scene pressed to `factor` times the unpressed capacitance."""
     by = {"capacitance_factor": factor} if scene.press.by_factor else {}
     by = by or {"depth": scene.pressed_depth(factor)}
     pressing = scene.press.model_copy(update=by)
@@ -135,8 +138,10 @@ def with_factor(scene: Scene, factor: float) -> Scene:
 
 
 def with_finger(scene: Scene, text: str | None) -> Scene:
-    """The same scene touched by what a text says, as of a press's text or "floating"; by its own
-    for None. Raises InputError."""
+    """The scene with a finger given as text, as in the text of a press or "floating".
+
+    None keeps the scene's own finger. Raises InputError.
+    """
     if text is None:
         return scene
     if text == FLOATING:
@@ -146,7 +151,7 @@ def with_finger(scene: Scene, text: str | None) -> Scene:
 
 
 def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
-    """The same scene measured through some of its interfaces; all for none. Raises InputError."""
+    """The scene with some of its interfaces; with all of them for no names. Raises InputError."""
     known = [interface.name for interface in scene.interfaces]
     for name in names:
         if name not in known:

@@ -1,4 +1,4 @@
-"""Of a scene that is pressed by fingers: what can be told of pixels that are touched otherwise."""
+"""Limits for other kinds of touch, where a scene is pressed by fingers."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ OTHERS = {"pressed by a rod": by_rod, "touched by a finger without a press": tou
 
 @dataclass(frozen=True)
 class Ways:
-    """accuracy: by target, of every other way in words. kinds: of telling a rod, a finger that
-    presses, and one that only touches apart."""
+    """Accuracies for other kinds of touch.
+
+    accuracy: by kind of touch, then by target. kinds: accuracy of the kind itself, among a rod, a
+    finger that presses, and a finger that only touches.
+    """
 
     accuracy: Mapping[str, Mapping[str, Accuracy]]
     kinds: Accuracy
 
     def summary(self) -> dict[str, Any]:
-        """As it is written to a file."""
+        """Content of the file."""
         others = {
             way: {target: numbers(found) for target, found in own.items()}
             for way, own in self.accuracy.items()
@@ -30,7 +33,7 @@ class Ways:
         return {**others, "kind_of_touch": numbers(self.kinds)}
 
     def lines(self) -> list[str]:
-        """As it is printed."""
+        """Lines for the terminal."""
         each = [
             f"  {way}: " + ", ".join(f"{t}s right at most {percent(a)}" for t, a in own.items())
             for way, own in self.accuracy.items()
@@ -45,9 +48,9 @@ def ways(
     size: float | None,
     accuracy: Callable[[Sequence[Hypothesis]], Accuracy],
 ) -> Ways | None:
-    """None of a scene that is pressed by a rod, or not pressed at all.
+    """Accuracies of other kinds of touch; None for a scene pressed by a rod or not pressed.
 
-    among: hypotheses by target. size: as of `Readings`. accuracy: of hypotheses.
+    among: hypotheses by target. size: see `Readings`. accuracy: function of hypotheses.
     """
     if not scene.press.finger or scene.pressed_factor == 1:
         return None
@@ -59,23 +62,23 @@ def ways(
 
 
 def by_finger(scene: Scene, size: float | None) -> str:
-    """The finger of the scene's `press` in words, nothing of a rod."""
+    """Text of the finger of the scene's `press`, empty for a rod."""
     own = [each.fingers[0] for each in hypotheses(scene, "pixel", size) if each.fingers]
     return f", by a finger of {1e12 * max(own):.3g} pF" if own else ""
 
 
 def percent(found: Accuracy) -> str:
-    """An accuracy and its standard error."""
+    """Text of an accuracy and its standard error."""
     return f"{100 * found.share:.1f} ± {100 * found.error:.1f} %"
 
 
 def digits(value: float, count: int) -> float:
-    """Rounded to so many significant ones."""
+    """A value rounded to `count` significant digits."""
     return float(f"{value:.{count}g}")
 
 
 def numbers(found: Accuracy) -> dict[str, float]:
-    """An accuracy as it is written to a file."""
+    """An accuracy as content of a file."""
     return {
         "best_possible": digits(found.share, 6),
         "standard_error": digits(found.error, 2),

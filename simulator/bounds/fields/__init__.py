@@ -1,4 +1,4 @@
-"""What a sweep of a skin under any map of capacitance is, and how it changes."""
+"""Impedance of a skin with any map of capacitance, and its derivatives."""
 
 from ..touches.cells import TouchSize
 from .chosen import AnyFields, fields_of

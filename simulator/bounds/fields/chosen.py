@@ -1,4 +1,4 @@
-"""Which fields a scene's limits are told by."""
+"""Choice of the fields that compute a scene's limits."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ AnyFields = Fields | ReducedFields
 
 
 UNDER_DEEP, MOST_CELLS = 6, 36
-"""Along a touch by depth, and at most along each side of a pixel."""
+"""Smallest number of cells along a touch by depth, and largest along each side of a pixel."""
 ROUNDING = 1e-6
-"""Of a cell."""
+"""Tolerance of a number of cells."""
 
 
 def fields_of(
     scene: Scene, highest: float, touch: TouchSize, cells: int | None = None
 ) -> AnyFields:
-    """A reduced model of all terminals where interfaces are `many`, as training then costs less
-    than it saves; else elements. highest: Hz. cells: along each side of a pixel, by default as
-    `cells_under` says, and raises as it does."""
+    """A reduced model of all terminals for `many` interfaces, otherwise finite elements.
+
+    Training of the reduced model pays off for many interfaces only. highest: Hz. cells: along each
+    side of a pixel, by default `cells_under`. Raises as `cells_under` does.
+    """
     scene = scene if touch.finger else scene.for_rods
     cells = cells or cells_under(scene, touch)
     if scene.uniform and many(scene):
@@ -39,11 +41,11 @@ def fields_of(
 
 
 def cells_under(scene: Scene, touch: TouchSize) -> int:
-    """Cells along each side of a pixel.
+    """Number of cells along each side of a pixel.
 
-    Where a touch by depth is felt beside it, so many that it is UNDER_DEEP wide: with fewer its
-    slopes by place would err. Not on sheets with piezoresistance, of which each cell is a term of
-    K. Raises InputError where that would be more than MOST_CELLS.
+    Where a touch by depth also changes the foam next to it, a touch has at least UNDER_DEEP
+    cells; with fewer, its slopes by position would be wrong. This does not hold for sheets with
+    piezoresistance, where each cell is a term of K. Raises InputError for more than MOST_CELLS.
     """
     if not felt_beside(scene) or gauged(scene.skin):
         return CELLS_PER_PIXEL

@@ -34,16 +34,16 @@ from ...sweeps import InputError
 from .laying import Laying
 
 Maps = Mapping[str, NDArray[np.float64]]
-"""Of c over that at rest, or of its changes, by name."""
+"""Maps of c over the unpressed c, or of its changes, by name."""
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
 KRYLOV_RTOL = 1e-6
 
 
 class _Pressed(NamedTuple):
-    """The space of a press, M in F, what directions add to it, and to the weights of the sheets.
+    """Space of a press, its M in F, and the changes of M and of sheet weights by each direction.
 
-    mass: in the system's pattern. masses: of the unknowns of the space.
+    mass: in the pattern of the system. masses: for the unknowns of the space.
     """
 
     space: Galerkin
@@ -71,14 +71,14 @@ class Fields:
         frequency: NDArray[np.float64],
         of_foam: Maps | None = None,
     ) -> Response:
-        """Of one map of c over that at rest, shape (row, column) of cells; frequency in Hz.
+        """Response of one map of c over the unpressed c, shape (row, column) of cells.
 
-        With fingers the map has shape (2, row, column): their F in each cell follow. directions: by
-        name, how the map changes with something, of the same shape. of_foam: how the foam changes,
-        which tells nothing of how far it is pressed; None where the skin is known.
-        The response holds derivatives by both and by the leads' parameters, and, unless the skin is
-        known, by the skin's (see `parameters`). Raises InputError where frequencies lie too far
-        above cut-off.
+        With fingers the map has shape (2, row, column): c, then the F of fingers in each cell.
+        directions: derivatives of the map by name, of the same shape. frequency: Hz. of_foam:
+        changes of the foam itself, which do not change how far it is pressed; None where the skin
+        is known. The response has derivatives by both and by the leads' parameters and, unless the
+        skin is known, by the skin's (see `parameters`). Raises InputError where frequencies are too
+        far above cut-off.
         """
         laying, edges = self._laying, self._laying.edges(factors, directions)
         pressed = laying.pressed(factors, edges)
@@ -112,7 +112,7 @@ class Fields:
 
     @cached_property
     def _combined(self) -> Combination:
-        """How what is solved for combines to interfaces."""
+        """Combination of the solved excitations to interfaces."""
         return combination(self._circuit.excitations)
 
     @cached_property
@@ -124,7 +124,7 @@ class Fields:
         return [self._own(term) for term in self._family.sheet_terms]
 
     def _own(self, matrix: csc_matrix) -> csc_matrix:
-        """Of the unknowns of the space, without the zeros that its pattern holds."""
+        """A matrix for the unknowns of the space, without stored zeros."""
         own = self._family.space.restricted(matrix).copy()
         own.eliminate_zeros()
         return own
@@ -132,7 +132,7 @@ class Fields:
     def _gauged(
         self, foam: NDArray[np.float64], change: NDArray[np.float64]
     ) -> NDArray[np.float64] | None:
-        """Change of the weights of K's terms of sheets; None where no press changes them."""
+        """Change of the weights of the sheet terms of K; None where no press changes them."""
         scene = self._family.scene
         if not gauged(scene.skin):
             return None
@@ -175,10 +175,10 @@ class Fields:
         s: NDArray[np.complex128],
         Y: NDArray[np.complex128],
     ) -> NDArray[np.complex128]:
-        """u at 1 V, shape (unknown, s). Raises InputError where they do not give Y.
+        """Potentials u at 1 V, shape (unknown, s). Raises InputError where they do not match Y.
 
-        Of an excitation that charges next to nothing, as against earth that nothing reaches, Y is
-        what rounding leaves of all charges.
+        For an excitation with nearly no charge, such as against an earth without coupling, Y is the
+        rounding error of the sum of all charges.
         """
         driven, space = on.space.driven(excitation), on.space
         near = on.mass.near if isinstance(on.mass, LowRankMass) else on.mass
@@ -197,7 +197,7 @@ class Fields:
     def _by_resistance(
         self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
     ) -> dict[str, NDArray[np.complex128]]:
-        """As `by_sheets`, and by contact resistance."""
+        """Derivatives of `by_sheets`, and by contact resistance."""
         family, found = self._family, by_sheets(sheets, *self.scene.skin.sheet_resistances)
         if any(not contact.ideal for contact in self.scene.contacts):
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
@@ -206,7 +206,7 @@ class Fields:
 
 
 def _energy(parts: NDArray[np.float64], matrix: Mass) -> NDArray[np.complex128]:
-    """u'Mu in W of a symmetric M. parts: of u, real ones beside imaginary, (unknown, 2 s)."""
+    """u'Mu in W of a symmetric M. parts: real, then imaginary parts of u, (unknown, 2 s)."""
     Mu, count = matrix @ parts, parts.shape[1] // 2
     own = np.einsum("ik,ik->k", parts, Mu)
     between = np.einsum("ik,ik->k", parts[:, :count], Mu[:, count:])

@@ -1,4 +1,4 @@
-"""Maps of cells as the parts that M is a sum of, see `Parts`."""
+"""Conversion of maps of cells to the parts that M is a sum of; see `Parts`."""
 
 from __future__ import annotations
 
@@ -18,24 +18,27 @@ Array = NDArray[np.float64]
 
 
 class Laying:
-    """Of a scene whose pixels are the cells. Maps are of c over that at rest, shape (row, column),
-    or (2, row, column) with the F of fingers in each cell after that."""
+    """Parts of a scene whose pixels are the cells, from maps.
+
+    A map is c over the unpressed c, shape (row, column), or that and the F of fingers in each cell,
+    shape (2, row, column).
+    """
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
 
     @cached_property
     def parts(self) -> Parts:
-        """How parts are numbered."""
+        """Numbering of the parts."""
         return parts_of(self._scene)
 
     @property
     def foam(self) -> slice:
-        """Which parts are of the foam."""
+        """Indices of the parts of the foam."""
         return self.parts.kind[0]
 
     def of_foam(self, map_of: Array, beside: float) -> Array:
-        """Of each part of the foam. beside: of that which is no cell."""
+        """Value of each part of the foam. beside: value of parts outside all cells."""
         own = map_of if map_of.ndim == 2 else map_of[0]
         return of_parts(self._scene, own, beside)
 
@@ -77,8 +80,10 @@ class Laying:
         return found
 
     def by_skin(self, pressed: Array) -> dict[str, Array]:
-        """The same by the logarithms of what no press changes, bodies and the rim, and, where there
-        is more than the foam, of the foam's capacitance."""
+        """Change of the factors by logarithms of bodies and the rim, which no press changes.
+
+        Where there is more than the foam, also by the logarithm of the foam's capacitance.
+        """
         fixed = enumerate(self.parts.fixed, self.parts.touched)
         found = dict[str, Array]()
         for number, name in fixed:

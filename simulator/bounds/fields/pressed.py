@@ -1,8 +1,8 @@
 """Potentials of one pressed skin in the small basis of its reduced model, for any readings.
 
-In coordinates in which K is 1, M of a press inside is turned to its own directions once: then every
-s is diagonal. Each terminal at 1 V is solved for; what floats is eliminated between terminals, so
-that energies of any number of readings cost as much as those of the terminals.
+In coordinates in which K is 1, M of the inner unknowns is diagonalized once for a press; the system
+is then diagonal for every s. It is solved for each terminal at 1 V. Floating terminals are
+eliminated afterwards, so energies for any number of readings cost as much as for the terminals.
 """
 
 from __future__ import annotations
@@ -21,9 +21,12 @@ from ...models.reduced.skin import ReducedSkin
 
 @dataclass(frozen=True)
 class Potentials:
-    """of_terminals: at 1 V of each terminal, shape (N + n, N, s). at: the terminals' potentials of
-    each excitation, V, shape (excitation, N, s). Y: in S, shape (reading, s). combination: how
-    excitations combine to readings."""
+    """Potentials of a press.
+
+    of_terminals: at 1 V of each terminal, shape (N + n, N, s). at: potentials of the terminals for
+    each excitation, V, shape (excitation, N, s). Y: S, shape (reading, s). combination: of
+    excitations to readings.
+    """
 
     of_terminals: NDArray[np.complex128]
     at: NDArray[np.complex128]
@@ -40,18 +43,18 @@ class Potentials:
 
 
 class PressedSkin:
-    """A skin of a model that is trained for all terminals, under presses of any of its parts."""
+    """A skin of a model of all terminals, with presses of any of its parts."""
 
     def __init__(self, skin: ReducedSkin) -> None:
         self._skin = skin
 
     @cached_property
     def rest(self) -> NDArray[np.float64]:
-        """M at rest in F, shape (N + n, N + n)."""
+        """M of the unpressed skin in F, shape (N + n, N + n)."""
         return mass_of(self._skin.rest, np.zeros(0, dtype=np.int64), np.zeros(0))
 
     def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a change of each part over the scene's own, shape (part,), adds to M in F."""
+        """Change of M in F by changes of the parts over the scene's own, shape (part,)."""
         skin, weights = self._skin, change * self._skin.rest_factors
         factors = skin.rest.factors
         cells = np.flatnonzero(weights[: len(factors)])
@@ -62,7 +65,7 @@ class PressedSkin:
         return found
 
     def solved(self, M: NDArray[np.float64], s: NDArray[np.complex128]) -> Potentials:
-        """Of a press with this M, at s in rad/s."""
+        """Potentials of a press with this M, at s in rad/s."""
         skin = self._skin
         N = len(skin.conductance)
         pressed, axes = own_axes(M, N)

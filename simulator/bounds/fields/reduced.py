@@ -34,12 +34,12 @@ RTOL = 4e-4
 
 
 class ReducedFields:
-    """A scene on the cells of a grid, by a skin of a model that is trained for all terminals."""
+    """A scene on the cells of a grid, computed with a reduced model of all terminals."""
 
     def __init__(
         self, scene: Scene, skin: ReducedSkin, cells: int, leads: Leads | None = None
     ) -> None:
-        """cells: of the skin's model, along each side of a pixel. leads: else the scene's."""
+        """cells: of the model, along each side of a pixel. leads: by default the scene's."""
         self.scene, self.cells, self._leads = scene, cells, leads or scene.leads
         self.grid = scene.divided(cells).pixels.shape
         self._skin, self._pressed = skin, PressedSkin(skin)
@@ -52,7 +52,7 @@ class ReducedFields:
         frequency: NDArray[np.float64],
         of_foam: Maps | None = None,
     ) -> Response:
-        """Of one map of c, as `Fields` does."""
+        """Response of one map of c; see `Fields.respond`."""
         s, laying, skin = laplace_variable(frequency, self._skin.loss), self._laying, self._pressed
         edges = laying.edges(factors, directions)
         pressed = laying.pressed(factors, edges)
@@ -91,8 +91,10 @@ class ReducedFields:
 def trained(
     scene: Scene, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
 ) -> ReducedFields:
-    """Trained for touches alike, at frequencies up to `highest` in Hz, on the mesh that `Fields`
-    takes. cells: along each side of a pixel. Raises ToleranceError where the scene does not reduce.
+    """Trains a model for touches of one size on the mesh of `Fields`.
+
+    highest: largest frequency, Hz. cells: along each side of a pixel. Raises ToleranceError where
+    the reduced model does not reach its tolerance.
     """
     scene.require_sheets_alone("what readings tell")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)

@@ -1,1 +1,1 @@
-"""Touches of a size on the cells of a grid: what they do to c there, by factors or by depth."""
+"""Touches of a given size rasterized on the cells of a grid, by factors or by depth."""

@@ -1,7 +1,7 @@
-"""Touches of a size about the middles of pixels, as strong as is asked, on the cells of a grid.
+"""Touches of one size around the middles of pixels, of any strength, on the cells of a grid.
 
-By depth what a touch does to a cell is a smooth function of its depth: it runs through those of
-Chebyshev's depths, twice as many of which tell how far it is off.
+The rise of a cell is a smooth function of the depth of a touch. It is interpolated between
+Chebyshev nodes; twice as many nodes give the error.
 """
 
 from __future__ import annotations
@@ -26,23 +26,26 @@ from .cells import Array, Place
 from .deep import Deep, around
 
 COUNTS = (5, 129)
-"""Of Chebyshev's depths, at first and at most."""
+"""First and largest number of Chebyshev nodes of depth."""
 RTOL = 1e-4
-"""Of the largest rise of a cell: what is left of it between those depths."""
+"""Largest error of interpolation, over the largest rise of a cell."""
 NO_APPLICATOR = Applicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 Index = NDArray[np.int64]
 
 
 class AboutPixels(Protocol):
-    """Squares about the middles of a scene's pixels."""
+    """Square touches around the middles of a scene's pixels."""
 
     def laid(self, batch: PressBatch, /) -> PressBatch:
-        """Touches of pixels by rises, as those of cells."""
+        """Touches of pixels by rises, as touches of cells."""
         ...
 
 
 def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> AboutPixels:
-    """Of a side in m, on so many rows and columns of cells; no rise is more than `strongest`."""
+    """Square touches of one size on a grid of cells.
+
+    size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
+    """
     if felt_beside(scene):
         return DeepOnes(scene, grid, size, strongest)
     return SharpOnes(scene, grid, size)
@@ -51,7 +54,10 @@ def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: fl
 def laid_with_fingers(
     scene: Scene, grid: tuple[int, int], touches: AboutPixels, batch: PressBatch, size: float
 ) -> PressBatch:
-    """As `AboutPixels.laid`, of presses that may have fingers, see `Parts`. size: of a side, m."""
+    """Result of `AboutPixels.laid` for presses that may have fingers, see `Parts`.
+
+    size: of a side, m.
+    """
     foam = parts_of(scene).foam
     finger = batch.cells >= foam
     laid = touches.laid(batch.where(~finger))
@@ -65,7 +71,7 @@ def laid_with_fingers(
 
 
 def by_touch(batch: PressBatch) -> tuple[Index, Array]:
-    """Cells and rises of each press in a row, shape (press, touch); some cell and 0 of none."""
+    """Cells and rises of each press as rows, shape (press, touch), padded with rises of 0."""
     touches = np.diff(batch.starts)
     there = np.arange(touches.max(initial=0)) < touches[:, None]
     cells = np.full(there.shape, batch.cells.min(initial=0), dtype=np.int64)
@@ -75,7 +81,7 @@ def by_touch(batch: PressBatch) -> tuple[Index, Array]:
 
 
 def middles(scene: Scene) -> list[Place]:
-    """Of the skin of each pixel, m."""
+    """Middle of the skin of each pixel, m."""
     if not scene.skin.rectangular:
         return [(float(x), float(y)) for x, y in held(scene).middle.T]
     skin, (rows, columns) = scene.skin, scene.pixels.shape
@@ -87,14 +93,14 @@ def middles(scene: Scene) -> list[Place]:
 
 
 class SharpOnes:
-    """Touches that end at their edges; overlapping ones multiply."""
+    """Touches that end at their edges; factors of overlapping ones multiply."""
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float) -> None:
         self._scene, self._grid, self._size = scene, grid, size
         self._middles = np.array(middles(scene))
 
     def laid(self, batch: PressBatch) -> PressBatch:
-        """As of `AboutPixels`."""
+        """See `AboutPixels`."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
@@ -102,14 +108,14 @@ class SharpOnes:
 
 
 class _Depths(NamedTuple):
-    """Rises that touches of a pixel make in a window of cells, over their depth in m."""
+    """Rises by touches of a pixel in a window of cells, as a function of their depth in m."""
 
     here: Window
     rises: Interpolant
 
 
 class DeepOnes:
-    """Touches by depth. Where touches are felt at one place, each such press is solved for."""
+    """Touches by depth. A press with touches that interact is solved for on its own."""
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:
         self._scene, self._deep = scene, Deep(scene, grid, (size, size))
@@ -117,8 +123,11 @@ class DeepOnes:
         self._known: dict[int, _Depths] = {}
 
     def laid(self, batch: PressBatch) -> PressBatch:
-        """As of `AboutPixels`. Raises InputError where the foam cannot be pressed so far, and
-        ToleranceError where rises are not told by few depths."""
+        """See `AboutPixels`.
+
+        Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
+        interpolation between depths does not converge.
+        """
         press, depth = batch.press, self._scene.pressed_depths(1 + batch.rises)
         rises = np.zeros((batch.count, *self._deep.lattice.grid))
         for pixel in np.unique(batch.cells).tolist():
@@ -135,7 +144,7 @@ class DeepOnes:
 
     @property
     def lattice(self) -> Lattice:
-        """What they are solved on."""
+        """Lattice on which the touches are solved."""
         return self._deep.lattice
 
     def applied(self, pixels: Index, rises: Array) -> Applicators:
@@ -153,7 +162,7 @@ class DeepOnes:
         return self._known[pixel]
 
     def _through(self, place: Place) -> _Depths:
-        """Of twice as many depths as tell those between them to RTOL."""
+        """Rises over depth with twice as many nodes as RTOL needs."""
         here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
 
         def close(found: Array, truth: Array) -> bool:
@@ -168,7 +177,7 @@ class DeepOnes:
         return _Depths(here, rises)
 
     def _window(self, place: Place) -> Window:
-        """The cells that touches of any of the depths are felt in."""
+        """The cells that touches of any depth change."""
         rises = np.linspace(0.0, self._strongest, COUNTS[0])[1:].tolist()
         return around([self._deep.window(place, rise) for rise in rises])
 

@@ -1,6 +1,6 @@
-"""Touches that end at their edges, on cells by the area that they cover, and their slopes.
+"""Touches that end at their edges, rasterized on cells by covered area, with derivatives.
 
-`press.rasterized` has no slopes: these are of one touch at a time, and of whole maps.
+`press.rasterized` has no derivatives; here one touch at a time becomes a map of all cells.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from ...scene.planar import SAME_LINE, covered
 Array = NDArray[np.float64]
 Place = tuple[float, float]
 ABOUT = 0.2
-"""Of the rise of a touch: so far from it others are drawn."""
+"""Largest relative deviation of the rise of a random touch."""
 
 
 class TouchSize(NamedTuple):
-    """Rectangles that are to be answered: sides along x and y in m, and by how much c rises.
+    """Rectangular touch: sides along x and y in m, and rise of c.
 
-    finger: capacitance to earth, F, spread evenly over it; 0 of a rod.
+    finger: capacitance to earth, F, uniform over the touch; 0 for a rod.
     """
 
     width: float
@@ -33,9 +33,12 @@ class TouchSize(NamedTuple):
 
 
 class Laid(NamedTuple):
-    """c over that at rest, and how that changes with x and y [1/m] and with the rise under the
-    touch, by name; each of shape (row, column), or (2, row, column) where a finger touches, with
-    its F in each cell after c; then they change with the finger's capacitance [1/F], too."""
+    """Map of a touch and its derivatives.
+
+    factors: c over the unpressed c. changes: derivatives by x and y [1/m] and by the rise
+    ("strength"). Each has shape (row, column). For a finger each has shape (2, row, column), c and
+    then the F in each cell, and there is also the derivative by its capacitance ("finger", 1/F).
+    """
 
     factors: Array
     changes: dict[str, Array]
@@ -43,18 +46,18 @@ class Laid(NamedTuple):
 
 @dataclass(frozen=True)
 class Cells:
-    """Lines of a grid across x and y, m."""
+    """Grid of cells by its lines across x and y, m."""
 
     x: Array
     y: Array
 
     @classmethod
     def of(cls, length: float, width: float, grid: tuple[int, int]) -> Cells:
-        """A uniform grid of so many rows and columns over a skin."""
+        """A uniform grid of rows and columns over a skin."""
         return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
 
     def raised(self, place: Place, touch: TouchSize) -> dict[str, Array]:
-        """How c over that at rest changes with x and y [1/m] and with the rise; (row, column)."""
+        """Derivatives of c over the unpressed c by x, y [1/m] and rise, shape (row, column)."""
         along, by_x = covered_about(self.x, place[0], touch.width)
         across, by_y = covered_about(self.y, place[1], touch.height)
         return {
@@ -64,7 +67,7 @@ class Cells:
         }
 
     def drawn(self, touch: TouchSize, random: np.random.Generator) -> TouchedCells:
-        """One somewhere on the skin, as strong but for ABOUT, to train a model with."""
+        """A touch at a random position with a rise within ABOUT, to train a model."""
         sides = (self.x[-1], touch.width), (self.y[-1], touch.height)
         x, y = (own / 2 + random.uniform(0, side - own) for side, own in sides)
         rise = touch.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
@@ -73,12 +76,12 @@ class Cells:
         return TouchedCells(cells, rises[cells])
 
     def laid(self, place: Place, touch: TouchSize) -> Laid:
-        """A touch about a place, m."""
+        """Map of a touch around a point, m."""
         changes = self.raised(place, touch)
         return Laid(1 + touch.rise * changes["strength"], changes)
 
     def with_finger(self, laid: Laid, place: Place, touch: TouchSize) -> Laid:
-        """The same touch by a finger; itself by a rod."""
+        """The map with the touch's finger added; unchanged for a rod."""
         if not touch.finger:
             return laid
         sides = np.multiply.outer(np.diff(self.y), np.diff(self.x)) / (touch.width * touch.height)
@@ -94,9 +97,9 @@ class Cells:
 
 
 def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
-    """Fraction of each interval that a span covers, and its derivative by the span's middle, 1/m.
+    """Covered fraction of each interval, and its derivative by the middle of the span, 1/m.
 
-    An end of the span at an end of the skin, or beyond it, does not move.
+    An end of the span at an end of the skin, or beyond it, has the derivative 0.
     """
     start, stop = middle - size / 2, middle + size / 2
     return covered(start, stop, lines), _at(lines, stop) - _at(lines, start)

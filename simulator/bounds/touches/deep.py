@@ -1,11 +1,12 @@
-"""Touches pressed by depth into foam whose skins have a tension, on the cells of a grid.
+"""Touches by depth into foam whose sheets have a tension, rasterized on the cells of a grid.
 
-A cell rises by the mean of the factor over its skin, of the deflection on an even lattice; see
+The rise of a cell is the mean over its skin, from the deflection on a uniform lattice; see
 `models.mechanics.lattice`. The strength of a touch is the rise under it.
 
-With its place a touch changes c within cells, and by as much up as down: what it changes at a node
-goes to the cells about it as if potentials ran straight from middle to middle. By the mean of each
-cell alone, slopes by place would be off by a tenth and more where a touch is a few cells wide.
+A shift of a touch raises c at some nodes and lowers it at others, partly within one cell. The
+derivative at a node is distributed to the cells around it as if potentials were linear between
+their middles. With the mean of each cell alone, slopes by position would be wrong by a tenth or
+more where a touch is a few cells wide.
 """
 
 from __future__ import annotations
@@ -30,33 +31,38 @@ from .cells import Array, Cells, Laid, Place, TouchSize
 from .shared import shared_by_cells
 
 STRIDE = 1
-"""Steps of the lattice by which a touch is moved each way to see how c changes with its place: then
-all three lie alike among the nodes."""
+"""Steps of the lattice for central differences by position: whole steps keep a touch's position
+relative to the nodes."""
 STILL = 1e-7
-"""Of the depth: what the last sweep may move a node by, where presses are subtracted."""
+"""Tolerance of the deflection over the depth, where presses are subtracted."""
 PART = 0.01
-"""Of the rise under a touch, the same for its strength."""
+"""Relative step of the rise for the difference by strength."""
 SAME = 1e-6
-"""Of a step: places that are told apart. Applicators reach so much farther, lest rounding decide
-whether one holds the nodes on its edge: its corners would come and go."""
+"""Smallest distinct difference of positions, in steps. Applicators are wider by this, so that
+rounding does not decide whether nodes on an edge are inside."""
 
 
 class Deep:
-    """Rectangles of one size on a scene, anywhere."""
+    """Rectangular touches of one size at any position on a scene."""
 
     def __init__(
         self, scene: Scene, grid: tuple[int, int], sides: tuple[float, float], stride: int = STRIDE
     ) -> None:
-        """sides: of a touch along x and y, m. stride: see STRIDE. Raises InputError where the skin
-        is no plane."""
+        """sides: of a touch along x and y, m. stride: see STRIDE.
+
+        Raises InputError where the skin is not plane.
+        """
         check_plane(scene.skin)
         self._scene, self._sides, self._stride = scene, sides, stride
         self.lattice: Lattice = lattice_of(scene, grid, min(sides))
         self._known: dict[tuple[object, ...], Array] = {}
 
     def laid(self, place: Place, touch: TouchSize) -> Laid:
-        """A touch about a place, m. Raises InputError where the foam cannot be pressed so far, and
-        ToleranceError where it does not come to rest."""
+        """Map of a touch around a point, m.
+
+        Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
+        deflection does not converge.
+        """
         (x, y), rise = place, touch.rise
         step_x, step_y = np.multiply(self._stride, self.lattice.steps).tolist()
         corners = [(x + i * step_x, y + j * step_y) for i in (-1, 1) for j in (-1, 1)]
@@ -83,8 +89,10 @@ class Deep:
         return Laid(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
     def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applicators:
-        """The applicator, under which c rises by so much. beyond: how much farther it reaches, in
-        steps. Raises InputError as `laid`."""
+        """The applicator under which c rises by `rise`.
+
+        beyond: margin on each side, in steps. Raises InputError as `laid` does.
+        """
         (x, y), steps = place, np.array(self.lattice.steps)
         wide, high = np.divide(self._sides, 2) + beyond * steps
         box = [[x - wide, x + wide, y - high, y + high]]
@@ -93,11 +101,11 @@ class Deep:
         )
 
     def window(self, place: Place, rise: float) -> Window:
-        """The cells that a touch is felt in."""
+        """The cells that a touch changes."""
         return window(self.lattice, self.applied(place, rise))
 
     def rises(self, place: Place, rise: float, here: Window) -> Array:
-        """Of c in the cells of a window by a touch, shape (row, column)."""
+        """Rises of c in the cells of a window by a touch, shape (row, column)."""
         applied = self.applied(place, rise)
         if not rise:
             return np.zeros([part.stop - part.start for part in here])
@@ -111,8 +119,10 @@ class Deep:
     def _alike(
         self, what: str, applied: Applicators, here: Window, found: Callable[[], Array]
     ) -> Array:
-        """What is found of a touch in a window; on a rectangle it is that of any touch that lies in
-        its window as this one does."""
+        """Cached result of `found` for a touch in a window.
+
+        On a rectangle, touches at the same position relative to their windows share it.
+        """
         if not self._scene.skin.rectangular:
             return found()
         rows, columns = here
@@ -126,14 +136,14 @@ class Deep:
         return self._known[key]
 
     def _everywhere(self, found: Array, here: Window) -> Array:
-        """From the cells of a window to all, shape (..., row, column)."""
+        """Values in a window placed among all cells, shape (..., row, column)."""
         every = np.zeros((*found.shape[:-2], *self.lattice.grid))
         every[..., *here] = found
         return every
 
 
 def around(windows: Sequence[Window]) -> Window:
-    """The window that holds all of these."""
+    """The smallest window that contains all of these."""
     rows, columns = (
         slice(min(part.start for part in own), max(part.stop for part in own))
         for own in zip(*windows, strict=True)
@@ -142,7 +152,7 @@ def around(windows: Sequence[Window]) -> Window:
 
 
 def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> Cells | Deep:
-    """How touches of a size are laid on a grid of so many rows and columns over a scene."""
+    """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
     if felt_beside(scene):
         return Deep(scene, grid, (touch.width, touch.height))
     return Cells.of(scene.skin.length, scene.skin.width, grid)

@@ -1,4 +1,4 @@
-"""How far touches by depth that are laid on cells are from touches with their own edges."""
+"""Errors of touches by depth that are rasterized on cells."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from ...press.press import Press
 from ...scene.scene import Scene
 
 SAMPLE = 8
-"""Touches that are compared; all are of one size, and about as deep."""
+"""Largest number of compared touches; all have one size and similar depths."""
 RTOL = 1e-4
 
 Impedances = Callable[[PressBatch], NDArray[np.complex128]]
 
 
 class LaidErrors(NamedTuple):
-    """Largest relative errors of Rs and Cp to expect, SAMPLED times those of a sample.
+    """Estimated largest relative errors of Rs and Cp: SAMPLED times those of a sample.
 
-    cells: by cells and lattice together, against the full model. deflection: of that by the
-    lattice, against the membrane on triangles laid on the same cells.
+    cells: of cells and lattice together, compared with the full model. deflection: of the lattice
+    alone, compared with the membrane on triangles, rasterized on the same cells.
     """
 
     cells: float
     deflection: float
 
     def summary(self) -> dict[str, float]:
-        """As it is written to a file, by the names that data sets have for it."""
+        """Content of a file, by the names that data sets use."""
         return {
             "cells_error": float(f"{self.cells:.2g}"),
             "deflection_error": float(f"{self.deflection:.2g}"),
@@ -58,8 +58,11 @@ def laid_errors(
     own: PressBatch,
     impedances: Impedances,
 ) -> LaidErrors:
-    """Of some touches. own: the same as they are laid on the lattice's cells. impedances: of
-    presses of these, behind the leads, ohm. Raises InputError and ToleranceError as `Solver`."""
+    """Errors of a sample of touches.
+
+    own: the touches rasterized on the lattice's cells. impedances: function from presses of these
+    cells to ohm behind the leads. Raises InputError and ToleranceError as `Solver` does.
+    """
     found = impedances(own)
     cells = off_the_solver(scene, map(as_press, each), found, RTOL)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
@@ -70,9 +73,9 @@ def laid_errors(
 def off_the_solver(
     scene: Scene, presses: Iterable[Press], found: NDArray[np.complex128], rtol: float
 ) -> float:
-    """Largest relative error of Rs and Cp of Z in ohm behind the leads, found for some presses.
+    """Largest relative error of Rs and Cp of given Z in ohm behind the leads, for some presses.
 
-    Against the full model, which follows every edge, at `rtol`. Raises as `Solver`.
+    The reference is the full model, which resolves every edge, at `rtol`. Raises as `Solver` does.
     """
     solver = Solver(scene, rtol)
     exact = np.stack([solver.solve(press).Z for press in presses])
@@ -80,5 +83,5 @@ def off_the_solver(
 
 
 def some(count: int) -> list[int]:
-    """Numbers of at most SAMPLE of so many, evenly."""
+    """Indices of at most SAMPLE of `count` items, evenly spread."""
     return np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).round().astype(int)).tolist()

@@ -1,4 +1,4 @@
-"""What nodes of a lattice have, shared by the cells about each."""
+"""Distribution of values at the nodes of a lattice to the cells around each."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Array = NDArray[np.float64]
 
 
 def shared_by_cells(lattice: Lattice, values: Array, here: Window) -> Array:
-    """As `in_cells`, in a window, with the value of a node where cells are straight functions.
+    """Cell values in a window that weight linear functions as the nodes do.
 
-    A function that is straight from one cell's middle to the next gives with the cells' numbers
-    what it gives with those of the nodes. A node beside which a cell holds no skin counts in its
-    own cell alone.
+    A function that is linear between the middles of cells has the same weighted sum with the cell
+    values as with the node values. A node next to a cell without skin contributes to its own cell
+    only, as in `in_cells`.
     """
     (along, across), (rows, columns) = lattice.within, here
     by_x = _weights(columns.stop - columns.start, along)
@@ -31,13 +31,15 @@ def shared_by_cells(lattice: Lattice, values: Array, here: Window) -> Array:
 
 
 def _own(cells: int, within: int) -> Array:
-    """Which cell each node lies in, shape (node, cell)."""
+    """Cell of each node as a 0/1 matrix, shape (node, cell)."""
     return np.repeat(np.eye(cells), within, axis=0)
 
 
 def _weights(cells: int, within: int) -> Array:
-    """Of the cells' middles at each node, straight beyond the first and the last as well, shape
-    (node, cell)."""
+    """Weights of linear interpolation from the cells' middles to each node, shape (node, cell).
+
+    They extrapolate beyond the first and the last middle.
+    """
     if cells == 1:
         return np.ones((within, 1))
     at = (np.arange(cells * within) + 0.5) / within - 0.5
