@@ -1,1 +1,1 @@
-"""A trained model taught by a few touches of the skin at hand, judged by others."""
+"""Adaptation of a trained model to the actual skin by a few touches."""

@@ -1,4 +1,4 @@
-"""A few labelled touches teach a model the skin at hand; it is judged by touches that did not."""
+"""Adaptation of a classifier by a few labelled touches; scored on other touches."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ..trust.folds import describe_splits, splits_of
 from ..trust.temperature import probabilities, sharpness_of
 
 FEWEST = 2
-"""Touches of each class: one teaches where another judges."""
+"""Minimum number of touches of each class: one trains while another is scored."""
 WITHIN = 0.98
-"""Of the touches that teach, how many a guard is widened to take for none of a novelty."""
+"""Share of the training touches that a widened guard accepts."""
 FOLDS = 5
 PRIOR_SWEEPS = 50
-"""Sweeps that the sharpness of the training counts as."""
+"""Weight of the training's sharpness, as a number of sweeps."""
 FINE_TUNING_PARAMETER = {MODEL_BASED: "invert__learn", MODEL_ADAPTED: "invert__inner__learn"}
-"""Where localizers that invert the simulator are told to learn the skin."""
+"""Parameter of model-based estimators that turns on fine-tuning."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +49,11 @@ class Adaptation:
 
 
 def adapted(model: Model, samples: Samples) -> Adaptation:
-    """The model taught by all of the samples, which are of the skin it is to be asked about.
+    """Adapt the model by all of the samples, which are of the skin to be localized on.
 
-    samples: as `model.samples` tells them. Raises InputError for models of positions, models that
-    were adapted before, labels that the model does not know, and fewer than FEWEST sweeps of one of
-    its classes.
+    samples: as of `model.samples`. Raises InputError for models of positions, models that were
+    adapted before, labels that the model does not know, and fewer than FEWEST sweeps of one of its
+    classes.
     """
     learned = checked(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
@@ -112,7 +112,7 @@ def _was_adapted(pipeline: Pipeline) -> bool:
 
 
 def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
-    """The same after these; probabilities are still those that it was trained to."""
+    """The classifier fine-tuned by these samples; the sharpness is not changed."""
     guards = learned.guards and widened(learned.guards, samples)
     pipeline: Any
     if model.estimator in FINE_TUNING_PARAMETER:
@@ -126,7 +126,7 @@ def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
 
 
 def widened(guards: Guards, samples: Samples) -> Guards:
-    """The guards that take most of these sweeps for no novelties."""
+    """Guards that accept most of these sweeps."""
     own, changes = _wider(guards, samples.X), guards.changes
     if changes is None or samples.changes is None:
         return own

@@ -1,4 +1,4 @@
-"""A few touches at known places teach a model of positions the skin at hand."""
+"""Adaptation of a model of positions by a few touches at known places."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..trust.folds import describe_splits, splits_of
 from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened
 
 FEWEST = 6
-"""Touches: of each direction some, and some to judge."""
+"""Minimum number of touches: some in each direction, and some to score."""
 
 
 def adapt_positions(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
@@ -81,7 +81,7 @@ def _opened(guards: Guards | None, samples: Samples) -> Guards | None:
 
 
 def _stretch(after: PositionScore) -> np.ndarray:
-    """By how much deviations were too small, between that of a few touches and none, (3,)."""
+    """Factor by which deviations were too small, shrunk towards 1 for few touches, (3,)."""
     off = np.square((after.predicted - after.truth) / np.maximum(after.deviation, 1e-9)).mean(
         axis=0
     )

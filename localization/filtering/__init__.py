@@ -1,1 +1,1 @@
-"""Touches over time: what sweep after sweep tells of a hand that comes, moves and goes."""
+"""Tracking of touches over time: answers that use all sweeps so far."""

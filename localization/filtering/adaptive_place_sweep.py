@@ -1,4 +1,4 @@
-"""Sweeps of which each reading is chosen to tell where a touch is."""
+"""Adaptive sweeps whose readings are chosen to locate a touch."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .chain import Evidence
 from .follower import Followed
 
 UNPRESSED_PRIOR = 0.5
-"""Chance that nothing is pressed, before anything is read."""
+"""Prior probability of the unpressed skin."""
 
 
 class PlaceSweep(AdaptiveSweep):
-    """Whether there is a touch, and where."""
+    """Adaptive sweep for a model of positions."""
 
     def __init__(
         self, terms: AdaptiveSettings, step: ModelBasedPosition, at_rest: NDArray, gap: float
@@ -34,19 +34,19 @@ class PlaceSweep(AdaptiveSweep):
 
     @property
     def posterior(self) -> PlacePosterior:
-        """By the readings so far."""
+        """Posterior by the readings so far."""
         return self._placing
 
     @property
     def is_certain(self) -> bool:
-        """Whether nothing is pressed, or the region of the touch is small enough."""
+        """True if the skin is certainly unpressed, or the region of the touch is small enough."""
         rest, certain = self._placing.unpressed, self._terms.certain
         if rest > 1 - certain:
             return rest >= certain
         return self._region().area <= math.pi * self._terms.within**2
 
     def answer(self, during: float) -> Followed:
-        """By the readings so far. during: s that they took."""
+        """Answer by the readings so far. during: their duration, s."""
         placing, follower = self._placing, self._terms.follower
         if follower is not None:
             told = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
@@ -72,7 +72,7 @@ class PlaceSweep(AdaptiveSweep):
         return region_of(self._placing.places, PROBABILITY)
 
     def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
-        """ln chance of the skin at rest and of each cell."""
+        """ln prior of the unpressed skin and of each cell."""
         terms = self._terms
         rest = UNPRESSED_PRIOR if terms.model.knows_unpressed else 0.0
         own = log_prior_of(step, rest)

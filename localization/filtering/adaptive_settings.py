@@ -1,4 +1,4 @@
-"""What a sweep whose readings are chosen goes by."""
+"""Settings of adaptive sweeps."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from .follower import Follower
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveSettings:
-    """model: that answers. certain: probability of an answer at which a sweep may end. follower: by
-    whose belief sweeps begin; may be none. within: mm, radius of a disc as large as the region of a
-    place that is known well enough."""
+    """Settings of adaptive sweeps.
+
+    model: that answers. certain: probability of an answer at which a sweep may end. follower: whose
+    belief is the prior of a sweep; None without one. within: mm, radius of a disc with the area of
+    the region of a place that is known well enough.
+    """
 
     model: Model
     certain: float

@@ -1,4 +1,4 @@
-"""One sweep whose readings are chosen one after the other, and which class it tells of."""
+"""One sweep whose readings are chosen one by one, and the class that follows from it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ MIN_PRIOR = 1e-6
 
 
 class AdaptiveSweep(ABC):
-    """One sweep: `next` tells what to read, `tell` what was read there, until `next` is None."""
+    """An adaptive sweep: `next` chooses a reading, `add_reading` takes it.
+
+    It ends when `next` is None.
+    """
 
     def __init__(
         self, terms: AdaptiveSettings, at_rest: NDArray[np.complex128], gap: float
@@ -35,16 +38,16 @@ class AdaptiveSweep(ABC):
     @property
     @abstractmethod
     def posterior(self) -> ClassPosterior | PlacePosterior:
-        """By the readings so far."""
+        """Posterior by the readings so far."""
 
     @property
     @abstractmethod
     def is_certain(self) -> bool:
-        """Whether the answer is certain."""
+        """True if the answer is certain."""
 
     @abstractmethod
     def answer(self, during: float) -> Followed:
-        """By the readings so far. during: s that they took."""
+        """Answer by the readings so far. during: their duration, s."""
 
     def next(self, seconds: NDArray[np.float64]) -> tuple[str, float] | None:
         """Interface and frequency [Hz] whose reading is expected to tell most in its time.
@@ -62,7 +65,7 @@ class AdaptiveSweep(ABC):
         return self._interfaces[where], float(self._frequencies[at])
 
     def add_reading(self, interface: str, frequency: float, Z: complex) -> None:
-        """What was read at an interface and a frequency in Hz: Z in ohm."""
+        """Take the reading Z [ohm] at an interface and a frequency [Hz]."""
         at = int(np.abs(self._frequencies - frequency).argmin())
         place = self._interfaces.index(interface), at
         reading = int(np.flatnonzero((self._places == place).all(axis=1))[0])
@@ -71,7 +74,7 @@ class AdaptiveSweep(ABC):
 
 
 class ClassSweep(AdaptiveSweep):
-    """Which class it is."""
+    """Adaptive sweep for a classifier."""
 
     def __init__(
         self, terms: AdaptiveSettings, step: ModelBased, at_rest: NDArray, gap: float
@@ -89,16 +92,16 @@ class ClassSweep(AdaptiveSweep):
 
     @property
     def posterior(self) -> ClassPosterior:
-        """By the readings so far."""
+        """Posterior by the readings so far."""
         return self._posterior
 
     @property
     def is_certain(self) -> bool:
-        """Whether a class is probable enough."""
+        """True if a class is probable enough."""
         return bool(self._posterior.probabilities.max() >= self._terms.certain)
 
     def answer(self, during: float) -> Followed:
-        """By the readings so far. during: s that they took."""
+        """Answer by the readings so far. during: their duration, s."""
         posterior, terms = self._posterior, self._terms
         if terms.follower is not None:
             told = self._sharpness * posterior.log_densities

@@ -1,4 +1,4 @@
-"""What a model of positions tells of the parts of a skin: a grid of cells, and where in each."""
+"""Grid of cells on a skin, and a position model's answer in each."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ NEGLIGIBLE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class CellGrid:
-    """Cells of a skin, GRID of them, y within x. bounds: least and largest x and y [mm], (2, 2).
+    """Cells of a skin, GRID of them, y varies fastest.
 
-    mask: where within them there is skin, None for all over.
+    bounds: lowest and highest x and y [mm], (2, 2). mask: where within them there is skin, None if
+    everywhere.
     """
 
     learned: Regressor
@@ -42,7 +43,7 @@ class CellGrid:
         return [np.linspace(a, b, n + 1) for (a, b), n in zip(self.bounds, GRID[:2], strict=True)]
 
     def cell_moments(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Shares of cells, x and y [mm] in each, and their covariance, (sweep, cell, 7)."""
+        """Probability of each cell, mean x and y [mm] in it, covariance, (sweep, cell, 7)."""
         step = self.learned.pipeline[-1]
         if isinstance(step, ModelBasedPosition | AdaptedPosition):
             return self.stretched(step.cells(X))
@@ -55,7 +56,7 @@ class CellGrid:
         return found.reshape(len(X), -1, 7)
 
     def stretched(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Cells as `ModelBasedPosition` tells them, with deviations as they were found to be."""
+        """Cells as of `ModelBasedPosition`, with calibrated deviations."""
         factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
         return cells * np.concatenate([np.ones(3), factor])
 

@@ -1,8 +1,7 @@
-"""A hidden Markov chain in continuous time, and what sweeps that take their time tell of it.
+"""Hidden Markov model in continuous time, with sweeps during which the state may change.
 
-The forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A, with sweeps during
-which the state may change: then the readings before a cut are of one state and those after it of
-another.
+The forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A. If the state changes
+within a sweep, the readings before the cut are of one state and those after it of another.
 """
 
 from __future__ import annotations
@@ -26,7 +25,10 @@ class Cut:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Of one sweep. whole: ln likelihood of each state throughout, (state,). cuts: in mid-sweep."""
+    """Likelihoods of one sweep.
+
+    whole: ln likelihood of each state throughout, (state,). cuts: for changes within the sweep.
+    """
 
     whole: NDArray[np.float64]
     cuts: tuple[Cut, ...] = ()
@@ -34,8 +36,10 @@ class Evidence:
 
 @dataclass(frozen=True, eq=False)
 class Belief:
-    """Probability of each state, shape (state,); changed: that in mid-sweep one of another kind
-    followed."""
+    """Probability of each state, shape (state,).
+
+    changed: probability of a change to another kind of state within the sweep.
+    """
 
     states: NDArray[np.float64]
     changed: float = 0.0
@@ -52,25 +56,25 @@ class Chain:
     kinds: NDArray[np.int64] | None = None
 
     def propagated(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
-        """Weights of states, so much later: w exp(Q t), shape (state,)."""
+        """Weights of states after some seconds: w exp(Q t), shape (state,)."""
         power, turn = self._modes
         root = np.sqrt(self.stationary)
         found = ((weights / root) @ turn * np.exp(power * seconds)) @ turn.T * root
         return np.maximum(found, 0.0)
 
     def start(self) -> Belief:
-        """Before anything is known."""
+        """Belief before the first sweep."""
         return Belief(self.stationary / self.stationary.sum())
 
     def after(self, belief: Belief, seconds: float) -> Belief:
-        """So much later, with nothing seen in between."""
+        """Belief some seconds later, without a sweep in between."""
         return Belief(_normal(self.propagated(belief.states, seconds))) if seconds > 0 else belief
 
     def updated(self, belief: Belief, evidence: Evidence, seconds: float) -> Belief:
-        """After a sweep that took so many seconds, given the belief when it began.
+        """Belief after a sweep of this duration, given the belief at its start.
 
-        Either the state stays, or it changes at one of the cuts or just at the beginning or the
-        end, where changes are half as likely as at a cut between.
+        Either the state stays, or it changes at one of the cuts or at the start or the end, where
+        changes are half as likely as at a cut.
         """
         alpha, stay = belief.states, np.exp(-self._leaving * seconds)
 
@@ -94,7 +98,7 @@ class Chain:
 
     @cached_property
     def _members(self) -> list[NDArray[np.bool_]]:
-        """Of each kind of several states, which these are."""
+        """Masks of the states of each kind that has several."""
         if self.kinds is None:
             return []
         members = [self.kinds == kind for kind in np.unique(self.kinds)]

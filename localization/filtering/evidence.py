@@ -21,27 +21,27 @@ from .cell_grid import CellGrid
 from .chain import Cut, Evidence
 
 ERROR_RATE = 0.02
-"""How often a model is taken to be wrong, however sure it is, or to call a known touch novel."""
+"""Assumed error rate of any model: of its answers, and of calling a known touch novel."""
 CUTS = (0.25, 0.5, 0.75)
-"""Of a sweep's readings, where it may change from one state to another."""
+"""Fractions of a sweep's readings at which the state may change."""
 
 
 @dataclass
 class Observer:
-    """Asks a model of sweeps, in the order in which they were taken. grid: of one of positions."""
+    """Evidence of sweeps in the order in which they were taken. grid: for positions."""
 
     model: Model
     grid: CellGrid | None = None
     _before: NDArray[np.float64] | None = field(default=None, init=False)
 
     def forget(self) -> None:
-        """The next sweep follows none."""
+        """Start anew: the next sweep has no predecessor."""
         self._before = None
 
     def observe(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> list[Evidence]:
-        """Of rows of features; each follows the one before, of this call or the last.
+        """Evidence of rows of features; each follows the previous one, also across calls.
 
         changes: as of `Model.guard_changes`.
         """
@@ -91,7 +91,7 @@ class Observer:
         return np.log(np.column_stack([known, np.where(novel, 1.0, other)])), novel
 
     def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:
-        """Likelihoods of what is known and of more touches, and whether there is one, (sweep,)."""
+        """Likelihoods of known states and of more touches, and True if there is one, (sweep,)."""
         assert self.grid is not None
         shares = self.grid.cell_moments(X)[..., 0]
         cells = _doubted(shares) * shares.shape[1]
@@ -118,12 +118,12 @@ class Observer:
         return self.model.problem.features // len(self.model.quantities)
 
     def _early(self, cut: float, features: int) -> NDArray[np.bool_]:
-        """Which features are of readings before a cut: in each quantity, in the order measured."""
+        """Mask of the features read before a cut, in the order of measurement."""
         return np.arange(features) % self._readings < max(1, round(cut * self._readings))
 
 
 def inverts(model: Model) -> bool:
-    """Whether it knows how likely parts of a sweep are, of classes."""
+    """True if the model is a classifier that has likelihoods of parts of a sweep."""
     return isinstance(model.pipeline[-1], ModelBased | AdaptedClassifier)
 
 

@@ -1,4 +1,4 @@
-"""Answers that add up over sweeps: a touch that comes, stays, moves and goes, followed."""
+"""Follower: answers by all sweeps so far, for a touch that comes, stays, moves and goes."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIDWAY = 0.5
-"""Probability that a touch changed in mid-sweep, from which on the sweep has no answer."""
+"""Probability of a change within a sweep from which on the sweep has no answer."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """An answer to a sweep by it and all before.
+    """Answer to a sweep, by it and all previous ones.
 
-    label: a class, or of positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
-    probable one. probabilities: of each class, of positions none. changed: that the touch changed
-    in mid-sweep. coordinates: x, y and their deviations in mm, of a touch that is placed. region:
-    that holds it with 95 %, where that is told.
+    label: a class, or for positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
+    probable label. probabilities: of each class, empty for positions. changed: probability of a
+    change within the sweep. coordinates: x, y and their deviations in mm, of a touch. region: that
+    contains it with 95 %, if known.
     """
 
     label: str
@@ -46,10 +46,10 @@ class Followed:
 
 
 class Follower:
-    """Follows the touches of one skin. Any model takes it.
+    """Follows the touches of one skin, with any model.
 
-    certain: the least probability that is answered; the model's own without. Raises InputError for
-    a model whose scene is not known.
+    certain: minimum probability of an answer; by default the model's own. Raises InputError if the
+    scene of the model is unknown.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Follower:
         self.belief = self._chain.start()
 
     def forget(self) -> None:
-        """What comes next is of another session, or after a long time."""
+        """Start anew: the next sweep is of another session, or much later."""
         self.belief = self._chain.start()
         self._observer.forget()
 
@@ -76,8 +76,11 @@ class Follower:
     def follow(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
     ) -> Followed:
-        """Of the next sweep. gap: s from the end of the one before to its beginning. during: s that
-        it took. Raises InputError as `Model.predict`."""
+        """Answer to the next sweep.
+
+        gap: s since the end of the previous sweep. during: duration of the sweep, s. Raises
+        InputError as `Model.predict`.
+        """
         X = self.model.features(sweep, rest)
         changes = self.model.guard_changes(sweep, rest, np.arange(1))
         return self._through(X, changes, np.array([gap]), np.array([during]))[0]
@@ -85,10 +88,10 @@ class Follower:
     def follow_all(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float
     ) -> list[Followed]:
-        """Of sweeps in the order in which they were taken, each session by itself.
+        """Answers to sweeps in the order in which they were taken, each session by itself.
 
-        pace: s from sweep to sweep where no `time` of theirs is known. A sweep that has nothing at
-        rest before it cannot be told. Raises InputError as `Model.usable_features`.
+        pace: s from sweep to sweep if they have no `time`. A sweep without a baseline before it
+        gets CANNOT_TELL. Raises InputError as `Model.usable_features`.
         """
         X, rows = self.model.usable_features(sweeps, rest)
         count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
@@ -117,7 +120,7 @@ class Follower:
     def update(
         self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
     ) -> Followed:
-        """After a sweep that told so much. told: as by `CellGrid.cell_moments`."""
+        """Answer after the evidence of a sweep. told: as by `CellGrid.cell_moments`."""
         before = self._chain.after(self.belief, gap)
         self.belief = self._chain.updated(before, evidence, during)
         return self._answer(self.belief, told)
@@ -136,7 +139,7 @@ class Follower:
         return Followed(label, probability, classes, belief.changed, tuple(placed.tolist()))
 
     def _summed(self, states: NDArray[np.float64]) -> tuple[list[str], NDArray[np.float64]]:
-        """Names of what is told, and the chances of these and of anything else."""
+        """Names of the answers, and their probabilities followed by that of anything else."""
         if self.grid is None:
             return [str(label) for label in self.model.classes], states
         cells, other = states[-1 - GRID[0] * GRID[1] : -1].sum(), states[-1]

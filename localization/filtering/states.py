@@ -1,4 +1,4 @@
-"""What a skin can be touched by, as states of a chain: which of them lead to which, how fast."""
+"""States of the Markov chain: possible touches, and the rates of changes between them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .chain import Chain
 from .touch_dynamics import TouchDynamics
 
 OTHER = 0.05
-"""Share of touches that are none which the localizer knows: its last state."""
+"""Share of touches of kinds that the localizer does not know: the last state."""
 
 Spots = frozenset[tuple[int, int]]
 

@@ -1,4 +1,4 @@
-"""How hands touch a skin: how often, how long, and how fast they move."""
+"""Dynamics of touches: how often they come, how long they last, how fast they move."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ...simulator.sweeps import InputError
 
 @dataclass(frozen=True)
 class TouchDynamics:
-    """Means of what is exponentially distributed, and a speed.
+    """Means of exponential distributions, and a speed.
 
     lasts: s, of a touch. every: s, from a touch's end to the next one. speed: mm/s, of a touch
-    along the skin, in a direction that it keeps for a second. Raises InputError where one is not
-    above 0.
+    along the skin, in a direction that it keeps for a second. Raises InputError for a value that is
+    not above 0.
     """
 
     lasts: float = 2.0

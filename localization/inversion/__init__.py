@@ -1,1 +1,1 @@
-"""Touches told by the simulator's own curves."""
+"""Localizers that invert the simulator."""

@@ -1,4 +1,4 @@
-"""Frequencies one at a time: what the readings so far tell, and which would tell most next."""
+"""Posterior of the class, updated reading by reading, and the most informative next reading."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from .classifier import ModelBased
 from .sequential_posterior import SequentialPosterior
 
 LIKELIEST = 64
-"""Entries by which gains are reckoned."""
+"""Number of most likely entries that estimate gains."""
 
 
 class ClassPosterior(SequentialPosterior):
-    """Of one touch, by the tables of a localizer of classes. Noise and skin are as in its mixture.
+    """Posterior of the class of one touch, by the tables of a localizer of classes.
 
-    log_prior: ln of the chance of each class; the tables' own without. sharpness: of decisions.
+    Noise and skin are as in its mixture. log_prior: ln of the prior of each class; by default the
+    tables' own. sharpness: of decisions.
     """
 
     def __init__(
@@ -33,14 +34,14 @@ class ClassPosterior(SequentialPosterior):
 
     @property
     def log_densities(self) -> NDArray[np.float64]:
-        """As of `ModelBased.log_densities` of the readings so far, (class + 1,)."""
+        """`ModelBased.log_densities` of the readings so far, (class + 1,)."""
         joint, count = self._of_class + self.fit, self._log_prior.size
         of_class = [float(np.logaddexp.reduce(joint[self._answer == k])) for k in range(count)]
         return np.append(of_class, self.just_novel)
 
     @property
     def probabilities(self) -> NDArray[np.float64]:
-        """Of each class, by the readings so far, shape (class,)."""
+        """Probability of each class by the readings so far, shape (class,)."""
         joint = self._sharpness * self.log_densities[:-1] + self._log_prior
         return np.asarray(softmax(joint))
 

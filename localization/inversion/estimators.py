@@ -1,4 +1,4 @@
-"""All localizers by name: those that learn, and those that invert the simulator."""
+"""All estimators by name: those that learn, and those that invert the simulator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .position import ModelBasedPosition
 
 MODEL_BASED, MODEL_ADAPTED = "model-based", "model-adapted"
 SKINS = 4
-"""Sessions that probabilities and deviations are found on: each skin costs seconds."""
+"""Sessions that calibrate probabilities and deviations: each skin costs seconds."""
 
 
 DEFAULT_ESTIMATORS = {
@@ -33,7 +33,7 @@ DEFAULT_ESTIMATORS = {
     "pair": "ksvm-components",
     "position": "kernel-ridge",
 }
-"""The localizer of a target where none is named."""
+"""Default estimator of each target."""
 
 
 EstimatorName = Literal[
@@ -45,18 +45,18 @@ EstimatorName = Literal[
     "model-based",
     "model-adapted",
 ]
-"""Of `estimators`."""
+"""Names of `estimators`."""
 
 
 def estimators() -> dict[str, Estimator]:
-    """All localizers by name."""
+    """All estimators by name."""
     return learners() | {each.name: each for each in model_based()}
 
 
 def chosen(name: str | None, target: str) -> Estimator:
-    """The localizer of that name, or the default one.
+    """The estimator with that name, or the default one.
 
-    Raises InputError for an unknown target, an unknown name, or one that cannot tell the target.
+    Raises InputError for an unknown target, an unknown name, or one that cannot predict the target.
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
@@ -73,8 +73,7 @@ def chosen(name: str | None, target: str) -> Estimator:
 
 
 def model_based() -> list[Estimator]:
-    """Both that invert the simulator: of the mean skin, and of the skin at hand, by its curve at
-    rest."""
+    """Both estimators that invert the simulator: for the mean skin, and for the actual skin."""
     adapted = partial(_pipeline, MODEL_ADAPTED)
     return [
         Estimator(MODEL_BASED, TARGETS, partial(_pipeline, MODEL_BASED), taught=False),
@@ -83,7 +82,7 @@ def model_based() -> list[Estimator]:
 
 
 def build_in_background(pipeline: Pipeline) -> None:
-    """Have tables of skins made beside the work, where a pipeline makes any: see `SkinCache`."""
+    """Compute tables of new skins in the background, if a pipeline needs any: see `SkinCache`."""
     step: Any = pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
         step.beside = True

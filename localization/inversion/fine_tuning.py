@@ -1,6 +1,6 @@
-"""What a few labelled touches teach a model: the skin they were made on, or the model's own error.
+"""Fine-tuning by a few labelled touches: of the skin's parameters, or of the model's error.
 
-Either way the chances of the strengths follow those that were met.
+In both modes the probabilities of strengths follow the observed ones.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from .hypotheses import NONE, Hypotheses
 
 MODES = ("nothing", "skin", "error")
 PRIOR_STRENGTHS = 20.0
-"""Touches that the prior of strengths counts as."""
+"""Weight of the prior of strengths, as a number of touches."""
 PRIOR_ERRORS = 10.0
-"""Touches that the prior of no error of the model counts as."""
+"""Weight of the prior of no model error, as a number of touches."""
 
 
 def fine_tuned(
@@ -78,7 +78,7 @@ def _error(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -
 
 
 def _left_over(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray[np.float64]:
-    """What neither strength nor skin explain of a sweep."""
+    """Residual of a sweep after strength and skin are fitted."""
     one = np.array([entry])
     B, off = known.spread(one)[0], x - known.means(one)[0]
     return off - B @ np.linalg.solve(np.eye(B.shape[1]) + B.T @ B, B.T @ off)

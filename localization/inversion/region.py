@@ -1,4 +1,4 @@
-"""Where a touch may be: the smallest region that holds it with a given probability."""
+"""Smallest region that contains a touch with a given probability."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class PlaceDistribution:
         return within if self.mask is None else self.mask.nearest(within)
 
     def content(self, x: float, y: float) -> float:
-        """Share of the smallest region that reaches a place: 0 at the peak, up to 1 far from it."""
+        """Content of the smallest region that reaches a place: 0 at the peak, up to 1 far away."""
         density = self.density(*np.meshgrid(*self.grid()))
         there = self.density(np.array(x), np.array(y))
         return float(density[density > there].sum() / density.sum())
@@ -112,7 +112,7 @@ class Region:
 
     @property
     def area(self) -> float:
-        """Of the region, mm²."""
+        """Area of the region, mm²."""
         return float(self.inside.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def shade(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -122,7 +122,7 @@ class Region:
         return np.where(there >= self.level, np.minimum(there / peak, 1.0), 0.0)
 
     def covers(self, x: float, y: float) -> bool:
-        """Whether a place lies within."""
+        """True if the place lies within the region."""
         return bool(self.places.density(np.array(x), np.array(y)) >= self.level)
 
 

@@ -1,4 +1,4 @@
-"""Where a touch may be, by any localizer of positions: the smallest regions that hold 95 %."""
+"""Smallest 95 % regions of touches, for any localizer of positions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 PROBABILITY = 0.95
 LEAST = 1e-3
-"""mm: deviations are no smaller."""
+"""Minimum deviation, mm."""
 
 
 def places_of(
@@ -39,7 +39,7 @@ def places_of(
 
 
 def regions_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -> list[Region]:
-    """Of each sweep, the smallest region that holds PROBABILITY; arguments as of `places_of`."""
+    """The smallest region with PROBABILITY for each sweep; arguments as of `places_of`."""
     return [region_of(each, PROBABILITY) for each in places_of(learned, X, scene)]
 
 

@@ -1,4 +1,4 @@
-"""SkinCache that tables were made for, found again by their curve at rest."""
+"""Cache of estimators with tables for a skin, found by its baseline curve."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAME_SKIN_RMS = 0.015
-"""Root mean square of the change of ln Z, up to which a skin is the same."""
+"""Root mean square of the change of ln Z up to which a skin counts as the same."""
 REFIT_SHARE = 0.5
-"""Of SAME_SKIN_RMS, from where on tables are made ahead of their need."""
+"""Fraction of SAME_SKIN_RMS from which on new tables are computed ahead."""
 MAX_SKINS = 16
 
 
 class FittedSkin(NamedTuple):
-    """An estimator, and the curve at rest that it was fitted to, shape (number,)."""
+    """An estimator, and the baseline curve that it was fitted to, shape (number,)."""
 
     curve: NDArray[np.float64]
     estimator: Any
 
 
 class SkinCache:
-    """The latest MAX_SKINS of them. fit: makes the estimator of a curve."""
+    """The latest MAX_SKINS estimators. fit: makes the estimator of a curve."""
 
     def __init__(self, fit: Callable[[NDArray[np.float64]], Any]) -> None:
         self._fit, self.kept = fit, ()
@@ -32,19 +32,19 @@ class SkinCache:
         self._making: Thread | None = None
 
     def exact(self, curve: NDArray[np.float64]) -> FittedSkin | None:
-        """The one that was fitted to this very curve; None where there is none."""
+        """The estimator of exactly this curve; None if there is none."""
         return next((skin for skin in self.kept if np.array_equal(skin.curve, curve)), None)
 
     def fitted(self, curve: NDArray[np.float64]) -> FittedSkin:
-        """One fitted to this curve, now."""
+        """Fit an estimator to this curve now."""
         skin = FittedSkin(curve, self._fit(curve))
         self.kept = (*self.kept, skin)[-MAX_SKINS:]
         return skin
 
     def nearest(self, curve: NDArray[np.float64]) -> FittedSkin:
-        """The nearest there is, while one for this curve is made beside where it is needed soon.
+        """The nearest estimator; one for this curve is fitted in the background if needed.
 
-        Only the first is waited for. Raises what the making of one before raised.
+        Only the first one is waited for. Raises what an earlier fit in the background raised.
         """
         if self._failure:
             failure, self._failure = self._failure, None
@@ -59,7 +59,7 @@ class SkinCache:
 
     @property
     def busy(self) -> bool:
-        """Whether one is being made beside."""
+        """True if an estimator is being fitted in the background."""
         return self._making is not None and self._making.is_alive()
 
     def _nearest(self, curve: NDArray[np.float64]) -> FittedSkin | None:

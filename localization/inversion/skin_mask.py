@@ -1,4 +1,4 @@
-"""Where a skin that is no rectangle is: the places that an answer may name."""
+"""Mask of a skin that is not a rectangle: the places that an answer may have."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class SkinMask:
-    """Even cells over a rectangle from (0, 0) on, and which of them are skin.
+    """Uniform cells over a rectangle from (0, 0), and a mask of those that are skin.
 
-    there: shape (y, x). sides: of the rectangle along x and y, mm.
+    inside: shape (y, x). sides: of the rectangle along x and y, mm.
     """
 
     inside: NDArray[np.bool_]
     sides: NDArray[np.float64]
 
     def contains(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether places in mm are on the skin, x and y of the same shape."""
+        """True for places in mm that are on the skin, x and y of the same shape."""
         column, row = (
             np.clip((at / side * count).astype(np.int64), 0, count - 1)
             for at, side, count in zip((x, y), self.sides, self.inside.shape[::-1], strict=True)
@@ -28,7 +28,7 @@ class SkinMask:
         return self.inside[row, column]
 
     def nearest(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same place, mm, shape (2,); of one beside the skin the nearest middle of a cell."""
+        """The place itself if it is on the skin, else the nearest cell centre; mm, shape (2,)."""
         if self.contains(*place[:, None])[0]:
             return place
         row, column = np.nonzero(self.inside)
@@ -38,7 +38,7 @@ class SkinMask:
 
 
 def skin_mask_of(tables: Mapping[str, NDArray]) -> SkinMask | None:
-    """Of the tables of `simulator.inversion` for positions; None of a skin that is a rectangle."""
+    """Mask from the tables of `simulator.inversion` for positions; None for a rectangle."""
     if "on_skin" not in tables:
         return None
     return SkinMask(np.asarray(tables["on_skin"], dtype=bool), 1e3 * tables["sides"])

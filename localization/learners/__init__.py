@@ -1,1 +1,1 @@
-"""Estimators of touches."""
+"""Estimators that learn touches from sweeps."""

@@ -41,7 +41,7 @@ class Affine(RegressorMixin, BaseEstimator):
         return self
 
     def predict(self, X, return_std=False):
-        """As of the estimator, corrected; deviations are its own."""
+        """Corrected prediction of the estimator; deviations are not corrected."""
         check_is_fitted(self)
         estimator: Any = self.estimator
         if not return_std:

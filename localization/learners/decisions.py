@@ -1,4 +1,4 @@
-"""What any classifier decides by."""
+"""Decision values of any classifier."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from ..inputs.features import ABSOLUTE, BASELINE, RELATIVE, in_blocks
 from ..inputs.samples import LocalizationProblem
 
 DRIFT = 0.02
-"""Of how far skins differ, as by 0.3 % of sheets that differ by 15 %."""
+"""Drift relative to the differences between skins: 0.3 % of sheets that differ by 15 %."""
 
 Array = NDArray[np.float64]
 
@@ -43,16 +43,16 @@ class Drifting(TransformerMixin, BaseEstimator):
         return self
 
     def fit_transform(self, X, y=None):
-        """Sweeps to learn from, `drifted`."""
+        """Training sweeps with synthetic drift, see `drifted`."""
         return self.fit(X, y).drifted(X)
 
     def transform(self, X):
-        """Sweeps to tell of, as they are."""
+        """Sweeps to be predicted, unchanged."""
         check_is_fitted(self)
         return validate_data(self, X, reset=False)
 
     def drifted(self, X) -> Array:
-        """The same sweeps, of skins that have drifted since the rest before; X as in `fit`."""
+        """The sweeps with synthetic drift since their baseline; X as in `fit`."""
         return add_drift(np.asarray(X, np.float64), self.curve, self.moved, self.drift)
 
 
@@ -72,7 +72,7 @@ def add_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: flo
 
 
 def with_drift(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
-    """The same, learned from skins that drift, if each change has the curve at rest beside it."""
+    """The pipeline with a step that adds drift, if each change has its baseline curve."""
     blocks = problem.blocks
     changes = [name for name in RELATIVE if name in blocks]
     partners = [BASELINE[RELATIVE.index(name)] for name in changes]

@@ -100,13 +100,13 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         return self.classes_[best.astype(np.intp)]
 
     def _scores(self, X):
-        """Of each learner, shape (n, L)."""
+        """Score of each learner, shape (n, L)."""
         if len(self.estimators_) < self.coding_matrix_.shape[1]:
             return self._scores_of_pairs(X)
         return np.column_stack([learner.decision_function(X) for learner in self.estimators_])
 
     def _scores_of_pairs(self, X):
-        """Of all pairs in the order of `one_versus_one`, shape (n, L)."""
+        """Scores of all pairs in the order of `one_versus_one`, shape (n, L)."""
         pairs = list(combinations(range(self.classes_.size), 2))
         last = self.classes_.size - 1
         order = [pairs.index((last - second, last - first)) for first, second in pairs]

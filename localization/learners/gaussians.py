@@ -119,7 +119,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return self
 
     def drifted(self, X: Array) -> Array:
-        """The same sweeps, of skins that have drifted since the rest before, see `drift`."""
+        """The sweeps with synthetic drift since their baseline, see `drift`."""
         curve, change = self._columns(X.shape[1])
         if len(curve) != len(change):
             return X
@@ -135,7 +135,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return told[:, 1] - told[:, 0] if len(self.classes_) == 2 else told
 
     def predict_proba(self, X):
-        """Of each class, shape (sweep, K)."""
+        """Probability of each class, shape (sweep, K)."""
         told = self.decision_function(X)
         both = np.stack([np.zeros_like(told), told], axis=1) if told.ndim == 1 else told
         return np.asarray(softmax(both, axis=1))
@@ -192,7 +192,7 @@ def _products(z: Array) -> Array:
 def _fitted(
     change: Array, known: Array, index: NDArray[np.intp], spread: int
 ) -> list[ClassDensity]:
-    """Of each class, without shares, and before what all classes tell of noise."""
+    """Densities of each class, without priors, and before noise is shared between classes."""
     unlike = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
     turn = np.asarray(np.linalg.inv(unlike).T, np.float64)
     parts = [np.flatnonzero(index == k) for k in range(index.max() + 1)]
@@ -274,7 +274,7 @@ def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
 
 
 def _inner(normal: ClassDensity, one: Array, other: Array) -> Array:
-    """Of each two rows, over the variances of what is left."""
+    """Inner product of each two rows, weighted by the inverse covariance of the residual."""
     more = 1 / normal.own - 1 / normal.floor
     within = ((one @ normal.axes) * (other @ normal.axes)) @ more
     return (one * other).sum(axis=1) / normal.floor + within

@@ -87,7 +87,7 @@ class _Network(BaseEstimator):
         return self
 
     def _known(self, y) -> dict[str, Any]:
-        """What is to be told with the first batch."""
+        """Keyword arguments of the first `partial_fit`."""
         return {}
 
     def predict(self, X):
@@ -132,7 +132,7 @@ class NetworkClassifier(ClassifierMixin, _Network):
         return self.network_.classes_
 
     def predict_proba(self, X):
-        """Of each class, shape (n, K)."""
+        """Probability of each class, shape (n, K)."""
         X = self._asked(X)
         return self.network_.predict_proba(X)
 

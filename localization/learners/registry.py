@@ -65,17 +65,16 @@ REMOVED = {
     "knn-position": "kernel-ridge",
     "gaussian-process": "kernel-ridge",
 }
-"""Localizers of earlier versions that were right more often than others in no table, and what to
-take in the place of each."""
+"""Removed estimators, which were best in no table, and their replacements."""
 
 
 def gone(name: str) -> str:
-    """What is reported of a localizer of REMOVED."""
+    """Message about a removed estimator."""
     return f"{name} is gone, for nowhere was it right more often than others: take {REMOVED[name]}"
 
 
 def learners() -> dict[str, Estimator]:
-    """By name, the localizers that learn from sweeps alone."""
+    """The estimators that learn from sweeps alone, by name."""
     few = tuple(target for target in CLASSES if target != "pair")
     made = [
         Estimator(REFERENCE, few, lambda each: reference(each.features), _reference_grid),
@@ -102,7 +101,7 @@ def _network() -> Estimator:
 
 
 def _alike(build: Callable[[], Pipeline]) -> Callable[[LocalizationProblem], Pipeline]:
-    """The same of features that err alike, whatever they are."""
+    """A builder for features with equal noise, with scaling added if their noise differs."""
     return lambda problem: on_one_scale(build(), problem)
 
 

@@ -1,4 +1,4 @@
-"""How the paper is read: what its statements of resistance, contacts and cut-offs imply."""
+"""Quantities that follow from the paper's statements of resistance, contacts and cut-offs."""
 
 from __future__ import annotations
 

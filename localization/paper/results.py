@@ -1,4 +1,4 @@
-"""What the reproduction found."""
+"""Results of the reproduction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's six experiments, simulated: every press solved, then read out by the meter."""
+"""The paper's six experiments, simulated: every press solved, then read by the meter."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedEx
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:
-    """The same skin, pressed on n x n pixels."""
+    """The skin pressed on n x n pixels."""
     pixels = Pixels(rows=n, columns=n)
     name = f"{scene.name} on {n}x{n} pixels"
     return scene.model_copy(update={"pixels": pixels, "name": name})

@@ -171,7 +171,7 @@ def _drawn(exact: xr.Dataset, scene: Scene) -> Iterator[xr.Dataset]:
 
 
 def scaled_noise(readout: Readout, multiple: float) -> Readout:
-    """The same meter with that many times the noise of each reading."""
+    """The meter with that multiple of the noise of each reading."""
     return readout.model_copy(
         update={
             "magnitude_noise": multiple * readout.magnitude_noise,

@@ -1,1 +1,1 @@
-"""Parameter studies: how well pixels are told apart while one or two numbers of a scene vary."""
+"""Parameter studies: accuracy while one or two numbers of a scene vary."""

@@ -1,4 +1,4 @@
-"""One point of a study: a localizer judged on a data set, and how far pixels lie apart."""
+"""One point of a study: accuracy of a localizer on a data set, and separation of pixels."""
 
 from __future__ import annotations
 
@@ -127,9 +127,9 @@ def score_point(
     trial: EvaluationSettings,
     rtol: float,
 ) -> PointFindings:
-    """Draw a scene's sweeps and cross-validate a localizer on them; separate its nominal presses.
+    """Draw a scene's sweeps, cross-validate a localizer on them, and separate the presses.
 
-    rtol: of the sweeps. Raises InputError where a draw has too few sweeps of a class.
+    rtol: of the sweeps. Raises InputError if a draw has too few sweeps of a class.
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
@@ -145,7 +145,7 @@ def score_point(
 
 
 def _unread(scene: Scene) -> Scene:
-    """The scene without what its family of skins does not depend on."""
+    """The scene without everything on which its family of skins does not depend."""
     pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
     plain = {"press": pressing} if scene.press.by_factor else {}
     kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}

@@ -70,7 +70,7 @@ def screenful(lines: Sequence[str], output: Path) -> list[str]:
 
 
 def best_index(findings: xr.Dataset) -> int:
-    """Of findings along one axis, the best as told in `answers`."""
+    """Index of the best finding along one axis, as defined in `answers`."""
     accuracy, least = (findings[name].values for name in ("accuracy", "least_separation"))
     return int(np.lexsort((least, accuracy))[-1])
 

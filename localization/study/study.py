@@ -1,4 +1,4 @@
-"""A study as one object: what varies and how points are judged, and what was found."""
+"""A study as one object: what varies, how points are scored, and the findings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Tabular):
-    """How well pixels are told apart at every value of one or two numbers of a scene.
+    """Accuracy of localization at every value of one or two numbers of a scene.
 
     findings: `execution.VARIABLES` over dimensions named by the keys. axes: what varied.
     experiment: the scene, its frequencies, noise and presses, in one line.

@@ -1,1 +1,1 @@
-"""What stands behind an answer: folds, calibrated probabilities, guards."""
+"""Calibration of answers: folds, probabilities, guards against novel sweeps."""

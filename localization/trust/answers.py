@@ -1,4 +1,4 @@
-"""What a localizer answers, and when it rather says that it cannot tell."""
+"""Answers of a localizer, and the rule for "cannot tell"."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CANNOT_TELL = "cannot tell"
-"""The answer where no class is probable enough, or the sweep is like none of the training."""
+"""The answer if no class is probable enough, or the sweep is unlike the training."""
 SHARES = (1.0, 0.85, 0.7, 0.5, 0.3, 0.15)
-"""Of sweeps that may be answered, those told most surely."""
+"""Candidate shares of answered sweeps, the most probable ones."""
 NOTHING_PRESSED = ("0", "0,0")
-"""Labels of the skin at rest, as text."""
+"""Labels of the unpressed skin, as text."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +39,7 @@ class Answers(Tabular):
 
     @property
     def answered(self) -> NDArray[np.bool_]:
-        """Where there is an answer, shape (sweep,)."""
+        """True for sweeps with an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
 
     def _table(self) -> tuple[str, list[tuple[object, ...]]]:

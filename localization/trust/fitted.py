@@ -1,4 +1,4 @@
-"""A trained pipeline with what makes its answers honest: probabilities, a threshold, a guard."""
+"""A trained pipeline with calibrated probabilities, a threshold, and guards."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Guards:
     def novel(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> NDArray[np.bool_]:
-        """Which sweeps are unlike those of the training, shape (n,).
+        """True for sweeps unlike those of the training, shape (n,).
 
         X: shape (n, feature). changes: as of `baseline_changes`, shape (n, feature).
         """
@@ -48,12 +48,12 @@ class Guards:
 
 
 def with_known_baseline(changes: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Of which sweeps the skin at rest is known, (n, feature)."""
+    """Indices of the sweeps whose changes are known, of (n, feature)."""
     return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
 
 def has_novelty_test(pipeline: Pipeline) -> bool:
-    """Whether its last step knows by itself which sweeps no touch explains."""
+    """True if the last step itself detects novel sweeps."""
     return hasattr(pipeline[-1], "novel")
 
 
@@ -68,9 +68,9 @@ class Learned:
     def novel(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> NDArray[np.bool_]:
-        """Which sweeps are unlike any that are known, shape (n,).
+        """True for sweeps unlike any that are known, shape (n,).
 
-        X: shape (n, feature). changes: from the skin at rest, for guards that look at them.
+        X: shape (n, feature). changes: from the baseline, for guards that use them.
         """
         if self.guards is not None:
             return self.guards.novel(X, changes)
@@ -95,16 +95,16 @@ class Classifier(Learned):
 
     @property
     def outcome(self) -> str:
-        """How it did on the sweeps held out, as text."""
+        """Accuracy on the held-out sweeps, as text."""
         return f"accuracy {rate_text(self.right, self.held_out)}"
 
     @property
     def classes(self) -> NDArray:
-        """In ascending order, shape (K,)."""
+        """Classes in ascending order, shape (K,)."""
         return self.pipeline.classes_
 
     def probabilities(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of each class, shape (n, K)."""
+        """Probability of each class, shape (n, K)."""
         return probabilities(decisions(self.pipeline, X), self.sharpness)
 
     def answers(
@@ -130,7 +130,7 @@ class Regressor(Learned):
 
     @property
     def outcome(self) -> str:
-        """How it did on the sweeps held out, as text."""
+        """Median error on the held-out sweeps, as text."""
         return f"median error {self.median_error:.1f} mm"
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -129,7 +129,7 @@ def _guards_of(samples: Samples, splits: Splits) -> Guards:
 
 
 def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
-    """Of what the press changed; None where too few of the sweeps have the skin at rest beside."""
+    """Guards of changes from the baseline; None if too few sweeps have a baseline."""
     if samples.changes is None:
         return None
     known = with_known_baseline(samples.changes)

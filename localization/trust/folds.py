@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 GROUPINGS = ("press", "session")
 MIN_SESSIONS = 2
-"""From so many on, sessions are held out as a whole."""
+"""Number of sessions from which on whole sessions are held out."""
 PLENTY = 50_000
-"""More sweeps than these are held out once, not fold by fold."""
+"""Number of sweeps above which one fold is held out instead of all in turn."""
 MAX_SCORED = 20_000
-"""Sweeps of that one fold that are asked about at most: they tell a share to 0.4 % or better."""
+"""Maximum number of scored sweeps of that fold: a share is then known to 0.4 % or better."""
 Split = tuple["NDArray[np.intp]", "NDArray[np.intp]"]
 Splits = list[Split]
 
@@ -88,12 +88,12 @@ def scoring_splits(strata: NDArray | None, sessions: NDArray[np.int64]) -> Split
 
 
 def held_out_indices(splits: Splits) -> NDArray[np.intp]:
-    """The sweeps that are held out, in their order."""
+    """Sorted indices of all held-out sweeps."""
     return np.sort(np.concatenate([test for _, test in splits]))
 
 
 def by_session(sessions: NDArray[np.int64]) -> bool:
-    """Whether there are sessions enough to hold some out as a whole."""
+    """True if there are enough sessions to hold out whole ones."""
     return np.unique(sessions).size >= MIN_SESSIONS
 
 
@@ -108,7 +108,7 @@ def describe_splits(splits: Splits, sessions: NDArray[np.int64], asked: int = 0)
 
 
 def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
-    """As `told`, and whether probabilities within were found by whole sessions too."""
+    """As `describe_splits`, and whether the inner folds hold out whole sessions too."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
     return describe_splits(splits, sessions, asked) + but

@@ -1,4 +1,4 @@
-"""Whether a sweep is unlike all that a localizer was trained on."""
+"""Detection of sweeps unlike all training sweeps."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class Guard(BaseEstimator):
     limit_: float
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From what is nearest of what was learned, shape (n,)."""
+        """Distance from the nearest training data, shape (n,)."""
         raise NotImplementedError
 
     def distances(self, X) -> NDArray[np.float64]:
-        """The same over the limit: above 1 is novel. Shape (n,)."""
+        """Distance divided by the limit: above 1 is novel. Shape (n,)."""
         check_is_fitted(self)
         X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))
         return self.away(X) / self.limit_

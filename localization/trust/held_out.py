@@ -1,4 +1,4 @@
-"""What pipelines tell of sweeps that they were not trained on."""
+"""Predictions for held-out sweeps."""
 
 from __future__ import annotations
 
@@ -57,5 +57,5 @@ def held_out_positions(
 
 
 def has_deviation(pipeline: Pipeline) -> bool:
-    """Whether the last step's `predict` takes `return_std`."""
+    """True if the last step's `predict` takes `return_std`."""
     return "return_std" in inspect.signature(pipeline[-1].predict).parameters

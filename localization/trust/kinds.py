@@ -101,7 +101,7 @@ class KindGuard(Guard):
         return np.maximum(within, self.beside_ * beside)
 
     def _both(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Distance to the nearest kind within the components, and beside these, shape (2, n)."""
+        """Distance to the nearest kind within the components, and outside them, shape (2, n)."""
         shown = X[:, self.told_] / self.scale_
         seen = self.pca_.transform(shown)
         squares = (
@@ -125,7 +125,7 @@ class KindGuard(Guard):
 
 
 def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
-    """Of the classes of a target, or of places. splits: sweeps to learn from and to hold out."""
+    """Guard for the classes of a target, or for places. splits: sweeps to train and hold out."""
     problem = samples.problem
     told, alike = press_features(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y

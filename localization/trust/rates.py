@@ -1,4 +1,4 @@
-"""How often something was right, in words: of how many, and what that says at least."""
+"""Rates as text, with counts and a lower confidence bound."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 CONFIDENCE = 0.95
 MANY = 500
-"""From so many on, a bound is told to a tenth of a per cent."""
+"""Number of cases from which on a bound has a tenth of a per cent."""
 
 
 def lower_bound(right: int, total: int, confidence: float = CONFIDENCE) -> float:
