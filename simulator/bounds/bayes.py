@@ -108,8 +108,8 @@ def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistrib
     found = refined(values, (low, high), NODES, close)
     if found is None:
         raise InputError(
-            f"the meter's noise is too small: readings at {NODES[1]} strengths do not give those "
-            f"between them to {LEFT_OUT:g} of it"
+            f"the meter's noise is too small: interpolation between {NODES[1]} strengths does not "
+            f"reach {LEFT_OUT:g} of it"
         )
     return (len(found.nodes) + 1) // 2  # half the intervals were close already
 
@@ -186,8 +186,8 @@ class Draws:
         sizes = [math.prod(own) for own in counts]
         if sum(sizes) > MOST_TEMPLATES:
             raise InputError(
-                f"the meter's noise is too small to sum over strengths: {sum(sizes)} readings to "
-                f"compare, at most {MOST_TEMPLATES}"
+                f"the meter's noise is too small for a sum over strengths: {sum(sizes)} templates, "
+                f"at most {MOST_TEMPLATES} are supported"
             )
         readings, chance, tiles = [], [], []
         for own, each, count in zip(nodes, self._among, counts, strict=True):

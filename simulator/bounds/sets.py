@@ -76,7 +76,7 @@ def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
     low, high = parse_band(text or ":", own_band(scene))
     if not (0 < low and high < math.inf):
         raise InputError(
-            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf here, got {low:g}:{high:g}"
+            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf, got {low:g}:{high:g}"
         )
     return low, high
 

@@ -69,8 +69,9 @@ def require_rods(scene: Scene, presses: str, target: str) -> None:
     """Raises InputError where touches have fingers, which tables of some targets do not support."""
     if fingers_of(scene, presses).capacitance.any():
         raise InputError(
-            f"{scene.name}: localizers that invert the simulator tell the {target} of presses by a "
-            "rod alone; train another on a data set with these fingers, or leave out the finger"
+            f"{scene.name}: localizers that invert the simulator support the target {target} for "
+            "presses by a rod only; train another localizer on a data set with these fingers, or "
+            "leave out the finger"
         )
 
 

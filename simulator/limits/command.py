@@ -150,5 +150,5 @@ def _print_counts(
         )
         say(
             f"{target}: {told} for {100 * accuracy:g} % (rows x columns, in the proportion "
-            f"{rows}:{columns} of the scene; tried {tried})"
+            f"{rows}:{columns} of the scene; evaluated: {tried})"
         )

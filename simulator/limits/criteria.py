@@ -83,7 +83,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
     anywhere = np.square(slopes.room) / 12
     told = variances(information.sum(axis=1) + prior, 2) < anywhere
     if not told.any():
-        raise InputError("no frequencies tell where the skin is touched")
+        raise InputError("no frequencies resolve the position of a touch")
 
     def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
         held = told / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
@@ -124,7 +124,7 @@ def identity_criterion(
     whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
     told = whole < TOLD_APART**-2
     if not told.any():
-        raise InputError(f"{scene.name}: no two {target}s can be told apart at any frequencies")
+        raise InputError(f"{scene.name}: no frequencies distinguish any two {target}s")
 
     def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sqrt(variance[..., 0].max(axis=-1))

@@ -53,10 +53,10 @@ class Design:
         return f"nearest {self.criterion}s (meter's errors)"
 
     def told(self, name: str) -> str:
-        """The figure of a set for people."""
+        """Text of the figure of a set."""
         if self.criterion == "position":
             return f"{1e3 * self.errors[name]:.4g} mm"
-        return f"{1 / self.figures[name]:.3g} errors apart"
+        return f"distance {1 / self.figures[name]:.3g} errors"
 
     @property
     def over(self) -> str:
@@ -143,7 +143,7 @@ def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
         raise InputError(f"--grid must be from {LEAST_GRID} to {LARGEST_GRID}, got {grid}")
     if not (n >= 1 and (repeats or n <= candidates)):
         raise InputError(
-            f"-n must be from 1 to {candidates}, the frequencies to choose from, got {n}"
+            f"-n must be from 1 to {candidates}, the number of candidate frequencies, got {n}"
         )
 
 

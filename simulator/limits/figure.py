@@ -86,7 +86,7 @@ def _draw_row(
         _draw_map(axes, scene, variant.bounds, own, norm)
     if norm is None:
         beside.set_axis_off()
-        told, place = f"{label}:\nnot told anywhere", (0.0, 0.5)
+        told, place = f"{label}:\nnot resolved anywhere", (0.0, 0.5)
         beside.text(*place, told, rotation=90, va="center", ha="left", transform=beside.transAxes)
         return
     bar = Colorbar(beside, ScalarMappable(norm, "viridis_r"), label=label)
@@ -148,7 +148,7 @@ def _draw_legend(figure: Figure) -> None:
     from matplotlib.patches import Patch
 
     foils, labels = figure.axes[0].get_legend_handles_labels()
-    handles, named = [*foils, Patch(color=NOT_TOLD)], [*labels, "not told"]
+    handles, named = [*foils, Patch(color=NOT_TOLD)], [*labels, "not resolved"]
     figure.legend(handles, named, loc="outside lower center", ncols=3)
 
 

@@ -71,7 +71,7 @@ class Findings(NamedTuple):
             [variant.comparison, variant.name, *(str(numbers[key]) for key in COLUMNS.values())]
             for variant, numbers in shown
         )
-        say(f"of a touch: {self.question.told}")
+        say(f"bounds for a touch: {self.question.told}")
         if self.laid is not None:
             say(f"  {self.laid.told}")
         terminal().print(table(["", "median deviation of", *COLUMNS], rows))
@@ -80,7 +80,7 @@ class Findings(NamedTuple):
         repeated = [f"  {line}" for line in repeated_told(self.scene)]
         meaning = f"  {bound_text(self.question.against_rest, 'a known skin')}"
         say(*more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning)
-        say(f"maps and tables in {folder}")
+        say(f"maps and tables written to {folder}")
 
     def _draw(self, folder: Path, ending: str) -> None:
         for comparison in dict.fromkeys(variant.comparison for variant in self.variants):
@@ -89,15 +89,16 @@ class Findings(NamedTuple):
         draw_distances(
             self.told_apart.apart,
             self.told_apart.names,
-            f"{self.scene.name}: distance between pixels' sweeps, at the nearest of their factors; "
+            f"{self.scene.name}: distance between the sweeps of pixels, at their nearest factors; "
             f"{self.told_apart.asked}",
             folder / f"pixels{ending}",
         )
 
     def _title(self) -> str:
         question = self.question
-        rest = f", against {question.against_rest} sweeps at rest" if question.against_rest else ""
+        count = question.against_rest
+        baseline = f" minus the mean of {count} baseline sweeps" if count else ""
         return (
-            f"{self.scene.name}: least standard deviation from one sweep{rest}, at "
+            f"{self.scene.name}: smallest standard deviation from one sweep{baseline}, at "
             f"{1 + question.touch.rise:g} times the capacitance; {question.told}"
         )

@@ -57,8 +57,8 @@ class Hand:
         require_no_walls(scene, "a limit of a hand that misses")
         if scene.press.finger:
             raise InputError(
-                f"{scene.name}: limits of a hand that misses take presses by a rod alone; leave "
-                "out `press.finger`, or ask for the limit of pixels hit whole"
+                f"{scene.name}: limits with position errors support presses by a rod only; leave "
+                "out `press.finger`, or use the limit of whole pixels"
             )
         skin, pixels = scene.skin, scene.pixels
         self.scene, self._presses, self._offset = scene.for_rods, presses, offset

@@ -139,12 +139,12 @@ class Identity:
         """Lines for the terminal."""
         laid = [] if self.laid is None else [f"  {self.laid.told}"]
         own = [
-            f"  {target}s right: at most {percent(found)} "
-            f"by any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
+            f"  accuracy of {target}s: at most {percent(found)} "
+            f"for any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
         ]
         ways = [] if self.ways is None else self.ways.lines()
-        return [f"of a press: {self.asked}", *laid, *own, *ways]
+        return [f"limits for a press: {self.asked}", *laid, *own, *ways]
 
 
 def identity(scene: Scene, sampling: Sampling, progress: ProgressCallback = silent) -> Identity:
@@ -173,10 +173,10 @@ def _asked(scene: Scene, size: float | None) -> str:
     press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
     where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
     factor = f"times {scene.pressed_factor:g}{by_finger(scene, size)}"
-    spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
+    spread = f", with a spread of {100 * press.factor_spread:.3g} % of the rise"
     return (
-        f"known are the skin, that one pixel{rest} is pressed, {where}, and how strongly, {factor}"
-        f"{spread if press.factor_spread else ' exactly'}; unknown is which pixel"
+        f"known: the skin; that one pixel{rest} is pressed, {where}; the strength, {factor}"
+        f"{spread if press.factor_spread else ' exactly'}; unknown: which pixel"
     )
 
 

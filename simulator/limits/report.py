@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..report.files import write_rows
 from .survey import Variant
 
-NOT_TOLD = "not told"
+NOT_TOLD = "not resolved"
 HEADER = (
     "comparison",
     "variant",

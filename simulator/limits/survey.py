@@ -62,13 +62,13 @@ class Question:
         """Text of what the estimate of the bounds knows and what it does not."""
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
-        unknown = " and the skin, but for dataset.session" if self.unknown_skin else ""
-        deep = "; pressed by depth: the strength is that under the touch" if self.by_depth else ""
+        unknown = ", and the skin within dataset.session" if self.unknown_skin else ""
+        deep = "; presses by depth: the strength is that under the touch" if self.by_depth else ""
         finger = self.touch.finger
         own = f", and the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
         return (
-            f"known are {skin}the touch's sides, {size}; unknown are x, y and strength, anywhere "
-            f"and any{own}{unknown}{deep}"
+            f"known: {skin}the touch's sides, {size}; unknown: x, y and strength, without prior"
+            f"{own}{unknown}{deep}"
         )
 
 
@@ -187,7 +187,7 @@ def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]
     named = compared(scene, n, own_band(scene))
     try:
         criterion = position_criterion(some_places(slopes))
-    except InputError:  # nothing tells the place, so nothing does it best
+    except InputError:  # no set resolves the position, so there is no best one
         return {f"{n}, {name}": f for name, f in named.items()}
     every, others = np.arange(len(slopes.frequency)), map(slopes.number, named.values())
     best = best_set(criterion, every, n, others)

@@ -35,11 +35,11 @@ class Ways:
     def lines(self) -> list[str]:
         """Lines for the terminal."""
         each = [
-            f"  {way}: " + ", ".join(f"{t}s right at most {percent(a)}" for t, a in own.items())
+            f"  {way}: at most " + ", ".join(f"{percent(a)} of {t}s" for t, a in own.items())
             for way, own in self.accuracy.items()
         ]
-        told = "a rod, a finger that presses or one that only touches"
-        return [*each, f"  {told}: told apart in {percent(self.kinds)} at most"]
+        names = "a rod, a finger that presses, a finger that only touches"
+        return [*each, f"  accuracy of the kind ({names}): at most {percent(self.kinds)}"]
 
 
 def ways(

@@ -89,5 +89,5 @@ def test_tables_hold_every_finger_that_may_touch():
 
 @pytest.mark.parametrize("target", ["position", "pair", "touches"])
 def test_what_tables_do_not_tell_of_fingers_is_refused(target):
-    with pytest.raises(InputError, match="of presses by a rod alone"):
+    with pytest.raises(InputError, match="for presses by a rod only"):
         templates(FINGERS, target)

@@ -191,7 +191,7 @@ def test_limits_of_a_size_by_depth_are_told_with_their_errors(
     path.write_text(scene_text(foam.with_({"pixels": 2})), encoding="utf-8")
     done = run("limits", path, "--size", 20, "--draws", 50, "-n", 2, "-o", tmp_path / "found")
     assert done.exit_code == 0, done.output
-    assert done.output.count("touches by depth are laid on cells") == 2
+    assert done.output.count("touches by depth are rasterized on cells") == 2
     assert "strength is that under the touch" in done.output
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
     for off in (told["position_laid"], told["accuracy"]):

@@ -55,6 +55,6 @@ def cells_under(scene: Scene, touch: TouchSize) -> int:
     if cells > MOST_CELLS:
         raise InputError(
             f"{scene.name}: a touch by depth must be at least {UNDER_DEEP / MOST_CELLS:.3g} of "
-            f"a pixel wide, got {1 / across:.3g}; more `pixels` are smaller"
+            f"a pixel wide, got {1 / across:.3g}; use a larger touch, or more and smaller `pixels`"
         )
     return cells

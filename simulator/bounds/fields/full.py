@@ -1,9 +1,9 @@
 """Impedance of any map of capacitance on one mesh, and its exact derivatives.
 
-The mesh conforms to cells, some along each side of a pixel; a touch is laid on them by the area it
-covers. K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM + ds M) u with
-the potentials u of 1 V, for any number of directions and without a further solve. Nothing is
-trained: a sweep with its derivatives costs some tens of milliseconds.
+The mesh conforms to cells, several along each side of a pixel; a touch is rasterized on them by the
+area it covers. K + s M is symmetric, so the problem is its own adjoint: dY = u'(dK + s dM + ds M) u
+with the potentials u of 1 V, for any number of directions and without another solve. There is no
+training: a sweep with its derivatives takes some tens of milliseconds.
 """
 
 from __future__ import annotations
@@ -191,7 +191,7 @@ class Fields:
         found = pencil.admittance + s * (pencil.start @ u)
         if not (np.abs(found - Y) <= RTOL * np.abs(Y) + lost).all():
             highest = np.abs(s).max() / (2 * np.pi)
-            raise InputError(f"frequencies up to {highest:.4g} Hz lie too far above cut-off")
+            raise InputError(f"frequencies up to {highest:.4g} Hz are too far above cut-off")
         return u.astype(np.complex128)
 
     def _by_resistance(

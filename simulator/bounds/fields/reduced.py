@@ -96,7 +96,7 @@ def trained(
     highest: largest frequency, Hz. cells: along each side of a pixel. Raises ToleranceError where
     the reduced model does not reach its tolerance.
     """
-    scene.require_sheets_alone("what readings tell")
+    scene.require_sheets_alone("the information of readings")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
     driven, band = equivalent_scene(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
     lines = Cells.of(scene.skin.length, scene.skin.width, grid)

@@ -171,8 +171,8 @@ class DeepOnes:
         rises = refined(lambda depth: self._at(place, here, depth), (0.0, deepest), COUNTS, close)
         if rises is None:
             raise ToleranceError(
-                f"{self._scene.name}: what touches by depth do does not follow to {RTOL:.1e} from "
-                f"that of {COUNTS[1]} depths up to {deepest:.4g} m"
+                f"{self._scene.name}: interpolation between {COUNTS[1]} depths up to "
+                f"{deepest:.4g} m does not reach {RTOL:.1e} for touches by depth"
             )
         return _Depths(here, rises)
 

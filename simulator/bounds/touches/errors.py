@@ -44,10 +44,10 @@ class LaidErrors(NamedTuple):
 
     @property
     def told(self) -> str:
-        """As it is printed."""
+        """Line for the terminal."""
         return (
-            f"touches by depth are laid on cells, which changes Rs and Cp by up to {self.cells:.1e}"
-            f"; the lattice that the foam gives way on makes up to {self.deflection:.1e} of it"
+            f"touches by depth are rasterized on cells: error of Rs and Cp up to {self.cells:.1e}, "
+            f"of which the lattice of the deflection makes up to {self.deflection:.1e}"
         )
 
 

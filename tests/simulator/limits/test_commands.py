@@ -29,7 +29,7 @@ def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
         *("limits", scene_file(), "--sheet-resistance", "1e4", *QUICK), *("-o", folder)
     )
     assert (code, err) == (0, "")
-    assert "columns right: at most" in out and "not told" in out and "nan" not in out
+    assert "accuracy of columns: at most" in out and "not resolved" in out and "nan" not in out
     assert sorted(path.name for path in folder.iterdir()) == [*names, "sheets.png"]
     for name in ("limits.csv", "limits.json", "pixels.csv"):
         assert "nan" not in (folder / name).read_text().lower()
@@ -88,14 +88,14 @@ def test_size_and_factor_hold_for_counts_of_pixels_too(run, coarse):
 def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undrawn):
     out = run("limits", scene_file(), *QUICK, "-o", tmp_path / "found")[1]
     position, accuracy = (
-        out.index(f"of a {what}: known are the skin") for what in ("touch", "press")
+        out.index(f"for a {what}: known: the skin") for what in ("touch", "press")
     )
-    assert position < out.index("x (mm)") < accuracy < out.index("columns right")
-    assert "unknown are x, y and strength" in out and "give or take 10 % of the rise" in out
+    assert position < out.index("x (mm)") < accuracy < out.index("accuracy of columns")
+    assert "unknown: x, y and strength" in out and "with a spread of 10 % of the rise" in out
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
     assert told["position_asked"] in out and told["accuracy"]["asked"] in out
     out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "found")[1]
-    assert "unknown are x, y and strength, anywhere and any and the skin, but for dataset" in out
+    assert "unknown: x, y and strength, without prior, and the skin within dataset" in out
 
 
 def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch, undrawn):

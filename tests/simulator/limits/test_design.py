@@ -45,7 +45,7 @@ def test_frequencies_are_chosen_among_those_given(noisy_strip):
     touch = chosen_touch(noisy_strip)
     found = design(noisy_strip, 3, (1e2, 1e5), touch, among=given)
     assert np.isin(found.best, given).all() and len(set(found.best)) == 3
-    with pytest.raises(InputError, match="from 1 to 4, the frequencies to choose from, got 5"):
+    with pytest.raises(InputError, match="from 1 to 4, the number of candidate frequencies, got 5"):
         design(noisy_strip, 5, (1e2, 1e5), touch, among=given)
 
 
