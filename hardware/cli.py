@@ -15,7 +15,7 @@ from .record.recording_output import gather
 from .record_command import record
 
 if TYPE_CHECKING:
-    from .virtual.serving import Exhibit, Paging
+    from .virtual.serving import PageOptions, ServedSkin
 
 CONTROL = "127.0.0.1:3501"
 VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
@@ -182,7 +182,7 @@ def misbehave(
 
 def _exhibit(
     scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
-) -> Exhibit:
+) -> ServedSkin:
     from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
     from ..simulator.sweeps import InputError, read_joined
     from .virtual import serving
@@ -198,7 +198,7 @@ def _exhibit(
     return exhibit
 
 
-def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
+def _paging(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
     """The page that was asked for. Raises InputError where there is none."""
     from ..simulator.sweeps import InputError
     from .page.page_document import PageDocument
@@ -211,4 +211,4 @@ def _paging(exhibit: Exhibit, page: bool, port: int | None) -> Paging | None:
     if exhibit.scene is None:
         raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
     document = PageDocument.of(exhibit.scene, "skin")
-    return serving.Paging(document, port or 0, lambda address: say(f"page  {address.url}"))
+    return serving.PageOptions(document, port or 0, lambda address: say(f"page  {address.url}"))

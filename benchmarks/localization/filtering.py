@@ -31,11 +31,11 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
-from rcskin.hardware.live.live_baseline import Rest
-from rcskin.hardware.live.live_localizer import Localizer
-from rcskin.hardware.live.live_meter import Link
-from rcskin.hardware.live.live_session import Session
-from rcskin.hardware.live.session_log import Log
+from rcskin.hardware.live.live_baseline import LiveBaseline
+from rcskin.hardware.live.live_localizer import LiveLocalizer
+from rcskin.hardware.live.live_meter import LiveMeter
+from rcskin.hardware.live.live_session import LiveSession
+from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
 from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
 from rcskin.localization.filtering.follower import Follower
@@ -95,17 +95,19 @@ LATE = 0.6
 CERTAIN = 0.95
 
 
-def localizer(model: Model, filters: bool, asks: bool) -> Localizer:
+def localizer(model: Model, filters: bool, asks: bool) -> LiveLocalizer:
     """As `rcskin live` makes it."""
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
     asker = AdaptivePolicy(model, certain, follower) if asks else None
-    return Localizer(model, model.known_scene, follower, asker)
+    return LiveLocalizer(model, model.known_scene, follower, asker)
 
 
-def session(way: Localizer, link: Any, stage: Any) -> Session:
+def session(way: LiveLocalizer, link: Any, stage: Any) -> LiveSession:
     """Of live localization, in the meter's own time."""
-    return Session(way, link, Rest(3), Told(stage), Log(), clock=lambda: stage.now)
+    return LiveSession(
+        way, link, LiveBaseline(3), Told(stage), SessionLog(), clock=lambda: stage.now
+    )
 
 
 def answers(model: Model, filters: bool, asks: bool, stage: Stage, whole: Any) -> list:
@@ -128,7 +130,7 @@ def answers(model: Model, filters: bool, asks: bool, stage: Stage, whole: Any) -
     return live.show.answers
 
 
-def recorded(stage: Stage, model: Model, seconds: float) -> tuple[Link, list]:
+def recorded(stage: Stage, model: Model, seconds: float) -> tuple[LiveMeter, list]:
     """Whole sweeps one after the other for so long: (begun, ended, sweep)."""
     found = []
     with stage.link(localizer(model, False, False)) as link:

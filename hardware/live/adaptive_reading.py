@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep, Watch
-from .live_meter import Link
-from .timed_switch import Turns
+from .live_meter import LiveMeter
+from .timed_switch import TimedSwitch
 
 if TYPE_CHECKING:
     from ...localization.filtering.adaptive_sweep import AdaptiveSweep
@@ -23,7 +23,7 @@ USUAL = 0.02
 
 
 @dataclass
-class Pace:
+class ReadingTimes:
     """How long readings take at each frequency, as they come, by a clock in s.
 
     show: is told of each, too. turns: of the switch, which no reading's time contains; None without
@@ -33,7 +33,7 @@ class Pace:
     model: Model
     show: Watch
     clock: Callable[[], float]
-    turns: Turns | None = None
+    turns: TimedSwitch | None = None
     _latest: dict[float, float] = field(default_factory=dict, init=False)
     _since: float = field(default=0.0, init=False)
 
@@ -64,7 +64,7 @@ class Pace:
 
 
 @dataclass(frozen=True)
-class Part:
+class PartialSweep:
     """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
     questions: AdaptiveSweep
@@ -76,7 +76,9 @@ class Part:
         return sum(each.size for each in self.frequencies)
 
 
-def questioned(link: Link, questions: AdaptiveSweep, pace: Pace) -> tuple[Part, MeasuredSweep]:
+def measure_adaptively(
+    link: LiveMeter, questions: AdaptiveSweep, pace: ReadingTimes
+) -> tuple[PartialSweep, MeasuredSweep]:
     """The readings that were asked for. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 
@@ -95,4 +97,4 @@ def questioned(link: Link, questions: AdaptiveSweep, pace: Pace) -> tuple[Part, 
         np.sort([frequency for name, frequency in asked if name == trace.interface])
         for trace in sweep.traces
     ]
-    return Part(questions, tuple(read)), sweep
+    return PartialSweep(questions, tuple(read)), sweep

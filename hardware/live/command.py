@@ -24,9 +24,9 @@ from ..options import (
 if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
     from ..record.recording_journal import RecordingJournal
-    from .live_baseline import Rest
-    from .live_localizer import Localizer
-    from .live_session import Session, Show
+    from .live_baseline import LiveBaseline
+    from .live_localizer import LiveLocalizer
+    from .live_session import LiveSession, SessionDisplay
 
 MOST_REST = 1000
 
@@ -101,9 +101,9 @@ def live(
     from ..record.sweep_checks import SweepLimits
     from ..switch.switch_options import switch_from_options
     from .live_localizer import localizer_of
-    from .live_meter import Link
-    from .live_session import Session
-    from .session_log import Log
+    from .live_meter import LiveMeter
+    from .live_session import LiveSession
+    from .session_log import SessionLog
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
     journal = _journal(log) if log else None
@@ -111,7 +111,7 @@ def live(
     localizer = localizer_of(model, touching, adaptive, certain, within)
     _check_interface(localizer.model, interface)
     connect = partial(
-        Link,
+        LiveMeter,
         localizer,
         lambda: open_meter(resource, timeout, baud),
         read_table(accuracy or DERIVED_TABLE),
@@ -121,16 +121,16 @@ def live(
         journal=journal,
     )
     at_rest = _rest(localizer, rest, rest_file, anyway)
-    kept = Log(journal)
+    kept = SessionLog(journal)
     paged = _paged(localizer, port or 0) if page else nullcontext(())
     try:
         with orderly_termination() as tell, journal.lock() if journal else nullcontext():
             link = connect(tell=tell)
             with paged as others, _showing(localizer, plain, others) as (show, key):
-                _run(Session(localizer, link, at_rest, show, kept, key), sweeps)
+                _run(LiveSession(localizer, link, at_rest, show, kept, key), sweeps)
     finally:
-        if kept.told:
-            say(kept.told, err=True)
+        if kept.summary:
+            say(kept.summary, err=True)
 
 
 def _check_options(
@@ -169,7 +169,7 @@ def _journal(log: Path) -> RecordingJournal:
     )
 
 
-def _run(session: Session, answers: int | None) -> None:
+def _run(session: LiveSession, answers: int | None) -> None:
     try:
         session.run(answers)
     finally:
@@ -178,14 +178,14 @@ def _run(session: Session, answers: int | None) -> None:
 
 
 @contextmanager
-def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
+def _paged(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisplay]]:
     """A page of the localizer's skin, served beside. Raises InputError where there is none."""
     from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
     from ..event_counter import counted_events
     from ..page.page_document import PageDocument
     from ..page.page_thread import serve_in_thread
     from ..record.recording_dataset import measured_mask
-    from .page_display import Shown
+    from .page_display import PageDisplay
 
     model = localizer.model
     taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
@@ -196,38 +196,40 @@ def _paged(localizer: Localizer, port: int) -> Iterator[Sequence[Show]]:
     shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, serve_in_thread(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)
-        yield (Shown(model, post),)
+        yield (PageDisplay(model, post),)
 
 
 @contextmanager
 def _showing(
-    localizer: Localizer, plain: bool, others: Sequence[Show]
-) -> Iterator[tuple[Show, Callable[[], str]]]:
+    localizer: LiveLocalizer, plain: bool, others: Sequence[SessionDisplay]
+) -> Iterator[tuple[SessionDisplay, Callable[[], str]]]:
     import sys
 
     from .key_input import keys
-    from .line_output import Plain
-    from .live_screen import Screen
-    from .page_display import Together
+    from .line_output import LineOutput
+    from .live_screen import LiveScreen
+    from .page_display import CombinedDisplay
 
     console = terminal()
     if plain or not console.is_terminal:
-        yield Together((Plain(sys.stdout, sys.stderr), *others)), lambda: ""
+        yield CombinedDisplay((LineOutput(sys.stdout, sys.stderr), *others)), lambda: ""
         return
-    with keys() as key, Screen(console, localizer) as screen:
-        yield Together((screen, *others)), key
+    with keys() as key, LiveScreen(console, localizer) as screen:
+        yield CombinedDisplay((screen, *others)), key
 
 
-def _rest(localizer: Localizer, wanted: int, files: list[Path] | None, anyway: bool) -> Rest:
+def _rest(
+    localizer: LiveLocalizer, wanted: int, files: list[Path] | None, anyway: bool
+) -> LiveBaseline:
     from ...simulator.sweeps import InputError
-    from .live_baseline import Rest
+    from .live_baseline import LiveBaseline
     from .session_log import read_rest
 
     if not 1 <= wanted <= MOST_REST:
         raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
-    rest = Rest(wanted if localizer.needs_rest else 0)
+    rest = LiveBaseline(wanted if localizer.needs_rest else 0)
     if files:
-        rest.give(read_rest(files, localizer.model, anyway=anyway))
+        rest.give(read_rest(files, localizer.model, force=anyway))
     return rest
 
 

@@ -7,11 +7,11 @@ from typing import TextIO
 
 from ...simulator.safe_text import escaped
 from ..meter.meter_reading import MeterReading
-from .live_session import Moment
+from .live_session import TimedAnswer
 
 
 @dataclass
-class Plain:
+class LineOutput:
     """Lines `time, answer, probability, latency in ms`, parted by tabs; no control codes.
 
     answers, notes: where lines go. A note that repeats the one before it is left out,
@@ -26,7 +26,7 @@ class Plain:
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Readings are not shown."""
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """Write the answer's line, and what is remarkable about it."""
         probability = moment.answer.probability
         fields = (

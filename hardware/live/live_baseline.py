@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ..record.measured_sweep import MeasuredSweep
-from .touch_answer import NOTHING_PRESSED, Answer
+from .touch_answer import NOTHING_PRESSED, TouchAnswer
 
 SURE = 0.95
 RENEWED_AFTER = 5
@@ -16,7 +16,7 @@ FIRSTS = 8
 
 
 @dataclass
-class Rest:
+class LiveBaseline:
     """The latest `wanted` sweeps at rest, 0 where none are needed, and those of the opening.
 
     Touches are told against the latest, and the opening shows which skin it is: as of recordings,
@@ -68,14 +68,14 @@ class Rest:
         self.sweeps, self._firsts = deque(maxlen=self.wanted), []
         self.first, self._quiet, self._candidate = None, 0, None
 
-    def follow(self, sweep: MeasuredSweep | None, answer: Answer) -> bool:
+    def follow(self, sweep: MeasuredSweep | None, answer: TouchAnswer) -> bool:
         """Whether a sweep was taken for one at rest, in the place of the oldest of the latest.
 
         That happens once in RENEWED_AFTER answers in a row that say "nothing pressed" with a
         probability of at least SURE. It is never the last of them, in which a touch may begin.
         sweep: None where only part of one was read.
         """
-        if not at_rest(answer):
+        if not says_unpressed(answer):
             self._quiet, self._candidate = 0, None
             return False
         self.first = self.first or sweep
@@ -90,6 +90,6 @@ class Rest:
         return True
 
 
-def at_rest(answer: Answer) -> bool:
+def says_unpressed(answer: TouchAnswer) -> bool:
     """Whether an answer is sure that nothing is pressed."""
     return answer.label == NOTHING_PRESSED and (answer.probability or 0) >= SURE

@@ -13,7 +13,7 @@ from ...localization.inputs.features import needs_baseline
 from ...localization.inversion.estimators import build_in_background
 from ...localization.model.model_file import load
 from ...localization.trust.answers import CANNOT_TELL
-from .touch_answer import NOTHING_PRESSED, Answer, answer_of_classes
+from .touch_answer import NOTHING_PRESSED, TouchAnswer, answer_of_classes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +30,7 @@ CHANGED = "the touch changed in mid-sweep"
 
 def localizer_of(
     path: Path, touching: TouchDynamics | None, adaptive: bool, certain: float | None, within: float
-) -> Localizer:
+) -> LiveLocalizer:
     """The model in a file, ready to answer; a note says where it is of other versions.
 
     touching: how hands touch, where sweeps are to add up. adaptive: whether it chooses readings.
@@ -41,11 +41,11 @@ def localizer_of(
     note_versions(model, path)
     follower = Follower(model, touching, certain) if touching else None
     asker = AdaptivePolicy(model, certain, follower, within) if adaptive else None
-    return Localizer(model, model.known_scene, follower, asker)
+    return LiveLocalizer(model, model.known_scene, follower, asker)
 
 
 @dataclass(frozen=True)
-class Localizer:
+class LiveLocalizer:
     """A model on its skin.
 
     follower: lets sweeps add up; None: each is answered alone. asker: chooses the readings of
@@ -69,7 +69,7 @@ class Localizer:
         if self.follower is not None:
             self.follower.forget()
 
-    def questions(self, rest: xr.Dataset | None, gap: float) -> AdaptiveSweep | None:
+    def adaptive_sweep(self, rest: xr.Dataset | None, gap: float) -> AdaptiveSweep | None:
         """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
         if self.asker is None or rest is None:
             return None
@@ -77,7 +77,7 @@ class Localizer:
 
     def answer(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
-    ) -> Answer:
+    ) -> TouchAnswer:
         """Where one sweep was pressed, by it and, where they are followed, by those before it.
 
         rest: sweeps of the skin at rest, where there are any, of the opening or the latest, as
@@ -95,30 +95,30 @@ class Localizer:
             return _place(*self.model.positions(sweep, rest), region)
         return _no_place(label, probability)
 
-    def worded(self, followed: Followed) -> Answer:
+    def worded(self, followed: Followed) -> TouchAnswer:
         """The answer by a sweep and those before it, or by readings that were chosen."""
         if self.model.target != "position":
             answer = self._of_classes(followed.label, followed.probabilities)
         elif followed.coordinates:
             x, y, across, up = followed.coordinates
             words, shade = f"x {x:.0f} mm, y {y:.0f} mm", followed.region and followed.region.shade
-            answer = Answer(words, followed.probability, None, (x, y), (across, up), shade)
+            answer = TouchAnswer(words, followed.probability, None, (x, y), (across, up), shade)
         else:
             answer = _no_place(followed.label, followed.probability)
         return replace(answer, remark=CHANGED if followed.changed > MIDWAY else "")
 
-    def _of_classes(self, label: str, chances: NDArray) -> Answer:
+    def _of_classes(self, label: str, chances: NDArray) -> TouchAnswer:
         names = [str(each) for each in self.model.classes]
         return answer_of_classes(self.model.target, label, names, chances, self.scene.pixels.shape)
 
 
-def _place(found: NDArray, deviations: NDArray, region: Region | None) -> Answer:
+def _place(found: NDArray, deviations: NDArray, region: Region | None) -> TouchAnswer:
     x, y, strength = found[0].tolist()
     across, up = deviations[0, :2].tolist()
     words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
     shade = region and region.shade
-    return Answer(words, position=(x, y), deviation=(across, up), region=shade)
+    return TouchAnswer(words, position=(x, y), deviation=(across, up), region=shade)
 
 
-def _no_place(label: str, probability: float) -> Answer:
-    return Answer(NOTHING_PRESSED, probability) if label == "0" else Answer(CANNOT_TELL)
+def _no_place(label: str, probability: float) -> TouchAnswer:
+    return TouchAnswer(NOTHING_PRESSED, probability) if label == "0" else TouchAnswer(CANNOT_TELL)

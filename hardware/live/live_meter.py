@@ -27,16 +27,16 @@ from ..record.recording_journal import RecordingHeader, RecordingJournal
 from ..record.sweep_checks import SweepChecker, SweepLimits
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
-from .timed_switch import Turns
+from .timed_switch import TimedSwitch
 
 if TYPE_CHECKING:
-    from .live_localizer import Localizer
+    from .live_localizer import LiveLocalizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 LOOKED_AT = 1.0
 
 
-class Link:
+class LiveMeter:
     """One meter, with the settings it had at the beginning; reconnected when it fails.
 
     patience: s without a whole sweep after which it is given up. switch: connects it to one of the
@@ -45,7 +45,7 @@ class Link:
 
     def __init__(
         self,
-        localizer: Localizer,
+        localizer: LiveLocalizer,
         connect: Callable[[], Meter],
         table: AccuracyTable,
         limits: SweepLimits,
@@ -60,7 +60,7 @@ class Link:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._station, self._patience = ManagedMeter(connect, tell=tell, journal=journal), patience
-        self.turns = Turns(switch, clock) if switch else None
+        self.turns = TimedSwitch(switch, clock) if switch else None
         self._failing_since: float | None = None
         self._wait, self._looked = FIRST_WAIT, 0.0
         self.judge: SweepChecker | None = None
@@ -93,12 +93,12 @@ class Link:
         self._look()
         return sweep
 
-    def readings(self, watch: Watch, asked: Iterable[tuple[str, float]]) -> MeasuredSweep:
+    def readings(self, watch: Watch, requests: Iterable[tuple[str, float]]) -> MeasuredSweep:
         """Those at (interface, frequency in Hz) that are asked for. Raises MeterError.
 
         The settings are looked at once in LOOKED_AT seconds.
         """
-        sweep = measure_readings(self._meter, asked, self.turns, watch)
+        sweep = measure_readings(self._meter, requests, self.turns, watch)
         if time.monotonic() - self._looked > LOOKED_AT:
             self._look()
         self._recovered()

@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from ..meter.meter_reading import MeterReading
-from .live_session import END_KEY, REST_KEY, Moment
+from .live_session import END_KEY, REST_KEY, TimedAnswer
 from .pixel_grid import fitting
 from .touch_answer import readings_of
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
     from rich.text import Text
 
-    from .live_localizer import Localizer
+    from .live_localizer import LiveLocalizer
 
 NOTES = 3
 WIDEST = 80
@@ -23,15 +23,15 @@ BESIDE_GRID = 14
 """Lines of the screen that are not the grid's."""
 
 
-class Screen:
+class LiveScreen:
     """A picture that is drawn anew with each reading while the block runs, and then wiped off."""
 
-    def __init__(self, console: Console, localizer: Localizer) -> None:
+    def __init__(self, console: Console, localizer: LiveLocalizer) -> None:
         from rich.live import Live
 
         self._localizer, self._console = localizer, console
         self._readings = readings_of(localizer.model)
-        self._moment: Moment | None = None
+        self._moment: TimedAnswer | None = None
         self._why, self._done, self._frequency = "connecting", 0, 0.0
         self._notes = deque[str](maxlen=NOTES)
         self._live = Live(
@@ -55,7 +55,7 @@ class Screen:
         self._done = self._done % self._readings + 1
         self._frequency = frequency
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """Show the answer."""
         self._moment, self._why, self._done = moment, "", 0
         self._live.refresh()

@@ -13,16 +13,16 @@ from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep, flag_remarks, now, switching_remarks
 from ..record.press_order import UNKNOWN
-from .adaptive_reading import Pace, Part, questioned
-from .live_baseline import Rest, at_rest
-from .live_meter import Link
-from .session_log import Log, RestData, as_dataset
-from .touch_answer import Answer
+from .adaptive_reading import PartialSweep, ReadingTimes, measure_adaptively
+from .live_baseline import LiveBaseline, says_unpressed
+from .live_meter import LiveMeter
+from .session_log import BaselineDataset, SessionLog, as_dataset
+from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .live_localizer import Localizer
+    from .live_localizer import LiveLocalizer
 
 RATED = 10
 RESTLESS = 5
@@ -30,7 +30,7 @@ END_KEY, REST_KEY = "q", "r"
 
 
 @dataclass(frozen=True)
-class Seen:
+class AnswerSource:
     """What an answer is of. frequencies: of each trace, Hz, ascending. rest: sweeps of the skin at
     rest."""
 
@@ -40,7 +40,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Moment:
+class TimedAnswer:
     """One answer and how it came about.
 
     at: ISO 8601. measuring, localizing: s. since_before: s from the start of the sound sweep before
@@ -48,8 +48,8 @@ class Moment:
     answers per second, lately. failed: sweeps lost so far. remarks: what to know about this one.
     """
 
-    answer: Answer
-    seen: Seen
+    answer: TouchAnswer
+    source: AnswerSource
     at: str
     measuring: float
     localizing: float
@@ -65,14 +65,14 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Measured:
+class TimedSweep:
     """A sweep, or part of one. begun, ended: s. gap: s since the one before."""
 
     sweep: MeasuredSweep
     begun: float = 0.0
     ended: float = 0.0
     gap: float = 0.0
-    part: Part | None = None
+    part: PartialSweep | None = None
 
     @property
     def during(self) -> float:
@@ -80,14 +80,14 @@ class Measured:
         return self.ended - self.begun
 
 
-class Show(Protocol):
+class SessionDisplay(Protocol):
     """Where a session is shown."""
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading of the sweep under way came, at a frequency in Hz."""
         ...
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """An answer came."""
         ...
 
@@ -101,31 +101,33 @@ class Show(Protocol):
 
 
 @dataclass
-class Session:
+class LiveSession:
     """A localizer at a meter. key: the last key that was pressed, empty where none was.
 
     clock: s, by which sweeps are timed.
     """
 
-    localizer: Localizer
-    link: Link
-    rest: Rest
-    show: Show
-    log: Log
+    localizer: LiveLocalizer
+    link: LiveMeter
+    rest: LiveBaseline
+    show: SessionDisplay
+    log: SessionLog
     key: Callable[[], str] = lambda: ""
     clock: Callable[[], float] = time.perf_counter
     answers: int = field(default=0, init=False)
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
     _ended: float | None = field(default=None, init=False)
-    _pace: Pace = field(init=False)
+    _pace: ReadingTimes = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATED), init=False)
     _restless: int = field(default=0, init=False)
-    _known: RestData = field(init=False)
+    _known: BaselineDataset = field(init=False)
 
     def __post_init__(self) -> None:
-        self._pace = Pace(self.localizer.model, self.show.reading, self.clock, self.link.turns)
-        self._known = RestData(self.rest, self.localizer.model)
+        self._pace = ReadingTimes(
+            self.localizer.model, self.show.reading, self.clock, self.link.turns
+        )
+        self._known = BaselineDataset(self.rest, self.localizer.model)
 
     def run(self, answers: int | None = None) -> None:
         """Answer so often, or until the key of the end.
@@ -168,18 +170,18 @@ class Session:
         else:
             self._take_rest(measured.sweep)
 
-    def _measured(self, begun: float) -> Measured:
+    def _measured(self, begun: float) -> TimedSweep:
         """The next sweep: whole, or as much of it as an answer takes."""
         gap = 0.0 if self._ended is None else begun - self._ended
         asked = None
         if self.rest.complete and not self.rest.due:
-            asked = self.localizer.questions(self._at_rest(), gap)
+            asked = self.localizer.adaptive_sweep(self._at_rest(), gap)
         if asked is None:
             self._pace.begin()
             sweep, part = self.link.sweep(self._pace.reading), None
         else:
-            part, sweep = questioned(self.link, asked, self._pace)
-        return Measured(sweep, begun, self.clock(), gap, part)
+            part, sweep = measure_adaptively(self.link, asked, self._pace)
+        return TimedSweep(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
@@ -194,14 +196,14 @@ class Session:
     def _at_rest(self) -> xr.Dataset | None:
         return self._known.sweeps if self.rest.sweeps else None
 
-    def _told(self, measured: Measured) -> Answer:
+    def _localized(self, measured: TimedSweep) -> TouchAnswer:
         if measured.part is not None:
             return self.localizer.worded(measured.part.questions.answer(measured.during))
         sweep = as_dataset([measured.sweep], self.localizer.model)
         return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
 
-    def _answer(self, measured: Measured) -> None:
-        answer, sweep, begun = self._told(measured), measured.sweep, measured.begun
+    def _answer(self, measured: TimedSweep) -> None:
+        answer, sweep, begun = self._localized(measured), measured.sweep, measured.begun
         ended = self.clock()
         before, self._begun, self._ended = self._begun, begun, measured.ended
         self._ends.append(ended)
@@ -209,9 +211,9 @@ class Session:
         if measured.part is None:
             self.log.answered(answer)
         self.show.answer(
-            Moment(
+            TimedAnswer(
                 answer,
-                self._seen(measured),
+                self._source(measured),
                 now(),
                 measured.during,
                 ended - measured.ended,
@@ -229,7 +231,7 @@ class Session:
         if self.rest.follow(sweep if measured.part is None else None, answer):
             self.show.note("rest renewed by one sweep, to follow slow drift")
 
-    def _seen(self, measured: Measured) -> Seen:
+    def _source(self, measured: TimedSweep) -> AnswerSource:
         part, model = measured.part, self.localizer.model
         read = tuple(
             model.own_frequencies.get(trace.interface, model.frequencies)
@@ -237,10 +239,10 @@ class Session:
             else tuple(part.frequencies[k].tolist())
             for k, trace in enumerate(measured.sweep.traces)
         )
-        return Seen(measured.sweep, read, tuple(self.rest.sweeps))
+        return AnswerSource(measured.sweep, read, tuple(self.rest.sweeps))
 
     def _take_rest(self, sweep: MeasuredSweep) -> None:
-        moved = self._remarks(Measured(sweep), self.rest.first)
+        moved = self._remarks(TimedSweep(sweep), self.rest.first)
         if moved:
             self._restless += 1
             if self._restless >= RESTLESS:
@@ -263,7 +265,7 @@ class Session:
         if done < wanted:
             self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
 
-    def _remarks(self, measured: Measured, first: MeasuredSweep | None = None) -> list[str]:
+    def _remarks(self, measured: TimedSweep, first: MeasuredSweep | None = None) -> list[str]:
         judge = self.link.judge
         assert judge is not None
         if measured.part is None:
@@ -276,8 +278,8 @@ class Session:
             )
         ]
 
-    def _drift(self, measured: Measured, answer: Answer) -> list[str]:
-        return self._remarks(measured, self.rest.first) if at_rest(answer) else []
+    def _drift(self, measured: TimedSweep, answer: TouchAnswer) -> list[str]:
+        return self._remarks(measured, self.rest.first) if says_unpressed(answer) else []
 
     def _rate(self) -> float | None:
         if len(self._ends) < 2:

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep
-from .live_session import Moment, Seen, Show
-from .touch_answer import Answer, readings_of
+from .live_session import AnswerSource, SessionDisplay, TimedAnswer
+from .touch_answer import TouchAnswer, readings_of
 
 if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
@@ -24,17 +24,17 @@ OFTEN = 0.25
 
 
 @dataclass
-class Together:
+class CombinedDisplay:
     """Several places where a session is shown."""
 
-    shows: Sequence[Show]
+    shows: Sequence[SessionDisplay]
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """A reading came, at a frequency in Hz."""
         for show in self.shows:
             show.reading(frequency, reading)
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """An answer came."""
         for show in self.shows:
             show.answer(moment)
@@ -51,7 +51,7 @@ class Together:
 
 
 @dataclass
-class Shown:
+class PageDisplay:
     """Posts a session's state each time that it changes, all of it in plain numbers and words."""
 
     model: Model
@@ -71,21 +71,21 @@ class Shown:
             "times": None,
             "remarks": [],
         }
-        self._tell()
+        self._post_state()
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """How far the sweep is, now and then."""
         self._done += 1
         if time.monotonic() - self._posted > OFTEN:
-            self._tell(frequency)
+            self._post_state(frequency)
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """The answer, and the sweep that it is of."""
         self._done = 0
         self._state |= {
             "why": "",
-            "answer": _told(moment.answer),
-            "measured": {"at": moment.at, **_measured(moment.seen, self.model)},
+            "answer": _answer_state(moment.answer),
+            "measured": {"at": moment.at, **_measured(moment.source, self.model)},
             "times": {
                 "measuring": moment.measuring,
                 "localizing": moment.localizing,
@@ -95,27 +95,27 @@ class Shown:
             },
             "remarks": list(moment.remarks),
         }
-        self._tell()
+        self._post_state()
 
     def no_answer(self, why: str) -> None:
         """Why, in the answer's place; the sweep stays until another one is sound."""
         self._done = 0
         self._state |= {"why": why, "answer": None, "remarks": []}
-        self._tell()
+        self._post_state()
 
     def note(self, text: str) -> None:
         """Among the latest notes."""
         self._notes.append(text)
-        self._tell()
+        self._post_state()
 
-    def _tell(self, frequency: float | None = None) -> None:
+    def _post_state(self, frequency: float | None = None) -> None:
         self._posted = time.monotonic()
         whole = readings_of(self.model)
         progress = {"done": self._done, "of": whole, "frequency": frequency}
         self.post({**self._state, "notes": list(self._notes), "progress": progress})
 
 
-def _told(answer: Answer) -> dict[str, Any]:
+def _answer_state(answer: TouchAnswer) -> dict[str, Any]:
     return {
         "label": answer.label,
         "words": answer.words,
@@ -126,7 +126,7 @@ def _told(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _measured(seen: Seen, model: Model) -> dict[str, Any]:
+def _measured(seen: AnswerSource, model: Model) -> dict[str, Any]:
     """Z and its mean at rest, ohm, by interface and frequency; None where it was not read."""
     read = {
         trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))

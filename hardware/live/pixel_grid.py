@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .touch_answer import Answer
+from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +24,7 @@ NUMBERED = 4
 
 
 @dataclass(frozen=True)
-class Grid:
+class PixelGrid:
     """Pixels on a skin, drawn with row 1 at the bottom. size: of the skin, mm.
 
     wide, high: characters of each pixel.
@@ -36,7 +36,7 @@ class Grid:
     wide: int = 9
     high: int = 3
 
-    def draw(self, answer: Answer | None) -> Text:
+    def draw(self, answer: TouchAnswer | None) -> Text:
         """The grid under an answer; None draws it dark."""
         from rich.text import Text
 
@@ -52,7 +52,7 @@ class Grid:
         text.append("    " + "".join(f"{n:^{room}} " for n in numbers))
         return text
 
-    def _draw_line(self, text: Text, row: int, line: int, answer: Answer | None) -> None:
+    def _draw_line(self, text: Text, row: int, line: int, answer: TouchAnswer | None) -> None:
         if answer is not None and answer.pixels is not None:
             numbered = self._numbered(row, answer.shared)
             self._draw_pixels(text, answer.pixels[row - 1], line, numbered)
@@ -105,11 +105,11 @@ class Grid:
             text.append(MARKER if marked else " ", _style(1.0 if marked else level))
 
 
-def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int, int]) -> Grid:
+def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int, int]) -> PixelGrid:
     """The grid with the largest pixels that have room. room: characters across and down."""
     wide = max(2, min(9, (room[0] - 4) // columns))
     high = 3 if 3 * rows < room[1] else 1
-    return Grid(rows, columns, size, wide, high)
+    return PixelGrid(rows, columns, size, wide, high)
 
 
 def _place(fraction: float, count: int) -> int:

@@ -23,8 +23,8 @@ from ..record.recording_journal import (
     warn_if_clock_set_back,
 )
 from ..record.recording_output import finish, write_all
-from .live_baseline import Rest
-from .touch_answer import Answer
+from .live_baseline import LiveBaseline
+from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +51,7 @@ def as_dataset(
     )
 
 
-def rest_dataset(rest: Rest, model: Model) -> xr.Dataset:
+def rest_dataset(rest: LiveBaseline, model: Model) -> xr.Dataset:
     """Sweeps of the skin at rest, those of the opening told apart from the latest."""
     both = [*rest.opening, *rest.sweeps]
     opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
@@ -59,10 +59,10 @@ def rest_dataset(rest: Rest, model: Model) -> xr.Dataset:
 
 
 @dataclass
-class RestData:
+class BaselineDataset:
     """The skin at rest as a model takes it, made anew where another sweep counts."""
 
-    rest: Rest
+    rest: LiveBaseline
     model: Model
     _of: tuple[list[MeasuredSweep], list[MeasuredSweep]] = field(
         default_factory=lambda: ([], []), init=False
@@ -78,7 +78,7 @@ class RestData:
         return self._made
 
 
-def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> list[MeasuredSweep]:
+def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> list[MeasuredSweep]:
     """The unpressed sweeps of a file or several.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
@@ -86,7 +86,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, anyway: bool = False) -> l
     """
     sweeps = read_joined(paths)
     path = ", ".join(map(str, paths))
-    if not anyway:
+    if not force:
         check_same_skin(str(sweeps.attrs.get("scene", "")), model.problem.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
@@ -129,14 +129,14 @@ def _trace(values: NDArray[np.float64], interface: str) -> InterfaceTrace:
 
 
 @dataclass
-class Log:
+class SessionLog:
     """All that was measured and answered, in a recorder's journal; kept only where there is one.
 
     told: what was written, in one line, and how a session goes on with its rest.
     """
 
     journal: RecordingJournal | None = None
-    told: str = field(default="", init=False)
+    summary: str = field(default="", init=False)
     _kept: int = field(default=0, init=False)
     _latest: JournalEntry | None = field(default=None, init=False)
 
@@ -157,7 +157,7 @@ class Log:
                 write_all(self.journal.folder / "first.nc", header, {0: self._latest})
         self._kept += 1
 
-    def answered(self, answer: Answer) -> None:
+    def answered(self, answer: TouchAnswer) -> None:
         """Keep what was told of the latest sweep."""
         if self.journal is None or self._latest is None:
             return
@@ -171,4 +171,4 @@ class Log:
         sweeps = finish(self.journal, header, self.journal.entries(header))
         output, presses = self.journal.output, sweeps["press"].values
         again = f"; --rest-file {output} begins with its rest" if UNPRESSED in presses else ""
-        self.told = f"{sizes_text(sweeps.sizes)} -> {output}{again}"
+        self.summary = f"{sizes_text(sweeps.sizes)} -> {output}{again}"

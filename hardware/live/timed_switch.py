@@ -12,7 +12,7 @@ USUAL = 0.1
 
 
 @dataclass
-class Turns:
+class TimedSwitch:
     """A switch whose turns are timed, by a clock in s. latest: s that the newest turn took.
 
     spent: s of all that it was asked, with and without a turn.

@@ -22,7 +22,7 @@ NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
 
 
 @dataclass(frozen=True)
-class Answer:
+class TouchAnswer:
     """What one sweep tells.
 
     label: in words. probability: of the label, None where it is not known. pixels: probability that
@@ -74,7 +74,7 @@ def answer_of_classes(
     classes: Sequence[str],
     probabilities: NDArray[np.float64],
     shape: tuple[int, int],
-) -> Answer:
+) -> TouchAnswer:
     """The answer of a classifier: its label, and the probability of each of its classes.
 
     classes: a number for a column, row or count of touches, `ROW,COLUMN` for a pixel, several
@@ -86,7 +86,7 @@ def answer_of_classes(
         pressed = np.array([_pressed(target, each, shape) for each in classes])
         pixels = np.tensordot(probabilities, pressed, 1)
     shared = target if target in ("column", "row") else ""
-    return Answer(_in_words(target, label), known.get(label), pixels, shared=shared)
+    return TouchAnswer(_in_words(target, label), known.get(label), pixels, shared=shared)
 
 
 def _in_words(target: str, label: str) -> str:

@@ -21,7 +21,7 @@ class ManualSwitch:
         """Have the person connect an interface."""
         self.ask(position)
 
-    def told(self) -> None:
+    def reported_position(self) -> None:
         """A person is believed."""
 
     def close(self) -> None:
@@ -59,7 +59,7 @@ class CommandSwitch:
                 "check the switch that it turns"
             )
 
-    def told(self) -> None:
+    def reported_position(self) -> None:
         """Its exit code is believed."""
 
     def close(self) -> None:

@@ -103,7 +103,7 @@ class NumatoBoard:
         for number in sorted(closed):
             self._command(f"relay on {NUMERALS[number]}")
 
-    def told(self) -> Closed:
+    def reported_position(self) -> Closed:
         """Which of the driven relays are on."""
         state = int(self._command("relay readall", rb"[0-9a-fA-F]+"), 16)
         return frozenset(number for number in self.driven if state >> number & 1)
@@ -135,7 +135,7 @@ class LcusBoard:
         self._send(sorted(self.driven - closed), 0)
         self._send(sorted(closed), 1)
 
-    def told(self) -> Closed | None:
+    def reported_position(self) -> Closed | None:
         """Which of the driven relays are on; None without a read-back."""
         if not self.query:
             return None

@@ -61,7 +61,7 @@ class ScpiSwitch:
         if closed:
             self._send(self._formatted(self._routing.close, closed))
 
-    def told(self) -> Closed:
+    def reported_position(self) -> Closed:
         """Which of the driven channels are closed."""
         question = self._formatted(self._routing.ask, frozenset())
         return self._ask(question, self._listed if self._routing.listed else self._by_state)

@@ -44,7 +44,7 @@ class SwitchDevice(Protocol[Position]):
         """Go to a position; it may still be turning afterwards."""
         ...
 
-    def told(self) -> Position | None:
+    def reported_position(self) -> Position | None:
         """The position that it reads back; None where it has no read-back."""
         ...
 
@@ -96,7 +96,7 @@ class DeviceSwitch(Generic[Position]):
         if name is None or device is None:
             return
         try:
-            told = device.told()
+            told = device.reported_position()
             if told is not None and told != self.positions[name]:
                 raise StuckSwitchError(
                     f"the switch turned to {_position_text(told)} while interface {name}, position "
@@ -112,7 +112,11 @@ class DeviceSwitch(Generic[Position]):
         """Leave the device at the position it was found at, where it told one."""
         self.selected = None
         with suppress(SwitchError):
-            if self._device and self._found is not None and self._device.told() != self._found:
+            if (
+                self._device
+                and self._found is not None
+                and self._device.reported_position() != self._found
+            ):
                 self._device.put(self._found)
         self._drop()
 
@@ -120,9 +124,9 @@ class DeviceSwitch(Generic[Position]):
         """Whether it had to turn."""
         if self._device is None:
             self._device = self.open()
-            self._found = self._device.told() if self._found is None else self._found
+            self._found = self._device.reported_position() if self._found is None else self._found
         device, position = self._device, self.positions[name]
-        told = device.told()
+        told = device.reported_position()
         if told == position or (told is None and before == name):
             return False
         device.put(position)
@@ -132,7 +136,7 @@ class DeviceSwitch(Generic[Position]):
 
     def _confirm(self, device: SwitchDevice[Position], name: str) -> None:
         end = time.monotonic() + self.patience
-        while (told := device.told()) != self.positions[name]:
+        while (told := device.reported_position()) != self.positions[name]:
             if time.monotonic() > end:
                 raise StuckSwitchError(
                     f"the switch reports position {_position_text(told)} after {self.patience:g} s "

@@ -19,7 +19,7 @@ class VirtualSwitch:
         """Turn to an interface. Raises InputError where the skin has none of that name."""
         self._ask("select", interface=position)
 
-    def told(self) -> str:
+    def reported_position(self) -> str:
         """The interface that is connected."""
         return str(self._ask("state")["interface"])
 

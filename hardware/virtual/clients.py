@@ -34,7 +34,7 @@ class WebError(Exception):
     """A client speaks HTTP or TLS, so nothing of what it says is meant for this port."""
 
 
-class Lines:
+class LineReader:
     """Takes bytes as they come and gives whole lines; one that is too long becomes None."""
 
     def __init__(self, longest: int = LONGEST_LINE) -> None:
@@ -79,7 +79,7 @@ class Client:
 
         Other clients have their turn after each line. Raises WebError where one is HTTP or TLS.
         """
-        kept = Lines()
+        kept = LineReader()
         while received := await self.reader.read(4096):
             self.heard = time.monotonic()
             if kept.web(received):

@@ -28,14 +28,14 @@ UNKNOWN = (
 
 
 @dataclass
-class Control:
+class ControlPort:
     """Steers one meter. routines: what presses it by itself, started with the server.
 
     token: what clients must know.
     """
 
     instrument: Instrument
-    routines: tuple[Callable[[Control], Coroutine[Any, Any, None]], ...] = ()
+    routines: tuple[Callable[[ControlPort], Coroutine[Any, Any, None]], ...] = ()
     tasks: list[asyncio.Task] = field(default_factory=list)
     token: str = field(default_factory=new_token, repr=False)
 

@@ -13,7 +13,15 @@ from ..event_counter import Report
 from ..meter.meter_identity import VIRTUAL_SERIAL
 from .faults import Faults
 from .language.parser import ExecutionError
-from .measurement import NOTHING, OVERFLOW, UNDERFLOW, Bench, Result, conditions, written
+from .measurement import (
+    NOTHING,
+    OVERFLOW,
+    UNDERFLOW,
+    MeasurementResult,
+    MeasurementSetup,
+    conditions,
+    written,
+)
 from .meter_state import Measuring, Registers, Settings, Standard
 from .virtual_corrections import Corrections
 from .worker import Worker
@@ -34,7 +42,7 @@ class Pending:
     press: Any
     settings: Settings
     done: float
-    bench: Bench
+    setup: MeasurementSetup
 
 
 @dataclass
@@ -46,7 +54,7 @@ class Instrument:
     report: takes what clients of the ports do wrong.
     """
 
-    bench: Bench
+    bench: MeasurementSetup
     model: str = VIRTUAL_MODEL
     serial: str = VIRTUAL_SERIAL
     pace: float = 1.0
@@ -55,7 +63,7 @@ class Instrument:
     registers: Registers = field(default_factory=Registers)
     faults: Faults = field(default_factory=Faults)
     corrections: Corrections = field(default_factory=Corrections)
-    latest: Result = NOTHING
+    latest: MeasurementResult = NOTHING
     pending: Pending | None = None
     fresh_from: float = 0.0
     waiting: bool = False
@@ -101,7 +109,7 @@ class Instrument:
         loop = asyncio.get_running_loop()
         try:
             result = await loop.run_in_executor(
-                self.worker, pending.bench.measure, pending.press, pending.settings
+                self.worker, pending.setup.measure, pending.press, pending.settings
             )
         except Exception as failure:
             self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
@@ -137,7 +145,7 @@ class Instrument:
         """Seconds of the loop's clock."""
         return asyncio.get_running_loop().time()
 
-    def _keep(self, result: Result) -> None:
+    def _keep(self, result: MeasurementResult) -> None:
         self.latest = result
         if self.settings.auto_range:
             self.settings.range = result.conditions.range

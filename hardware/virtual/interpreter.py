@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 
 from .instrument import Instrument
-from .language.meter_command import Command
+from .language.meter_command import MeterCommand
 from .language.parser import CommandError, ExecutionError, Message, messages
 from .language.vocabulary import find
 from .meter_state import Standard
@@ -41,6 +41,6 @@ async def _executed(meter: Instrument, message: Message) -> list[str]:
     return [_headed(meter, command, str(said))] if message.query else []
 
 
-def _headed(meter: Instrument, command: Command, said: str) -> str:
+def _headed(meter: Instrument, command: MeterCommand, said: str) -> str:
     named = meter.settings.header and command.named
     return f"{command.header.upper()} {said}" if named else said

@@ -14,9 +14,9 @@ from .meter_state import Settings
 
 if TYPE_CHECKING:
     from ...simulator.measure.specimen import Specimen
-    from .recorded_skin import Recorded
+    from .recorded_skin import RecordedSkin
 
-    Skin = Specimen | Recorded
+    Skin = Specimen | RecordedSkin
 
 Readout = Callable[[complex, ReadingConditions], complex]
 """What the meter makes of an impedance in ohm, with its errors of the session and the reading."""
@@ -31,7 +31,7 @@ DECIMALS = {"PHASE": 3, "Q": 3, "D": 6}
 
 
 @dataclass(frozen=True)
-class Result:
+class MeasurementResult:
     """What one measurement gave. Z: ohm, as measured. conditions: with the range that was used."""
 
     status: int
@@ -39,18 +39,18 @@ class Result:
     conditions: ReadingConditions
 
 
-NOTHING = Result(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
+NOTHING = MeasurementResult(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
 
 
 @dataclass(frozen=True)
-class Bench:
+class MeasurementSetup:
     """All that a measurement needs from outside: the skin, the readout, the table of accuracy."""
 
     skin: Skin
     readout: Readout
     accuracy: AccuracyTable
 
-    def measure(self, press: Any, settings: Settings) -> Result:
+    def measure(self, press: Any, settings: Settings) -> MeasurementResult:
         """A reading under a press, as the skin's `momentary` has it.
 
         Raises what the skin raises; ValueError where Z is none.
@@ -61,7 +61,7 @@ class Bench:
         used = self.accuracy.fitting_range(Z) if settings.auto_range else settings.range
         at_hand = conditions(settings, used, Z)
         shown = self.readout(Z, at_hand)
-        return Result(self._status(shown, at_hand), shown, at_hand)
+        return MeasurementResult(self._status(shown, at_hand), shown, at_hand)
 
     def _status(self, Z: complex, at_hand: ReadingConditions) -> int:
         low, high = self.accuracy.span.displayed
@@ -87,17 +87,17 @@ def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingCond
     )
 
 
-def written(result: Result, settings: Settings) -> str:
+def written(result: MeasurementResult, settings: Settings) -> str:
     """The answer to `:MEASure?`: as `:MEASure:VALid` and `:MEASure:ITEM` have it."""
     parts = [str(result.status)] if settings.valid & 16 else []
     if settings.valid & 2:
-        parts += [_value(result, name) for name in asked_quantities(settings)]
+        parts += [_value(result, name) for name in requested_quantities(settings)]
     if settings.valid & 1:
         parts.append("0")
     return ",".join(parts)
 
 
-def asked_quantities(settings: Settings) -> list[str]:
+def requested_quantities(settings: Settings) -> list[str]:
     """Names in the order of the registers; the displayed pair where both registers are 0."""
     if settings.items == (0, 0):
         return [name for name in settings.parameters if name != "OFF"]
@@ -109,7 +109,7 @@ def asked_quantities(settings: Settings) -> list[str]:
     ]
 
 
-def _value(result: Result, name: str) -> str:
+def _value(result: MeasurementResult, name: str) -> str:
     if result.status == UNDERFLOW:
         return numbers.UNDER
     if result.status in WITHOUT_NUMBERS:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from ..page.page_address import LOOPBACK
 from ..tokens import stored_token
 from .clients import Client, Clients, open_port
-from .control import Control
+from .control import ControlPort
 from .faults import ON_ANSWERS, Fault
 from .instrument import Instrument
 from .interpreter import answer
@@ -36,7 +36,7 @@ class Ports:
 
 @asynccontextmanager
 async def listening(
-    instrument: Instrument, control: Control, host: str, port: int, control_port: int
+    instrument: Instrument, control: ControlPort, host: str, port: int, control_port: int
 ) -> AsyncIterator[Ports]:
     """Both ports, open while the block runs; port 0 takes any that is free.
 
@@ -65,7 +65,7 @@ async def listening(
 @contextmanager
 def running(
     instrument: Instrument,
-    control: Control | None = None,
+    control: ControlPort | None = None,
     host: str = LOOPBACK,
     port: int = 0,
     control_port: int = 0,
@@ -73,7 +73,7 @@ def running(
     """The virtual meter in a thread of its own while the block runs. Raises as `listening`."""
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     entered = stack.enter_async_context(
-        listening(instrument, control or Control(instrument), host, port, control_port)
+        listening(instrument, control or ControlPort(instrument), host, port, control_port)
     )
     thread = threading.Thread(target=loop.run_forever, name="virtual meter", daemon=True)
     thread.start()

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, ToleranceError, inputs
-from .control import Control
+from .control import ControlPort
 
 if TYPE_CHECKING:
     from .measurement import Skin
 
-Routine = Callable[[Control], Coroutine[Any, Any, None]]
+Routine = Callable[[ControlPort], Coroutine[Any, Any, None]]
 
 
 def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
@@ -45,7 +45,7 @@ def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
 def scripted(steps: list[tuple[float, str]]) -> Routine:
     """Presses at their times, the last one held."""
 
-    async def routine(control: Control) -> None:
+    async def routine(control: ControlPort) -> None:
         begun = control.instrument.now
         for seconds, press in steps:
             await asyncio.sleep(begun + seconds - control.instrument.now)
@@ -59,7 +59,7 @@ def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator
     if not 0 < seconds <= 3600:
         raise InputError(f"`random` must be in (0, 3600] s, got {seconds:g}")
 
-    async def routine(control: Control) -> None:
+    async def routine(control: ControlPort) -> None:
         while True:
             await _pressed(control, str(random.choice([UNPRESSED, *pixels])))
             await asyncio.sleep(seconds)
@@ -67,7 +67,7 @@ def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator
     return routine
 
 
-async def _pressed(control: Control, press: str) -> None:
+async def _pressed(control: ControlPort, press: str) -> None:
     """Press the skin; one that cannot be is told of, and the press before stays."""
     try:
         await control.press(press)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..meter.accuracy_table import ReadingConditions
 
 
-class Recorded:
+class RecordedSkin:
     """Plays the sweeps of one interface; each time a press is checked, its next repetition."""
 
     def __init__(self, sweeps: xr.Dataset, interface: str | None = None) -> None:

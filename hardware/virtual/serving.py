@@ -15,12 +15,12 @@ from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
 from ..meter.accuracy_table import DERIVED_TABLE, read_table
 from ..page.page_address import LOOPBACK
-from .control import Control
+from .control import ControlPort
 from .instrument import Instrument
-from .measurement import Bench, Readout
+from .measurement import MeasurementSetup, Readout
 from .meter_server import Ports, listening
 from .press_routines import Routine, at_random, read_script, scripted
-from .recorded_skin import Recorded, exact
+from .recorded_skin import RecordedSkin, exact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Exhibit:
+class ServedSkin:
     """A skin at its interfaces, the first of which is connected, and what the meter makes of it.
 
     rows, columns: of pixels. frequency: Hz, at which it is warmed. scene: as the meter reads it,
@@ -65,7 +65,7 @@ class Exhibit:
         return True
 
 
-def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> Exhibit:
+def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> ServedSkin:
     """The skin of a scene at interfaces or all, with the errors that a session of this seed has.
 
     Raises InputError at other interfaces, or where the virtual meter lacks a frequency of them.
@@ -79,7 +79,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     if beyond:
         raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
     whole, errors = Specimen(scene, names[0]), SessionErrors(scene, seed)
-    return Exhibit(
+    return ServedSkin(
         {name: whole.at(name) for name in names},
         lambda Z, conditions: errors.read(Z, conditions.range),
         *scene.pixels.shape,
@@ -88,16 +88,18 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     )
 
 
-def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> Exhibit:
+def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin:
     """A recorded skin, shown as it was read, at interfaces or all. Raises InputError at others."""
     rows, columns = (max(1, int(sweeps[name].max())) for name in ("row", "column"))
     first = float(sweeps["frequency"][0])
     names = interfaces or [str(name) for name in sweeps["interface"].values]
-    skins = {name: Recorded(sweeps, name) for name in names}
-    return Exhibit(skins, exact, rows, columns, first)
+    skins = {name: RecordedSkin(sweeps, name) for name in names}
+    return ServedSkin(skins, exact, rows, columns, first)
 
 
-def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED_TABLE) -> Instrument:
+def instrument(
+    exhibit: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE
+) -> Instrument:
     """A virtual meter on an exhibit at rest, warm: its first reading takes no longer than others.
 
     pace: how long measurements take, 1 as long as a meter's, 0 no time.
@@ -105,7 +107,7 @@ def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED_TAB
     if not 0 <= pace <= 100:
         raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
     meter = Instrument(
-        Bench(exhibit.skin, exhibit.readout, read_table(accuracy)),
+        MeasurementSetup(exhibit.skin, exhibit.readout, read_table(accuracy)),
         pace=pace,
         press=exhibit.skin.check(UNPRESSED),
         skins=exhibit.skins,
@@ -116,7 +118,7 @@ def instrument(exhibit: Exhibit, pace: float = 1.0, accuracy: Path = DERIVED_TAB
 
 
 def routines(
-    exhibit: Exhibit, script: Path | None, random: float | None, seed: int
+    exhibit: ServedSkin, script: Path | None, random: float | None, seed: int
 ) -> tuple[Routine, ...]:
     """What presses the skin by itself: a script's file, or a pixel at random every so many s."""
     if script and random is not None:
@@ -132,7 +134,7 @@ def routines(
 
 
 @dataclass(frozen=True)
-class Paging:
+class PageOptions:
     """A page on which the skin is pressed. tell: called with where it is."""
 
     document: PageDocument
@@ -147,7 +149,7 @@ def serve(
     host: str = LOOPBACK,
     port: int = 3500,
     control_port: int = 3501,
-    paging: Paging | None = None,
+    paging: PageOptions | None = None,
 ) -> None:
     """Serve until the process is interrupted or told to end. tell: called when it listens.
 
@@ -155,17 +157,17 @@ def serve(
     """
 
     async def open_(stack: AsyncExitStack) -> None:
-        control = Control(meter, pressing)
+        control = ControlPort(meter, pressing)
         tell(await stack.enter_async_context(listening(meter, control, host, port, control_port)))
         if paging:
             paging.tell(await stack.enter_async_context(paged(control, paging)))
 
-    asyncio.run(_until_told_to_end(open_))
+    asyncio.run(_run_until_signal(open_))
     meter.worker.end()
 
 
 @asynccontextmanager
-async def paged(control: Control, paging: Paging) -> AsyncIterator[PageAddress]:
+async def paged(control: ControlPort, paging: PageOptions) -> AsyncIterator[PageAddress]:
     """The skin's page, while the block runs. Raises InputError where the port cannot be had."""
     from ..page.latest_state import LatestState
     from ..page.page_server import PageServer
@@ -196,7 +198,7 @@ def _on_signal(
         signal.signal(number, lambda *_: loop.call_soon_threadsafe(call))
 
 
-async def _until_told_to_end(open_: Callable[[AsyncExitStack], Awaitable[None]]) -> None:
+async def _run_until_signal(open_: Callable[[AsyncExitStack], Awaitable[None]]) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for end in (signal.SIGINT, signal.SIGTERM):

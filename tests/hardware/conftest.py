@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
-from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
-from rcskin.hardware.virtual.measurement import Bench
+from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.meter_state import PerRange, Settings
 from rcskin.hardware.virtual.recorded_skin import exact
@@ -110,7 +110,9 @@ def make_instrument():
     """A virtual meter that takes no time, on the pillow unless told otherwise."""
 
     def make_instrument(skin=None, readout=exact, **more):
-        return Instrument(Bench(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more})
+        return Instrument(
+            MeasurementSetup(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more}
+        )
 
     return make_instrument
 
@@ -160,7 +162,7 @@ def meter(ports):
 @pytest.fixture
 def serve():
     """A context with any instrument served."""
-    return lambda instrument, *routines: running(instrument, Control(instrument, routines))
+    return lambda instrument, *routines: running(instrument, ControlPort(instrument, routines))
 
 
 @pytest.fixture

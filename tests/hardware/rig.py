@@ -56,7 +56,7 @@ def simulated(scene, interfaces=None, seed=1):
     """The pillow at interfaces of a scene, read without error."""
     names = checked_interfaces(interfaces, scene)
     skins = {name: SKINS[name] for name in names}
-    return serving.Exhibit(
+    return serving.ServedSkin(
         skins, exact, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
     )
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
 from rcskin.hardware.virtual.meter_state import Settings
-from rcskin.hardware.virtual.recorded_skin import Recorded
+from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.hardware.virtual.serving import instrument, recorded
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rich.console import Console
@@ -258,7 +258,7 @@ def test_a_recording_is_played_and_recorded_again_the_same(recording, serve, tol
 
 def test_played_sweeps_come_in_turn_and_between_their_frequencies(recording):
     sweeps = read(recording)
-    skin = Recorded(sweeps, "left")
+    skin = RecordedSkin(sweeps, "left")
     first, second, third = (skin.check("2,1") for _ in range(3))
     assert first == third != second
     between = abs(skin.impedance(first, 2e3))
@@ -268,4 +268,4 @@ def test_played_sweeps_come_in_turn_and_between_their_frequencies(recording):
     with pytest.raises(InputError, match="press '9,9' was not recorded; there are none, 1,1"):
         skin.check("9,9")
     with pytest.raises(InputError, match=re.escape("`interface` must be one of left, got 'up'")):
-        Recorded(sweeps, "up")
+        RecordedSkin(sweeps, "up")

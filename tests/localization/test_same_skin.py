@@ -71,7 +71,7 @@ def test_live_takes_rest_of_its_own_skin_only(model, files):
     assert read_rest([files / "calibrated.nc"], model)
     with pytest.raises(InputError, match="recorded for strip-1x4, but used for strip-1x3"):
         read_rest([files / "other.nc"], model)
-    assert read_rest([files / "other.nc"], model, anyway=True)
+    assert read_rest([files / "other.nc"], model, force=True)
 
 
 def test_a_gap_is_told_between_sweeps_of_one_skin(run, refused, files, tmp_path):

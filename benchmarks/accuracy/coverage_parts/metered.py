@@ -11,7 +11,7 @@ from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
-from rcskin.hardware.virtual.measurement import Bench, written
+from rcskin.hardware.virtual.measurement import MeasurementSetup, written
 from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.simulator.measure.specimen import SessionErrors, Specimen
 from rcskin.simulator.scene.scene import Scene, interface_names
@@ -30,7 +30,9 @@ def metered(
     names = interface_names(scene)
     one = Specimen(scene, names[0])
     benches = [
-        Bench(one.at(name), lambda Z, at_hand: errors.read(Z, at_hand.range), read_table())
+        MeasurementSetup(
+            one.at(name), lambda Z, at_hand: errors.read(Z, at_hand.range), read_table()
+        )
         for name in names
     ]
     read = [[_trace(bench, scene, press) for bench in benches] for press in presses]
@@ -49,7 +51,7 @@ def metered(
     )
 
 
-def _trace(bench: Bench, scene: Scene, press: str) -> list[MeterReading]:
+def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReading]:
     """A reading at each frequency, by way of what the meter would answer."""
     found = []
     for frequency in scene.frequencies:

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.live.live_localizer import Localizer
-from rcskin.hardware.live.live_meter import Link
+from rcskin.hardware.live.live_localizer import LiveLocalizer
+from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
-from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import running
-from rcskin.hardware.virtual.serving import Exhibit, instrument
+from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
 
 TALK = 0.008
@@ -94,16 +94,16 @@ class Stage:
         return self._errors[self._here].read(Z, at_hand.range)
 
     @contextmanager
-    def link(self, localizer: Localizer) -> Iterator[Link]:
+    def link(self, localizer: LiveLocalizer) -> Iterator[LiveMeter]:
         """The meter of a live session, on TCP."""
         scene = self.twin.scene
         seats = {name: Seat(self, name) for name in self.interfaces}
         first = scene.sweep.frequencies[0]
-        exhibit = Exhibit(seats, self.read, *scene.pixels.shape, first)
+        exhibit = ServedSkin(seats, self.read, *scene.pixels.shape, first)
         meter = instrument(exhibit, pace=0.0)
-        with running(meter, Control(meter)) as ports:
+        with running(meter, ControlPort(meter)) as ports:
             switch = Relays(self, f"{ports.host}:{ports.control}")
-            link = Link(
+            link = LiveMeter(
                 localizer,
                 lambda: open_meter(ports.resource, 5.0),
                 read_table(),

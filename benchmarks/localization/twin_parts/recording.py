@@ -16,9 +16,9 @@ from rcskin.hardware.record.recorder import RecordingTask, record
 from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.record.recording_terminal import RecordingScreen
 from rcskin.hardware.record_command import header_of
-from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import running
-from rcskin.hardware.virtual.serving import Exhibit, instrument
+from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import SessionErrors
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
@@ -40,9 +40,9 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     skins = {interface: twin.at(interface)}
     first = scene.sweep.frequencies[0]
     readout = lambda Z, at_hand: errors.read(Z, at_hand.range)  # noqa: E731
-    meter = instrument(Exhibit(skins, readout, *scene.pixels.shape, first), pace=0.0)
+    meter = instrument(ServedSkin(skins, readout, *scene.pixels.shape, first), pace=0.0)
     steps = [parse_step(press, *scene.pixels.shape) for press in presses]
-    with running(meter, Control(meter)) as ports, tempfile.TemporaryDirectory() as folder:
+    with running(meter, ControlPort(meter)) as ports, tempfile.TemporaryDirectory() as folder:
         hand = press_virtual_skin(f"{ports.host}:{ports.control}")
         task = RecordingTask(
             header_of(scene, [interface], steps),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rcskin.hardware.live.live_meter import Link
-from rcskin.hardware.live.live_session import Moment
+from rcskin.hardware.live.live_meter import LiveMeter
+from rcskin.hardware.live.live_session import TimedAnswer
 from rcskin.hardware.record.measured_sweep import MeasuredSweep, Watch
 
 
@@ -22,7 +22,7 @@ class Told:
     def reading(self, frequency: float, reading: object) -> None:
         """Not of interest."""
 
-    def answer(self, moment: Moment) -> None:
+    def answer(self, moment: TimedAnswer) -> None:
         """An answer came."""
         self.answers.append((self.stage.now, moment.answer.label))
 
@@ -36,7 +36,7 @@ class Told:
 class Replay:
     """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
 
-    def __init__(self, link: Link, sweeps: list[tuple[float, float, MeasuredSweep]]) -> None:
+    def __init__(self, link: LiveMeter, sweeps: list[tuple[float, float, MeasuredSweep]]) -> None:
         self.judge, self.header, self.now, self.turns = link.judge, link.header, 0.0, None
         self.left = list(reversed(sweeps))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..instrument import Instrument
 from ..virtual_corrections import SETTINGS
-from .meter_command import Command, chosen
+from .meter_command import MeterCommand, chosen
 from .parser import CommandError
 from .values import whole
 
@@ -29,26 +29,26 @@ def _correct(meter: Instrument, kind: str, text: str) -> None:
         meter.corrections.start(meter, kind, asked)
 
 
-def _correction(header: str, kind: str) -> tuple[Command, Command]:
+def _correction(header: str, kind: str) -> tuple[MeterCommand, MeterCommand]:
     return (
-        Command(
+        MeterCommand(
             header,
             lambda meter, text: _correct(meter, kind, text),
             lambda meter: getattr(meter.settings, SETTINGS[kind]),
         ),
-        Command(f"{header}:ERRor", ask=lambda meter: meter.corrections.errors[kind]),
+        MeterCommand(f"{header}:ERRor", ask=lambda meter: meter.corrections.errors[kind]),
     )
 
 
 MEASURING = (
-    Command(":MEASure", ask=lambda meter: meter.measure(), named=False),
-    Command(
+    MeterCommand(":MEASure", ask=lambda meter: meter.measure(), named=False),
+    MeterCommand(
         ":MEASure:ITEM",
         _set_items,
         lambda meter: ",".join(map(str, meter.settings.items)),
         takes=2,
     ),
-    Command(":MEASure:VALid", _set_valid, lambda meter: meter.settings.valid),
+    MeterCommand(":MEASure:VALid", _set_valid, lambda meter: meter.settings.valid),
     *_correction(":CORRection:OPEN", "OPEN"),
     *_correction(":CORRection:SHORt", "SHORT"),
 )

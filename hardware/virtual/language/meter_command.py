@@ -31,7 +31,7 @@ Act = Callable[..., Any]
 
 
 @dataclass(frozen=True)
-class Command:
+class MeterCommand:
     """A header in its documented form, whose capitals are the short form.
 
     tell, ask: called with the meter and the arguments; None where the form does not exist. takes:

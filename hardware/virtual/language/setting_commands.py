@@ -11,7 +11,7 @@ from ...meter.accuracy_table import RANGES
 from ..instrument import Instrument
 from ..measurement import PARAMETERS
 from ..meter_state import SPEEDS
-from .meter_command import Command, chosen
+from .meter_command import MeterCommand, chosen
 from .parser import CommandError
 from .values import engineering, number, whole
 
@@ -49,12 +49,12 @@ def _shown_average(value: int) -> str:
     return "OFF" if value == 1 else str(value)
 
 
-def _stored(header: str, name: str, read: Read, show: Format = str) -> Command:
+def _stored(header: str, name: str, read: Read, show: Format = str) -> MeterCommand:
     def tell(meter: Instrument, text: str) -> None:
         setattr(meter.settings, name, read(text))
         meter.changed()
 
-    return Command(header, tell, lambda meter: show(getattr(meter.settings, name)))
+    return MeterCommand(header, tell, lambda meter: show(getattr(meter.settings, name)))
 
 
 def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
@@ -64,21 +64,23 @@ def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
     meter.changed()
 
 
-def _each_range(header: str, sibling: str, name: str, read: Read, show: Format) -> list[Command]:
+def _each_range(
+    header: str, sibling: str, name: str, read: Read, show: Format
+) -> list[MeterCommand]:
     """The command of the IM3523 that names a range, and that of its siblings that does not."""
 
     def kept(meter: Instrument, n: int) -> str:
         return show(getattr(meter.settings.each_range[n], name))
 
     return [
-        Command(
+        MeterCommand(
             header,
             lambda meter, which, text: _set_each(meter, which, name, read(text)),
             lambda meter, which: kept(meter, whole(which, 1, 10)),
             takes=2,
             asks=1,
         ),
-        Command(
+        MeterCommand(
             sibling,
             lambda meter, text: _set_each(meter, "ALL", name, read(text)),
             lambda meter: kept(meter, meter.settings.range),
@@ -92,13 +94,13 @@ def _set_range(meter: Instrument, text: str) -> None:
     meter.changed()
 
 
-def _parameter(header: str, index: int, siblings_only: bool = False) -> Command:
+def _parameter(header: str, index: int, siblings_only: bool = False) -> MeterCommand:
     def tell(meter: Instrument, text: str) -> None:
         pair = list(meter.settings.parameters)
         pair[index] = _one_of(*PARAMETERS)(text)
         meter.settings.parameters = (pair[0], pair[1])
 
-    return Command(
+    return MeterCommand(
         header,
         tell,
         lambda meter: meter.settings.parameters[index],
@@ -126,7 +128,7 @@ STORED = (
     _stored(
         ":LEVel:CCURRent", "constant_current", _rounded(1e-5, 50e-3, 4), lambda i: engineering(i, 4)
     ),
-    Command(":RANGe", _set_range, lambda meter: meter.settings.range),
+    MeterCommand(":RANGe", _set_range, lambda meter: meter.settings.range),
     _stored(":RANGe:AUTO", "auto_range", _switch, _on_or_off),
     _parameter(":PARameter1", 0),
     _parameter(":PARameter2", 1),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 from ....simulator.sweeps.meter_bands import VIRTUAL_MODEL
-from .meter_command import Command, forms
+from .meter_command import MeterCommand, forms
 
 
-def find(words: tuple[str, ...], model: str, compatible: bool) -> Command | None:
+def find(words: tuple[str, ...], model: str, compatible: bool) -> MeterCommand | None:
     """The command that these words write in full or short form, on this model."""
     command = _commands().get(words)
     if command and command.siblings_only and model == VIRTUAL_MODEL and not compatible:
@@ -17,7 +17,7 @@ def find(words: tuple[str, ...], model: str, compatible: bool) -> Command | None
 
 
 @cache
-def _commands() -> dict[tuple[str, ...], Command]:
+def _commands() -> dict[tuple[str, ...], MeterCommand]:
     from .common_commands import COMMON
     from .measuring_commands import MEASURING
     from .setting_commands import STORED

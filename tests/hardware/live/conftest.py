@@ -8,10 +8,10 @@ import pytest
 import typer
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.command import live as command
-from rcskin.hardware.live.live_baseline import Rest
-from rcskin.hardware.live.live_meter import Link
-from rcskin.hardware.live.live_session import Session
-from rcskin.hardware.live.session_log import Log
+from rcskin.hardware.live.live_baseline import LiveBaseline
+from rcskin.hardware.live.live_meter import LiveMeter
+from rcskin.hardware.live.live_session import LiveSession
+from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
@@ -106,10 +106,12 @@ def session(ports):
     ):
         localizer = localizer or _rig["Columns"]()
         connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
-        link = Link(localizer, connect, read_table(), SweepLimits(drift=drift), patience, switch)
+        link = LiveMeter(
+            localizer, connect, read_table(), SweepLimits(drift=drift), patience, switch
+        )
         links.append(link)
-        kept = Rest(rest if localizer.needs_rest else 0)
-        return Session(localizer, link, kept, Witness(then), Log(), **more)
+        kept = LiveBaseline(rest if localizer.needs_rest else 0)
+        return LiveSession(localizer, link, kept, Witness(then), SessionLog(), **more)
 
     yield session
     for link in links:

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.live_localizer import Localizer
+from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.touch_answer import CANNOT_TELL, NOTHING_PRESSED
 
 SWEEP, REST = object(), object()
@@ -35,7 +35,7 @@ def localizer():
             positions=told((np.array([position]), np.array([[3.0, 5.0, 0.1]]))),
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
-        return Localizer(model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))))
+        return LiveLocalizer(model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))))
 
     return localizer
 

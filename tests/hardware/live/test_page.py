@@ -7,9 +7,9 @@ import socket
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.live.live_session import Moment, Seen
-from rcskin.hardware.live.page_display import Shown
-from rcskin.hardware.live.touch_answer import Answer
+from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
+from rcskin.hardware.live.page_display import PageDisplay
+from rcskin.hardware.live.touch_answer import TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
@@ -94,11 +94,18 @@ def test_parts_of_two_interfaces_stand_in_their_places():
     posted = []
     localizer = Parts()
     localizer.interfaces = ("left", "bottom")
-    shown = Shown(localizer, posted.append)
+    shown = PageDisplay(localizer, posted.append)
     trace = InterfaceTrace((1e-9,), (2e3,), (-4e3,), (0,), "bottom")
     shown.answer(
-        Moment(
-            Answer("column 1"), Seen(MeasuredSweep((trace,)), ((4e3,),)), "now", 0, 0, None, None, 0
+        TimedAnswer(
+            TouchAnswer("column 1"),
+            AnswerSource(MeasuredSweep((trace,)), ((4e3,),)),
+            "now",
+            0,
+            0,
+            None,
+            None,
+            0,
         )
     )
     assert posted[-1]["measured"]["Z"] == [[None] * 3, [None, (2e3, -4e3), None]]
@@ -106,10 +113,10 @@ def test_parts_of_two_interfaces_stand_in_their_places():
 
 def test_what_was_not_read_is_left_empty():
     posted = []
-    shown = Shown(Parts(), posted.append)
+    shown = PageDisplay(Parts(), posted.append)
     trace = InterfaceTrace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0), "left")
-    seen = Seen(MeasuredSweep((trace,)), ((1e3, 16e3),))
-    shown.answer(Moment(Answer("column 1", 0.9), seen, "now", 0.1, 0.1, None, None, 0))
+    seen = AnswerSource(MeasuredSweep((trace,)), ((1e3, 16e3),))
+    shown.answer(TimedAnswer(TouchAnswer("column 1", 0.9), seen, "now", 0.1, 0.1, None, None, 0))
     assert posted[-1]["measured"]["Z"] == [[(1e3, -3e3), None, (2e3, -4e3)]]
     assert posted[-1]["measured"]["rest"] is None
     shown.no_answer("the connection is lost")

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.live_baseline import RENEWED_AFTER, Rest
+from rcskin.hardware.live.live_baseline import RENEWED_AFTER, LiveBaseline
 from rcskin.hardware.live.session_log import rest_dataset
-from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, Answer
+from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
 from rcskin.simulator.sweeps import build
 
 _rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
 MODEL = _rig["Columns"]().model
-QUIET, TOUCHED = Answer(NOTHING_PRESSED, 0.99), Answer("column 2", 0.99)
+QUIET, TOUCHED = TouchAnswer(NOTHING_PRESSED, 0.99), TouchAnswer("column 2", 0.99)
 AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 
 
@@ -26,7 +26,7 @@ def sweep(grown):
 
 def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_drifts():
     """A recording of what live took for rest, and the sweeps in between; asked at every sweep."""
-    random, rest, taken, known = np.random.default_rng(0), Rest(RECENT), [], []
+    random, rest, taken, known = np.random.default_rng(0), LiveBaseline(RECENT), [], []
     sweeps = [sweep(1e-4 * k + 1e-3 * random.standard_normal()) for k in range(150)]
     told = [QUIET] * 150
     told[40:70] = [TOUCHED] * 30
@@ -54,10 +54,10 @@ def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_d
 
 
 def test_no_sweep_of_a_steady_touch_ever_becomes_rest_however_long_it_lasts():
-    rest = Rest(3)
+    rest = LiveBaseline(3)
     for _ in range(3):
         rest.add(sweep(0.0))
-    for answer in (TOUCHED, Answer("cannot tell"), Answer(NOTHING_PRESSED, 0.9)):
+    for answer in (TOUCHED, TouchAnswer("cannot tell"), TouchAnswer(NOTHING_PRESSED, 0.9)):
         for _ in range(50 * RENEWED_AFTER):
             assert not rest.follow(sweep(0.02), answer)
     assert all(each.traces[0].Z == pytest.approx(AT_REST) for each in rest.sweeps)
@@ -65,7 +65,7 @@ def test_no_sweep_of_a_steady_touch_ever_becomes_rest_however_long_it_lasts():
 
 def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest():
     """Nothing is pressed for long, and each touch begins in the fifth quiet sweep or later."""
-    rest = Rest(3)
+    rest = LiveBaseline(3)
     for _ in range(3):
         rest.add(sweep(0.0))
     for _ in range(20):
@@ -78,7 +78,7 @@ def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest(
 
 
 def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_time():
-    rest, due = Rest(2), []
+    rest, due = LiveBaseline(2), []
     rest.add(sweep(0.0))
     rest.add(sweep(0.0))
     for _ in range(4 * RENEWED_AFTER):

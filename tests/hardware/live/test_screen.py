@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.line_output import Plain
-from rcskin.hardware.live.live_screen import Screen
-from rcskin.hardware.live.live_session import Moment, Seen
-from rcskin.hardware.live.pixel_grid import MARKER, Grid, fitting
+from rcskin.hardware.live.line_output import LineOutput
+from rcskin.hardware.live.live_screen import LiveScreen
+from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
+from rcskin.hardware.live.pixel_grid import MARKER, PixelGrid, fitting
 from rcskin.hardware.live.touch_answer import (
     CANNOT_TELL,
     NOTHING_PRESSED,
-    Answer,
+    TouchAnswer,
     answer_of_classes,
 )
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
@@ -58,7 +58,7 @@ def of_pixels(grid, answer):
 
 @pytest.fixture
 def grid():
-    return Grid(ROWS, COLUMNS, SIZE)
+    return PixelGrid(ROWS, COLUMNS, SIZE)
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(5, 5), (2, 6), (1, 3), (4, 1)])
@@ -69,7 +69,7 @@ def test_what_shares_a_probability_shows_it_once(target, rows, columns):
     chances[1] += 0.5
     classes = [str(n) for n in range(count + 1)]
     answer = answer_of_classes(target, "1", classes, chances, (rows, columns))
-    shown = Grid(rows, columns, SIZE).draw(answer).plain.splitlines()[:-1]
+    shown = PixelGrid(rows, columns, SIZE).draw(answer).plain.splitlines()[:-1]
     numbers = [int(n) for line in shown for n in re.findall(r"\d+", line[4:])]
     assert sorted(numbers) == sorted(round(100 * p) for p in chances[1:])
 
@@ -78,14 +78,14 @@ def test_what_shares_a_probability_shows_it_once(target, rows, columns):
 def test_the_pressed_pixel_is_the_brightest_in_its_place(grid, pixel):
     probabilities = np.full(SHAPE, 0.02)
     probabilities[pixel] = 0.9
-    drawn = of_pixels(grid, Answer("pixel", 0.9, probabilities))
+    drawn = of_pixels(grid, TouchAnswer("pixel", 0.9, probabilities))
     assert np.unravel_index(drawn.argmax(), SHAPE) == pixel
     assert np.sort(drawn.ravel())[-1] > np.sort(drawn.ravel())[-2] + 50
 
 
 def test_a_more_probable_pixel_is_always_brighter(grid):
     probabilities = np.linspace(0, 1, 6).reshape(SHAPE)
-    drawn = of_pixels(grid, Answer("pixel", 1.0, probabilities))
+    drawn = of_pixels(grid, TouchAnswer("pixel", 1.0, probabilities))
     assert (np.diff(drawn.ravel()) > 0).all()
 
 
@@ -109,13 +109,13 @@ def test_a_pair_lights_two_pixels(grid):
 
 
 def test_a_number_tells_each_probability(grid):
-    shown = grid.draw(Answer("pixel", None, np.array([[0, 0.25, 0.5], [0.75, 0.97, 1]]))).plain
+    shown = grid.draw(TouchAnswer("pixel", None, np.array([[0, 0.25, 0.5], [0.75, 0.97, 1]]))).plain
     assert [int(n) for n in re.findall(r"\d+", shown)] == [2, 75, 97, 100, 1, 0, 25, 50, 1, 2, 3]
 
 
 @pytest.mark.parametrize(("x", "y"), [(20.0, 20.0), (100.0, 60.0), (61.0, 79.0), (0.0, 0.0)])
 def test_a_marker_lies_where_the_position_is(grid, x, y):
-    lines = grid.draw(Answer("at", position=(x, y), deviation=(5.0, 10.0))).plain.splitlines()
+    lines = grid.draw(TouchAnswer("at", position=(x, y), deviation=(5.0, 10.0))).plain.splitlines()
     (down, across), *others = [
         (down, line.index(MARKER) - 4) for down, line in enumerate(lines) if MARKER in line
     ]
@@ -129,14 +129,16 @@ def test_the_region_of_a_position_is_drawn_with_all_its_parts(grid):
     def region(x, y):
         return np.where(np.abs(x - 60) > 30, 0.9, 0.0)
 
-    drawn = characters(grid.draw(Answer("at", position=(60.0, 40.0), region=region)))
+    drawn = characters(grid.draw(TouchAnswer("at", position=(60.0, 40.0), region=region)))
     for line in drawn[: grid.high * grid.rows]:
         bright = [level > 100 for character, level in line[4:] if character != MARKER]
         sides = len(bright) // 5
         assert (
             all(bright[:sides]) and all(bright[-sides:]) and not any(bright[sides + 2 : -sides - 2])
         )
-    assert Answer("x 60 mm, y 40 mm", None, None, (60, 40), (3, 2)).words.endswith("± 3.0 x 2.0 mm")
+    assert TouchAnswer("x 60 mm, y 40 mm", None, None, (60, 40), (3, 2)).words.endswith(
+        "± 3.0 x 2.0 mm"
+    )
 
 
 def test_without_an_answer_all_is_equally_dark(grid):
@@ -147,7 +149,7 @@ def test_without_an_answer_all_is_equally_dark(grid):
 @pytest.mark.parametrize(("rows", "columns"), [(1, 3), (5, 5), (16, 16), (32, 32)])
 def test_a_grid_fits_a_small_terminal_as_far_as_it_can(rows, columns):
     grid = fitting(rows, columns, SIZE, (76, 32))
-    lines = grid.draw(Answer("x", None, np.zeros((rows, columns)))).plain.splitlines()
+    lines = grid.draw(TouchAnswer("x", None, np.zeros((rows, columns)))).plain.splitlines()
     assert max(map(len, lines)) <= 76
     assert len(lines) <= max(33, rows + 1)
 
@@ -174,23 +176,23 @@ def test_labels_are_told_in_words(target, label, words):
 def test_an_answer_of_no_number_is_refused():
     for wrong in ({"probability": float("nan")}, {"pixels": np.full(SHAPE, np.nan)}):
         with pytest.raises(ValueError, match="numbers that are none"):
-            Answer("column 1", **wrong)
+            TouchAnswer("column 1", **wrong)
 
 
 @pytest.fixture
 def moment():
     pixels = np.zeros(SHAPE)
     pixels[:, 1] = 0.97
-    answer = Answer("column 2", 0.97, pixels)
+    answer = TouchAnswer("column 2", 0.97, pixels)
     trace = InterfaceTrace(*[(1.0, 2.0, 3.0)] * 3, status=(0, 0, 0))
-    seen = Seen(MeasuredSweep((trace,)), Columns.frequencies)
+    seen = AnswerSource(MeasuredSweep((trace,)), Columns.frequencies)
     at = "2026-01-01T00:00:00.000+00:00"
-    return Moment(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
+    return TimedAnswer(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
 
 
 def test_the_screen_tells_answer_times_failures_and_remarks(moment):
     console = Console(width=80, height=40, record=True, file=io.StringIO())
-    screen = Screen(console, Columns())
+    screen = LiveScreen(console, Columns())
     screen.answer(moment)
     console.print(screen.picture())
     shown = console.export_text()
@@ -207,7 +209,7 @@ def test_the_screen_tells_answer_times_failures_and_remarks(moment):
 
 def test_a_lost_meter_takes_the_answer_off_the_screen(moment):
     console = Console(width=80, height=40, record=True, file=io.StringIO())
-    screen = Screen(console, Columns())
+    screen = LiveScreen(console, Columns())
     screen.answer(moment)
     screen.no_answer("the connection is lost")
     console.print(screen.picture())
@@ -218,7 +220,7 @@ def test_a_lost_meter_takes_the_answer_off_the_screen(moment):
 
 def test_plain_lines_hold_time_answer_probability_and_latency(moment):
     answers, notes = io.StringIO(), io.StringIO()
-    plain = Plain(answers, notes)
+    plain = LineOutput(answers, notes)
     plain.answer(moment)
     plain.no_answer("drifts")
     assert answers.getvalue() == "2026-01-01T00:00:00.000+00:00\tcolumn 2\t0.9700\t403.0\n"

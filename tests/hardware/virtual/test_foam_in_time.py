@@ -5,10 +5,10 @@ import asyncio
 import numpy as np
 import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
-from rcskin.hardware.virtual.control import Control
+from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
-from rcskin.hardware.virtual.measurement import Bench
+from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.press_routines import scripted
 from rcskin.hardware.virtual.recorded_skin import exact
 from rcskin.simulator.measure.specimen import Specimen
@@ -39,8 +39,8 @@ def creeping():
 @pytest.fixture
 def clocked(creeping):
     """A meter at the left of a strip that creeps, and a control of it."""
-    meter = Clocked(Bench(Specimen(creeping, "left"), exact, read_table()), pace=0.0)
-    yield meter, Control(meter)
+    meter = Clocked(MeasurementSetup(Specimen(creeping, "left"), exact, read_table()), pace=0.0)
+    yield meter, ControlPort(meter)
     meter.worker.shutdown()
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.hardware.virtual.recorded_skin import Recorded
+from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.simulator.sweeps import InputError, build
 
 FREQUENCY = np.geomspace(1e2, 1e5, 7)
@@ -17,7 +17,7 @@ def sweeps():
 
 
 def test_an_interface_plays_back_what_it_was_read_at(sweeps):
-    right = Recorded(sweeps, "right")
+    right = RecordedSkin(sweeps, "right")
     press = right.check("none")
     for frequency in (FREQUENCY[2], FREQUENCY[5], 3e4):
         expected = 2 * (1 + 1 / (2j * np.pi * frequency * 1e-9))
@@ -25,6 +25,6 @@ def test_an_interface_plays_back_what_it_was_read_at(sweeps):
 
 
 def test_beyond_its_own_frequencies_it_says_so(sweeps):
-    left = Recorded(sweeps)
+    left = RecordedSkin(sweeps)
     with pytest.raises(InputError, match=r"frequency must be in 99\.99\.\.3162\.59 Hz"):
         left.impedance(left.check("none"), 3e4)

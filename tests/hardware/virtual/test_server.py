@@ -16,7 +16,7 @@ from rcskin.hardware.event_counter import counted_events
 from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.tokens import read_token, token_file
-from rcskin.hardware.virtual.clients import LONGEST_LINE, MOST_CLIENTS, Lines
+from rcskin.hardware.virtual.clients import LONGEST_LINE, MOST_CLIENTS, LineReader
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.press_routines import at_random, read_script, scripted
 from rcskin.simulator.sweeps import InputError
@@ -166,7 +166,7 @@ def test_bytes_that_are_no_text_are_a_command_error(ports, raw):
 
 @given(st.lists(st.binary(max_size=40) | st.just(b"\r\n"), max_size=20))
 def test_lines_do_not_depend_on_how_they_are_cut(pieces):
-    whole, cut = Lines(30), Lines(30)
+    whole, cut = LineReader(30), LineReader(30)
     expected = whole.feed(b"".join(pieces))
     assert [line for piece in pieces for line in cut.feed(piece)] == expected
     assert all(line is None or 0 < len(line) <= 30 for line in expected)
@@ -174,7 +174,7 @@ def test_lines_do_not_depend_on_how_they_are_cut(pieces):
 
 @given(st.lists(st.binary(min_size=1, max_size=5000), max_size=8))
 def test_what_is_kept_of_a_line_is_bounded(pieces):
-    lines = Lines()
+    lines = LineReader()
     for piece in pieces:
         lines.feed(piece)
         assert len(lines._kept) <= LONGEST_LINE
