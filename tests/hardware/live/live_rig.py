@@ -82,7 +82,7 @@ class Columns:
     def prepare(self, rest, /):
         """Nothing to get ready."""
 
-    def questions(self, rest, gap, /):
+    def adaptive_sweep(self, rest, gap, /):
         """Whole sweeps."""
 
     def answer(self, sweep, rest, gap, during, /):

@@ -56,7 +56,7 @@ RIGHT = [truth(press) for press in ["none", *PRESSES]]
 class Asking(Pixels):
     """Reads once at each interface, beginning at the one that takes less time, and answers."""
 
-    def questions(self, rest, gap, /):
+    def adaptive_sweep(self, rest, gap, /):
         return Once(self, rest)
 
 

@@ -179,7 +179,7 @@ def test_times_are_what_they_are_called(session, instrument):
 class Asking(Columns):
     """Asks for its highest frequency, then for its lowest, and answers by these."""
 
-    def questions(self, rest, gap, /):
+    def adaptive_sweep(self, rest, gap, /):
         return Two(self, rest)
 
 

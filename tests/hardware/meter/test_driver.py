@@ -96,7 +96,7 @@ def test_internal_trigger_gives_stale_values_until_it_has_had_its_time(make_inst
 
 def test_before_any_measurement_there_is_no_number(meter):
     with pytest.raises(FailedReadingError, match="status 1: nothing was measured"):
-        meter.talk.ask(":MEASure?", parse_reading)
+        meter.talk.query(":MEASure?", parse_reading)
 
 
 @pytest.mark.parametrize(("range_number", "code"), [(3, 7), (10, 2), (8, 0)])
@@ -199,7 +199,7 @@ def test_a_failed_correction_says_what_to_check(instrument, meter):
 def test_settings_are_restored_from_a_snapshot(meter):
     apply_settings(meter, {"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
     kept = snapshot(meter)
-    meter.talk.tell("*RST")
+    meter.talk.send("*RST")
     with pytest.raises(RestartedError, match="`voltage` is 1.0 and was 0.5"):
         require_settings(meter, kept)
     restore_settings(meter, kept)

@@ -126,7 +126,7 @@ def test_a_meter_that_stays_away_is_told_of(ports, instrument):
 
 
 def test_a_slow_line_is_given_time_for_each_answer(ports, instrument, as_found, monkeypatch):
-    monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.3)
+    monkeypatch.setattr("rcskin.hardware.record.managed_meter.GIVE_UP_AFTER", 0.3)
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     station.ready().speed = "SLOW2"
     instrument.faults.add(Fault("late", times=10**6, seconds=0.06))

@@ -42,7 +42,7 @@ def test_a_recording_leaves_it_as_found(command, recording, instrument, as_found
 def test_a_good_recording_that_leaves_it_changed_says_so_in_its_code(
     command, recording, instrument, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.hardware.record.managed_meter.PARTING", 0.2)
+    monkeypatch.setattr("rcskin.hardware.record.managed_meter.GIVE_UP_AFTER", 0.2)
     keep = RecordingJournal.keep
 
     def last(journal, number, entry):

@@ -109,13 +109,13 @@ class Interrupts(MachineOperator):
 
 def test_an_interrupted_recording_goes_on_where_it_was(task, operator, show):
     with pytest.raises(KeyboardInterrupt):
-        record(task, Interrupts(operator.by, show))
+        record(task, Interrupts(operator.press_skin, show))
     folder = RecordingJournal(task.output).folder
     finished = {path.name: path.read_bytes() for path in folder.glob("0*.json")}
     assert len(finished) == 2
     pressed = []
-    by = operator.by
-    operator.by = lambda step: (pressed.append(step), by(step))
+    by = operator.press_skin
+    operator.press_skin = lambda step: (pressed.append(step), by(step))
     _, entries = record(task, operator)
     assert pressed == list(task.order[2:])
     assert len(entries) == len(task.order)
@@ -146,7 +146,7 @@ def test_a_finished_recording_needs_no_meter(task, operator):
 )
 def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, show, fault):
     task = asking(task, order=task.order[:3], asked={"speed": "SLOW"})
-    by, speeds, before = operator.by, set(), copy.deepcopy(instrument.settings)
+    by, speeds, before = operator.press_skin, set(), copy.deepcopy(instrument.settings)
 
     def press(step):
         by(step)
@@ -154,7 +154,7 @@ def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument,
         if fault.times:
             instrument.faults.add(fault)
 
-    operator.by = press
+    operator.press_skin = press
     header, entries = record(task, operator)
     assert len(show.remarks) == 1 and "check" in show.remarks[0]
     assert all(not entry.remarks for entry in entries)
@@ -163,14 +163,14 @@ def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument,
 
 
 def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, operator, instrument):
-    by = operator.by
+    by = operator.press_skin
 
     def press(step):
         by(step)
         if step.press == "1,2":
             instrument.faults.add(Fault("status", times=1000))
 
-    operator.by = press
+    operator.press_skin = press
     with pytest.raises(MeterError, match="status 7"):
         record(task, operator)
     header = RecordingJournal(task.output).header()
@@ -178,7 +178,7 @@ def test_a_meter_that_keeps_failing_ends_it_with_what_is_done_on_disk(task, oper
 
 
 def test_settings_that_change_under_way_are_noticed_and_restored(task, operator, instrument, show):
-    by, meddled = operator.by, []
+    by, meddled = operator.press_skin, []
 
     def press(step):
         by(step)
@@ -186,7 +186,7 @@ def test_settings_that_change_under_way_are_noticed_and_restored(task, operator,
             meddled.append(step)
             instrument.settings.voltage = 2.5
 
-    operator.by = press
+    operator.press_skin = press
     record(task, operator)
     assert instrument.settings.voltage == 1.0
     assert any("`voltage` is 2.5 and was 1.0" in remark for remark in show.remarks)
@@ -195,7 +195,7 @@ def test_settings_that_change_under_way_are_noticed_and_restored(task, operator,
 def test_corrections_that_were_lost_end_it(task, operator, show, instrument):
     instrument.settings.open_correction = "ALL"
     with pytest.raises(KeyboardInterrupt):
-        record(task, Interrupts(operator.by, show))
+        record(task, Interrupts(operator.press_skin, show))
     instrument.settings.open_correction = "OFF"
     with pytest.raises(CorrectionError, match="acquire it again"):
         record(task, operator)
@@ -203,7 +203,7 @@ def test_corrections_that_were_lost_end_it(task, operator, show, instrument):
 
 def test_another_meter_does_not_go_on_with_it(task, operator, show, instrument):
     with pytest.raises(KeyboardInterrupt):
-        record(task, Interrupts(operator.by, show))
+        record(task, Interrupts(operator.press_skin, show))
     instrument.serial = "999999999"
     with pytest.raises(WrongMeterError, match="check which meter is connected"):
         record(task, operator)
@@ -216,8 +216,8 @@ def test_an_unsound_sweep_is_repeated_then_kept_with_its_remark(task, operator, 
             return super().impedance(press, frequency) * (2 if doubled else 1)
 
     instrument.bench = dataclasses.replace(instrument.bench, skin=Jumping())
-    operator.retries, pressed, by = 2, [], operator.by
-    operator.by = lambda step: (pressed.append(step.press), by(step))
+    operator.retries, pressed, by = 2, [], operator.press_skin
+    operator.press_skin = lambda step: (pressed.append(step.press), by(step))
     task = asking(task, order=[UNPRESSED_STEP, parse_step("2,2", 2, 2)])
     header, entries = record(task, operator)
     assert pressed == ["none", "2,2", "2,2", "2,2"]
@@ -276,7 +276,7 @@ class Repents(MachineOperator):
 
 
 def test_a_step_is_done_again_when_it_is_asked_for(task, operator, show):
-    again, pressed, by = Repents(operator.by, show), [], operator.by
+    again, pressed, by = Repents(operator.press_skin, show), [], operator.press_skin
     again.seen, again.press_skin = [], lambda step: (pressed.append(step.press), by(step))
     _, entries = record(task, again)
     order = [step.press for step in task.order]
@@ -286,7 +286,7 @@ def test_a_step_is_done_again_when_it_is_asked_for(task, operator, show):
 
 
 def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operator, show):
-    watched = Repents(operator.by, show)
+    watched = Repents(operator.press_skin, show)
     watched.seen = []
     _, entries = record(task, watched)
     first, *later = watched.seen
@@ -299,8 +299,8 @@ def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operat
 @pytest.mark.parametrize(("by_hand", "left"), [(True, 3), (False, 0)])
 def test_a_machine_that_does_not_press_is_asked_again_and_ends(task, operator, show, by_hand, left):
     """Not even a machine that never presses can hold it up: after its retries all is kept."""
-    operator.retries, by, order = 3, operator.by, [UNPRESSED_STEP, parse_step("2,2", 2, 2)]
-    operator.by = lambda step: None if by_hand else by(step)
+    operator.retries, by, order = 3, operator.press_skin, [UNPRESSED_STEP, parse_step("2,2", 2, 2)]
+    operator.press_skin = lambda step: None if by_hand else by(step)
     _, entries = record(asking(task, order=order), operator)
     seen = [remark for remark in show.remarks if "no press is seen" in remark]
     assert len(seen) == (left and left + 1)
