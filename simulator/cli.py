@@ -175,7 +175,7 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
-    from .measure.in_time import in_words
+    from .measure.creeping_sweeps import in_words
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.force_depths import depths_in_words
     from .models.solver import Solver, checked_model

@@ -104,7 +104,7 @@ def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> lis
     said = (known if each.strength is None else not each.strength.unit for each in written)
     if scene is None or all(said):
         return [_factor(each, text, scene) for each in written]
-    from ...simulator.measure.under_touches import factors_under
+    from ...simulator.measure.touch_factors import factors_under
 
     return factors_under(scene, text)
 

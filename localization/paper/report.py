@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...simulator.models.solver import DEFAULT_RTOL
-from ...simulator.report.page import Cell, Grid, Items, Section, write_page
+from ...simulator.report.page import Cell, Items, ReportSection, TableGrid, write_page
 from .claim import RULES, Claim
 from .studies import DRAWS
 
@@ -23,7 +23,7 @@ ASSUMED = (
 
 
 def write_report(
-    path: Path, claims: Sequence[Claim], pictures: Sequence[Section], software: str
+    path: Path, claims: Sequence[Claim], pictures: Sequence[ReportSection], software: str
 ) -> None:
     """Write the page, whole or not at all. software: that simulated, with its version."""
     told = (
@@ -31,12 +31,12 @@ def write_report(
         f"distributed RC sheet, solved to a relative tolerance of {DEFAULT_RTOL:g} of Rs and of "
         f"Cp, then read out by a meter with the noise of the scene. {software}."
     )
-    sections = [Section("", [told]), _compared(claims), *pictures]
-    sections.append(Section("What is assumed", [ASSUMED]))
+    sections = [ReportSection("", [told]), _compared(claims), *pictures]
+    sections.append(ReportSection("What is assumed", [ASSUMED]))
     write_page(path, "The paper, reproduced by physics", sections)
 
 
-def _compared(claims: Sequence[Claim]) -> Section:
+def _compared(claims: Sequence[Claim]) -> ReportSection:
     """Every statement beside ours; those that differ stand first."""
     agreeing = sum(claim.agrees for claim in claims)
     told = (
@@ -46,8 +46,8 @@ def _compared(claims: Sequence[Claim]) -> Section:
     )
     rules = Items([f"{rule}." for rule in RULES.values()], list(RULES))
     rows = [_row(claim) for claim in sorted(claims, key=lambda claim: claim.agrees)]
-    grid = Grid(["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows)
-    return Section("Every number of the paper beside ours", [told, rules, grid])
+    grid = TableGrid(["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows)
+    return ReportSection("Every number of the paper beside ours", [told, rules, grid])
 
 
 def _row(claim: Claim) -> list[str | Cell]:

@@ -14,7 +14,7 @@ from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.report.files import write_frame
-from ...simulator.report.page import Picture, Section
+from ...simulator.report.page import Picture, ReportSection
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
@@ -135,7 +135,9 @@ def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
     return pd.concat(tables)
 
 
-def draw(folder: Path, results: Results, progress: ProgressCallback, ending: str) -> list[Section]:
+def draw(
+    folder: Path, results: Results, progress: ProgressCallback, ending: str
+) -> list[ReportSection]:
     """Write all charts as .png, and with another ending too; return those of the report."""
 
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:
@@ -160,13 +162,13 @@ def draw(folder: Path, results: Results, progress: ProgressCallback, ending: str
     noise = drawn("noise", lambda path: figures.noise_figure(path, results.noise, scenes))
     contacts = drawn("contacts", lambda path: figures.contact_figure(path, results.contact))
     return [
-        Section(
+        ReportSection(
             "Figure 2(c): the analytic model",
             [Picture(attenuation, "Amplitude at the end of each pixel; dots are Eq 6.")],
         ),
-        Section("Figure 3: the strip", [_device(name, devices[name]) for name in STRIPS]),
-        Section("Figure 4: the sheet", [_device(name, devices[name]) for name in SHEETS]),
-        Section(
+        ReportSection("Figure 3: the strip", [_device(name, devices[name]) for name in STRIPS]),
+        ReportSection("Figure 4: the sheet", [_device(name, devices[name]) for name in SHEETS]),
+        ReportSection(
             "What the paper varied or left open",
             [
                 Picture(frequencies, "10 against 20 frequencies, with and without Rs."),

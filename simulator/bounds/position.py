@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.parameters import session_spreads
 from ..models.response import Response
 from ..press.batch import PressBatch
@@ -162,7 +162,7 @@ def _on_skin(
     scene: Scene, places: Sequence[Place], touch: TouchSize, grid: tuple[int, int]
 ) -> list[Place]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
-    part = held(scene.on_grid(*grid)).part.reshape(grid)
+    part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
     cells = Cells.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import errors_of, observed
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indented.draws import felt_beside
@@ -105,7 +105,9 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
     """
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
-    pixels = [divmod(number, scene.pixels.columns) for number in held(scene).numbers.tolist()]
+    pixels = [
+        divmod(number, scene.pixels.columns) for number in pixel_coverage(scene).numbers.tolist()
+    ]
     if target in ("pair", "touches") and len(pixels) < 2:
         raise InputError(f"`target` {target} needs two pixels or more, {scene.name} has one")
     found = _pressed(scene, target, pixels)
@@ -231,7 +233,7 @@ class Readings:
         """
         if self._size is None or not isinstance(self._touches, DeepOnes):
             return None
-        pixels = held(self.scene).numbers
+        pixels = pixel_coverage(self.scene).numbers
         pixels = pixels[some(len(pixels))]
         rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]

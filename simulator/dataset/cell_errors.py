@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ..bounds.touches.errors import off_the_solver
 from ..fem.error_estimate import relative_difference
 from ..fem.safety_factors import SAMPLED
+from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import FoamState
-from ..measure.in_time import reading_moments
 from ..measure.streams import CELLS, stream
 from ..models.reduced.indented.draws import spreading
 from ..press.batch import PressBatch

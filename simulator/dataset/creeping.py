@@ -9,10 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import NEGLIGIBLE
-from ..measure.in_time import reading_moments
 from ..press.batch import PressBatch
-from ..press.memory import Array, Creep, let_off
+from ..press.foam_creep import Array, Creep, let_off
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..sweeps import InputError

@@ -11,7 +11,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.deformation import check_plane
 from ..models.reduced.indented.applicators import deepest
 from ..models.reduced.indented.draws import spreading
@@ -174,7 +174,7 @@ def _check_depths(scene: Scene) -> None:
 
 
 def _check_presses(scene: Scene) -> None:
-    press, pixels = scene.dataset.press, len(held(scene).numbers)
+    press, pixels = scene.dataset.press, len(pixel_coverage(scene).numbers)
     if scene.pixels.groups is not None and press.offset > 0:
         raise InputError(
             "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, "

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.fingers import with_fingers_at, with_fingers_on
-from ..mesh.held import held
+from ..mesh.finger_cells import with_fingers_at, with_fingers_on
+from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
 from ..press.press import rod_text
 from ..press.rasterized import Footprints
@@ -107,7 +107,7 @@ def _on_pixels(
     fingers: DrawnFingers,
 ) -> Presses:
     """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
-    pixels = held(scene).numbers
+    pixels = pixel_coverage(scene).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
     aside = truncated_normal(chances[2:], CUT)
     return _on(scene, touches, pixel, factor, aside, grid, fingers)
@@ -144,7 +144,7 @@ def _on(
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
     whole = scene.skin.rectangular or scene.dataset.press.rasterized
-    middle = _centres(scene, row, column) if whole else held(scene).middle[:, pixel]
+    middle = _centres(scene, row, column) if whole else pixel_coverage(scene).middle[:, pixel]
     x, y = np.where(there, middle, 0.0)
     finger = fingers.of_pixels(scene, pixel, there)
     inside = cells_of_pixels(scene, grid)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.error_estimate import relative_difference
-from ..measure.in_time import OF_NODES, Interpolation, interpolation
+from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
 from ..measure.readout import Meter, displayed
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..measure.streams import AUDIT, METER, PRESSES, stream

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.in_time import OF_NODES, interpolation
+from ..measure.creeping_sweeps import OF_NODES, interpolation
 from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal

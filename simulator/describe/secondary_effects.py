@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..measure.in_time import reading_moments
+from ..measure.creeping_sweeps import reading_moments
 from ..models.stray import (
     FINGER,
     NEARBY,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.readings import Hypothesis
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
 from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
@@ -45,7 +45,7 @@ class Pairs:
 def check_comparable(scene: Scene, target: str) -> None:
     """Raises InputError where all pairs of hypotheses of a target do not fit in memory."""
     touches = 2 if target == "pair" else 1
-    count = math.comb(len(held(scene).numbers), touches)
+    count = math.comb(len(pixel_coverage(scene).numbers), touches)
     check_memory(
         BYTES_FOR_NUMBER * (count * (1 + 2 * touches)) ** 2,
         "a comparison of all pairs of presses on {} x {} pixels".format(*scene.pixels.shape),

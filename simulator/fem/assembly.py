@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadP
 
-from ..mesh.rings import Cells
+from ..mesh.rings import QuadrilateralCells
 from .dropped import DROPPED
 from .lazy_kernel import LazyKernel
 from .quadrature import (
@@ -92,7 +92,7 @@ class Group:
     mass: NDArray[np.float64]
 
 
-def groups(cells: Cells, order: int) -> list[Group]:
+def groups(cells: QuadrilateralCells, order: int) -> list[Group]:
     """Group all parallelograms, and the other cells by shape, whatever their size."""
     straight = (cells.twist == 0).all(axis=0)
     found = [_parallelograms(cells, np.flatnonzero(straight), order)]
@@ -124,7 +124,7 @@ def edge_masses(order: int) -> list[NDArray[np.float64]]:
     return [edge_rule(quadrilateral(order), edge, order + 1)[0].mass for edge in range(4)]
 
 
-def _parallelograms(cells: Cells, which: NDArray[np.int64], order: int) -> Group:
+def _parallelograms(cells: QuadrilateralCells, which: NDArray[np.int64], order: int) -> Group:
     """Group of parallelograms: their geometry is constant, so one point gives the weights."""
     rule, corner = _rules(order)
     at, even = surface(cells.some(which), corner), np.ones((len(which), 1))
@@ -145,7 +145,9 @@ def _shape_matrices(
     The integrand of the stiffness is rational. EXTRA_ORDER more than for a polynomial leaves 1e-13.
     """
     along, across, twist = np.array(shape).reshape(3, 2, 1)
-    cell = Cells(np.zeros((2, 1)), np.zeros((4, 1), dtype=np.int64), along, across, twist)
+    cell = QuadrilateralCells(
+        np.zeros((2, 1)), np.zeros((4, 1), dtype=np.int64), along, across, twist
+    )
     rule = gauss_rule(quadrilateral(order), 2 * order + EXTRA_ORDER)
     at = surface(cell, rule)
     local, even = len(rule.values), np.ones_like(at.area)

@@ -20,7 +20,7 @@ from skfem.assembly import Basis
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
-from ..mesh.rings import Cells
+from ..mesh.rings import QuadrilateralCells
 
 ROUNDING = 1e-14
 """Fraction of the largest integral below which integrals are set to 0, so that factors stay sparse.
@@ -138,7 +138,7 @@ def _reference_mesh(element: Element) -> MeshQuad | MeshTri:
     return MeshTri(np.eye(3)[1:], np.arange(3)[:, None])
 
 
-def surface(cells: Cells, rule: Rule) -> CellGeometry:
+def surface(cells: QuadrilateralCells, rule: Rule) -> CellGeometry:
     """Geometry of straight-edged quadrilaterals: x = x0 + a along + b across + a b twist."""
     a, b = rule.points
     vectors = (cells.p[:, cells.t[0]], cells.along, cells.across, cells.twist)

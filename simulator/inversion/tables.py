@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
 from ..models.uniform import require_static
@@ -128,7 +128,7 @@ def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) ->
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
     rest = unknown.seen(forward.respond(*NOTHING, unknown.values).Z)
-    places = held(forward.scene).numbers
+    places = pixel_coverage(forward.scene).numbers
     found = [[_touch(unknown, pixel, way, of_finger) for way in ways] for pixel in places.tolist()]
     single, slope, skin, shift = (
         np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
@@ -164,7 +164,7 @@ def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tupl
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     """Tables of all pairs of pixels at all pairs of strengths."""
-    places = held(unknown.forward.scene).numbers
+    places = pixel_coverage(unknown.forward.scene).numbers
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
     rises = np.stack([first.ravel(), second.ravel()], axis=1)

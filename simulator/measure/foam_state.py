@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ..models.mechanics.force_depths import press_by_depths
-from ..press.memory import Array, Creep, let_off
+from ..press.foam_creep import Array, Creep, let_off
 from ..press.press import Press, order
 from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
 from ..scene.scene import Scene

@@ -19,7 +19,7 @@ from ..scene.scene_files import scene_text
 from ..sweeps import InputError, SweepTable, concatenate, tabled
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
-from .in_time import answered_in_time
+from .creeping_sweeps import answered_in_time
 from .readout import read_out
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ READINGS_KEPT = 4096
 SWEEPS_KEPT = 256
 
 
-class Solved:
+class SolvedScene:
     """What was read of a scene, at every interface."""
 
     def __init__(self, scene: Scene) -> None:
@@ -45,7 +45,7 @@ class Solved:
 
 
 @dataclass
-class Foam:
+class PressedFoam:
     """How the skin is pressed, by the clock of whoever reads it."""
 
     state: FoamState
@@ -57,8 +57,8 @@ class Specimen:
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
-        self._solved, self._pixels = Solved(scene), set(pixels_with_skin(scene))
-        self._foam = Foam(FoamState(scene))
+        self._solved, self._pixels = SolvedScene(scene), set(pixels_with_skin(scene))
+        self._foam = PressedFoam(FoamState(scene))
 
     def at(self, interface: str) -> Self:
         """The same specimen at another interface; what one has solved the other knows."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .triangles import edge_numbers, halves
+from .edge_numbering import edge_numbers, halves
 
 Numbers = NDArray[np.int64]
 Points = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..scene.planar import nearest
 from .domain import Domain, Numbers, Points, areas
-from .triangles import edges_of, halves, rim_points
+from .edge_numbering import edges_of, halves, rim_points
 
 
 def cut(mesh: Domain, segments: Points, same: float) -> Domain:

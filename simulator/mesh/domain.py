@@ -12,7 +12,7 @@ from skfem import MeshTri
 from ..scene.planar import Circle, inside
 from .arcs import NO_ARCS, Arcs, beside_chords, mapped
 from .drawing import Drawing
-from .triangles import edges_of
+from .edge_numbering import edges_of
 
 Points = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -18,11 +18,11 @@ from .arrangement import WIDEST, Arrangement, arranged, chords
 from .cutting import cut, snapped
 from .domain import Domain, Numbers, Points, labelled, unlabelled
 from .drawing import Drawing
+from .edge_numbering import edges_of, rim_points
 from .mending import collapsed, compressed, edges_along, flipped
+from .mesh_checks import check
 from .refining.refinement import refined
 from .refining.untangled import untangled
-from .sound import check
-from .triangles import edges_of, rim_points
 
 
 def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> Domain:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..scene.planar import distance
 from .domain import Domain, Numbers, Points
-from .triangles import edge_numbers, edges_of
+from .edge_numbering import edge_numbers, edges_of
 
 POOR = 0.2
 """Shape, 1 of an equilateral triangle, below which a triangle is mended."""

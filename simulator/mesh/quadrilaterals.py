@@ -16,7 +16,7 @@ from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.scene import Scene
 from ..scene.skin import Skin
 from ..scene.wiring_checks import ACROSS, strip, touch_at
-from .rings import Cells, rectangles, ringed
+from .rings import QuadrilateralCells, rectangles, ringed
 
 
 def nodes(
@@ -121,7 +121,7 @@ class PixelMesh:
 
     skin: Skin
     mesh: MeshQuad
-    cells: Cells
+    cells: QuadrilateralCells
     pixel: NDArray[np.int64]
 
     def facets(self, contact: Contact) -> NDArray[np.int64]:

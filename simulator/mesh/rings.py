@@ -18,7 +18,7 @@ PARTNER_ACROSS = (3, 2, 1, 0)
 
 
 @dataclass(frozen=True)
-class Cells:
+class QuadrilateralCells:
     """Quadrilaterals x0 + a along + b across + a b twist, a and b in [0, 1].
 
     p: points in m, shape (2, point). t: the points of each cell, at (a, b) = (0, 0), (1, 0), (1, 1)
@@ -33,19 +33,19 @@ class Cells:
     across: NDArray[np.float64]
     twist: NDArray[np.float64]
 
-    def some(self, which: NDArray[np.int64] | slice) -> Cells:
+    def some(self, which: NDArray[np.int64] | slice) -> QuadrilateralCells:
         """Some of the cells, on the same points."""
         along, across, twist = (v[:, which] for v in (self.along, self.across, self.twist))
-        return Cells(self.p, self.t[:, which], along, across, twist)
+        return QuadrilateralCells(self.p, self.t[:, which], along, across, twist)
 
 
-def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:
+def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> QuadrilateralCells:
     """The cells between lines, row after row. x, y: ascending, in m."""
     rows, columns = len(y) - 1, len(x) - 1
     low = (np.arange(rows)[:, None] * len(x) + np.arange(columns)).ravel()
     along, across = np.zeros((2, 2, rows * columns))
     along[1], across[0] = np.repeat(np.diff(y), columns), np.tile(np.diff(x), rows)
-    return Cells(
+    return QuadrilateralCells(
         p=np.stack([np.tile(x, len(y)), np.repeat(y, len(x))]),
         t=np.stack([low, low + len(x), low + len(x) + 1, low + 1]),
         along=along,
@@ -54,7 +54,9 @@ def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> Cells:
     )
 
 
-def ringed(cells: Cells, tips: NDArray[np.int64], layers: ArrayLike) -> Cells:
+def ringed(
+    cells: QuadrilateralCells, tips: NDArray[np.int64], layers: ArrayLike
+) -> QuadrilateralCells:
     """Rectangles, those with a corner at one of the points `tips` divided into rings.
 
     layers: how many, of all or of each tip.
@@ -72,7 +74,7 @@ def ringed(cells: Cells, tips: NDArray[np.int64], layers: ArrayLike) -> Cells:
 
 
 class _Builder:
-    def __init__(self, cells: Cells, scales: dict[int, NDArray[np.float64]]) -> None:
+    def __init__(self, cells: QuadrilateralCells, scales: dict[int, NDArray[np.float64]]) -> None:
         """scales: of the rings around each tip, the outermost 1."""
         self.cells, self.scales = cells, scales
         self.points = [cells.p]
@@ -123,10 +125,10 @@ class _Builder:
             self._chains[tip, towards] = np.concatenate([[towards], new])
         return self._chains[tip, towards]
 
-    def built(self, divided: NDArray[np.int64]) -> Cells:
+    def built(self, divided: NDArray[np.int64]) -> QuadrilateralCells:
         cells = self.cells
         whole = np.setdiff1d(np.arange(cells.t.shape[1]), divided)
         shapes = (cells.t, cells.along, cells.across, cells.twist)
         kept = tuple(each[:, whole] for each in shapes)
         joined = (np.concatenate(each, axis=1) for each in zip(kept, *self.parts, strict=True))
-        return Cells(np.concatenate(self.points, axis=1), *joined)
+        return QuadrilateralCells(np.concatenate(self.points, axis=1), *joined)

@@ -12,8 +12,8 @@ from ..scene.planar import Circle
 from ..scene.scene import Scene
 from .domain import Domain
 from .drawing import Shape, around_pixels, drawing_of, sharp_touches
-from .drawn import drawn
 from .imported import imported
+from .outline_mesh import drawn
 
 KEPT = 8
 """Meshes, the same of all depths or factors of an applicator: the latest asked for."""

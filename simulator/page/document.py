@@ -15,14 +15,14 @@ SITE = Path(__file__).parent / "site"
 
 
 @dataclass(frozen=True)
-class Link:
+class PageLink:
     """What the page of a skin is linked to: `live` or `skin`. nonce: of its scripts and styles."""
 
     kind: str
     nonce: str
 
 
-def document(data: Mapping[str, Any], link: Link | None = None) -> str:
+def document(data: Mapping[str, Any], link: PageLink | None = None) -> str:
     """The page of a skin, as HTML that needs nothing beside it. data: of `packed`.
 
     link: of a page that is served; without it the page forbids itself any.

@@ -6,7 +6,7 @@ from ..models.uniform import uniformly_pressed
 from ..progress import on_terminal
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .document import Link, document
+from .document import PageLink, document
 from .packed import packed, reduced_for_page
 
 RTOL, CELLS = 1e-3, 2
@@ -22,4 +22,4 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
     asked = uniformly_pressed(scene, "a page")
     with on_terminal() as progress:
         reduced = reduced_for_page(asked, RTOL, CELLS, progress)
-    return document(packed(asked, reduced), Link(kind, nonce))
+    return document(packed(asked, reduced), PageLink(kind, nonce))

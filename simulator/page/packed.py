@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
-from ..mesh.held import held
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.heterogeneous.materials import gauged
 from ..models.heterogeneous.mesh_choice import circuit_of
 from ..models.parameters import Variation
@@ -26,7 +26,7 @@ from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import InputError
 from . import base64_arrays
-from .model import packed_model
+from .page_model import packed_model
 from .plan import plan
 from .raster import Raster, pictured
 
@@ -176,7 +176,7 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
     assert around is not None
     if around.no_finger_reason or (isinstance(how, str) and around.finger_per_area is None):
         return None
-    places = np.unravel_index(held(scene).numbers, scene.pixels.shape)
+    places = np.unravel_index(pixel_coverage(scene).numbers, scene.pixels.shape)
     pixels = (Touch(int(i) + 1, int(j) + 1, 1.0) for i, j in zip(*places, strict=True))
     return {
         "whole": None if isinstance(how, str) else how,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.domain import Domain
-from ..mesh.held import held
-from ..mesh.triangles import edges_of
+from ..mesh.edge_numbering import edges_of
+from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.families.family import Family, Triangulation
 from ..scene.contacts import Contact, curve_section, path
 from ..scene.planar import Circle
@@ -35,7 +35,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
     """
     mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None
     of_file = mesh if scene.skin.mesh is not None else None
-    every = held(scene)
+    every = pixel_coverage(scene)
     return {
         "outline": _rounded(_outline(scene.skin) if of_file is None else around(of_file)),
         "foils": [

@@ -54,7 +54,7 @@ def rasterized(
 
     touches: how many each press has, shape (press,). grid: rows and columns.
     """
-    from .kernel import touched
+    from .overlap_kernel import touched
 
     x, y = (
         np.linspace(0, side, n + 1) for side, n in zip(scene.skin.sides, grid[::-1], strict=True)

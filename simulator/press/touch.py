@@ -122,7 +122,7 @@ class Polygon(Placed):
 
 
 @dataclass(frozen=True, order=True)
-class Pushed:
+class AppliedStrength:
     """How a rigid flat applicator is pushed in."""
 
     value: float
@@ -132,13 +132,13 @@ class Pushed:
         return f"{self.value!r}{self.unit}"
 
 
-class Depth(Pushed):
+class Depth(AppliedStrength):
     """How far, m."""
 
     unit = "m"
 
 
-class Force(Pushed):
+class Force(AppliedStrength):
     """With what, N."""
 
     unit = "N"

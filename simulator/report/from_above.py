@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chart_style import FOIL_COLOURS, foil_offset
+from ..mesh.edge_numbering import edges_of
 from ..mesh.skin_mesh import domain
-from ..mesh.triangles import edges_of
 from ..press.press import Press
 from ..scene.contacts import Contact, outwards, path
 from ..scene.scene import Scene

@@ -24,7 +24,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Grid:
+class TableGrid:
     """A table: heads of its columns, rows of cells, and which columns hold numbers."""
 
     heads: Sequence[str]
@@ -65,19 +65,19 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """A heading, empty for none, and what stands below it; a text is a paragraph."""
 
     title: str
-    parts: Sequence[str | Items | Grid | Picture]
+    parts: Sequence[str | Items | TableGrid | Picture]
 
 
-def write_page(path: Path, title: str, sections: Sequence[Section], answer: str = "") -> None:
+def write_page(path: Path, title: str, sections: Sequence[ReportSection], answer: str = "") -> None:
     """Write a page, whole or not at all. answer: what stands first, in bold."""
     environment = template_environment(Path(__file__).parent, trim_blocks=True, lstrip_blocks=True)
     environment.tests |= {
         kind.__name__.lower(): lambda part, kind=kind: isinstance(part, kind)
-        for kind in (Items, Grid, Picture, Cell)
+        for kind in (Items, TableGrid, Picture, Cell)
     }
     template = environment.get_template("page.html.jinja")
     write_text(path, template.render(title=title, sections=sections, answer=answer) + "\n")

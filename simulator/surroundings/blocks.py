@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.domain import Domain
+from ..mesh.edge_numbering import edges_of
 from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
-from ..mesh.triangles import edges_of
 from ..press.press import Press
 from ..scene.scene import Pressing, Scene
 from ..scene.skin import VACUUM_PERMITTIVITY, Foam, Sheet
 from ..sweeps import InputError
-from .block import Block, Points, quarter
+from .panels import PanelBlock, Points, quarter
 
 PANELS = (6, 10)
 """From the edge of a rectangle to its middle, of a coarse and of a fine block."""
@@ -67,7 +67,7 @@ def shape_of(scene: Scene, key: str) -> Shape:
     return Shape(*skin.stretched_sides, thickness / thinner, permittivity, ratios, drawn)
 
 
-def blocks(shape: Shape) -> list[tuple[Block, float]]:
+def blocks(shape: Shape) -> list[tuple[PanelBlock, float]]:
     """A coarse block and a fine one, each with the size of its panels, in any unit."""
     if shape.drawn is None:
         sides = shape.length, shape.width, shape.thickness
@@ -86,7 +86,7 @@ def _outlined(scene: Scene) -> Scene:
     return scene.model_copy(update={"skin": skin, "surroundings": None, "press": Pressing()})
 
 
-def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> Block:
+def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
     """Of a mesh, refined as LONGEST says. layers: as of `layered`."""
     scale = np.array(shape.ratios)[:, None]
     longest = LONGEST * shape.thickness
@@ -102,7 +102,7 @@ def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> Block:
     rim = np.zeros(p.shape[1], dtype=bool)
     rim[edges[:, outer]] = True
     panels = layered(p[:, mesh.t].transpose(2, 1, 0), rim[mesh.t].T, layers)
-    return Block(panels, _around(mesh, p), shape.thickness, SLICES)
+    return PanelBlock(panels, _around(mesh, p), shape.thickness, SLICES)
 
 
 def _around(mesh: Domain, p: Points) -> Points:

@@ -21,14 +21,14 @@ from numpy.typing import NDArray
 from scipy.linalg import solve
 
 from ..scene.skin import VACUUM_PERMITTIVITY
-from .block import Block
-from .kernel import fill_influence
+from .influence_kernel import fill_influence
+from .panels import PanelBlock
 from .reflections import Layer, images
 
 Array = NDArray[np.float64]
 
 
-def capacitances(block: Block, layer: Layer | None, permittivity: float) -> Array:
+def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) -> Array:
     """Charge of each sheet by the potential of each, F, shape (2, 2), the bottom sheet first.
 
     layer: towards a plane below. permittivity: of the foam, relative.
@@ -42,7 +42,7 @@ def capacitances(block: Block, layer: Layer | None, permittivity: float) -> Arra
     return VACUUM_PERMITTIVITY * (whole + whole.T) / 2
 
 
-def sigma(block: Block, influence: Array, permittivity: float, potentials: Array) -> Array:
+def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: Array) -> Array:
     """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count.
 
     influence: of all symmetric parts of the foam together, shape (2, panel, panel).
@@ -56,7 +56,7 @@ def sigma(block: Block, influence: Array, permittivity: float, potentials: Array
     return solve(system, driven, overwrite_a=True, overwrite_b=True)
 
 
-def influence(block: Block, layer: Layer | None) -> Array:
+def influence(block: PanelBlock, layer: Layer | None) -> Array:
     """Potentials in m and fields off the foam by sigma of each panel: (2, part, panel, panel).
 
     At the middles of the panels of the bottom sheet, of the top one and of the side faces, by the

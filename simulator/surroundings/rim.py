@@ -16,9 +16,9 @@ from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Rim
 from ..sweeps import InputError
-from .block import Block
 from .blocks import Shape, blocks, shape_of
 from .charges import capacitances
+from .panels import PanelBlock
 from .reflections import Layer, layer
 
 KEPT = 64
@@ -94,7 +94,7 @@ def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, flo
     return *kept.tolist(), float(error.max())
 
 
-def _densities(block: Block, plane: Layer | None, permittivity: float) -> NDArray[np.float64]:
+def _densities(block: PanelBlock, plane: Layer | None, permittivity: float) -> NDArray[np.float64]:
     """Mutual, of the sheet away from the plane and of the one that faces it, F/m, shape (3,)."""
     C = capacitances(block, plane, permittivity)
     foam = VACUUM_PERMITTIVITY * permittivity / block.thickness * block.area

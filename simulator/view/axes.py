@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .camera import Camera
+    from .displayed_quantity import DisplayedQuantity
     from .marks import Marks
-    from .shown import Shown
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Real = NDArray[np.float64]
 MILLI = 1e3
@@ -36,7 +36,7 @@ FACING = 0.3
 """Of a normal towards the eye: pixels that show less of themselves are not named."""
 
 
-def millimetres(axes: Axes, skin: Surface) -> None:
+def millimetres(axes: Axes, skin: SkinSurface) -> None:
     """Axes along the skin's sides, beside its foils."""
     from matplotlib.ticker import MaxNLocator
 
@@ -86,7 +86,7 @@ def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
     axes.axis(limits)
 
 
-def pixel_names(axes: Axes, camera: Camera, skin: Surface, marks: Marks) -> None:
+def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> None:
     """Row,column on pixels that face the eye: of many pixels in a grid, on one row and column."""
     from matplotlib.patheffects import withStroke
 
@@ -110,7 +110,7 @@ def pixel_names(axes: Axes, camera: Camera, skin: Surface, marks: Marks) -> None
         )
 
 
-def _facing(camera: Camera, skin: Surface, middles: Real) -> Real:
+def _facing(camera: Camera, skin: SkinSurface, middles: Real) -> Real:
     """How much the skin is turned to the eye at places (3, row, column); 0 off the skin."""
     places = middles.reshape(3, -1)
     there = np.isfinite(places).all(axis=0)
@@ -130,7 +130,7 @@ def scale_bar(axes: Axes, camera: Camera) -> None:
     axes.text(x + length / 2, y, f"{length} mm", ha="center", va="bottom", fontsize=8)
 
 
-def colour_bar(axes: Axes, shown: Shown, off: float, panel_width: float) -> None:
+def colour_bar(axes: Axes, shown: DisplayedQuantity, off: float, panel_width: float) -> None:
     """At the panel's right, in the same room whatever its numbers are: movies stand still.
 
     off: how far from the panel. panel_width: both in inches.

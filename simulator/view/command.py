@@ -13,7 +13,7 @@ from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..progress import ProgressCallback
-    from .scenery import Stage
+    from .scenery import ViewedPress
 
 
 def view(
@@ -126,13 +126,13 @@ def _stage(
     rtol: float,
     every: bool,
     progress: ProgressCallback,
-) -> Stage:
+) -> ViewedPress:
     from ..models.solution_fields import fields
     from ..press.press import press_on
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene
     from ..scene.scene import checked_interface
-    from .scenery import Stage
+    from .scenery import ViewedPress
 
     scene = requested_scene(name)
     pressed = press_on(scene, press)
@@ -148,7 +148,7 @@ def _stage(
         note(f"{name}: fields are those at the moment of the press, before `{key}` counts")
     found = fields(scene, pressed, frequencies, chosen, rtol, progress)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
-    return Stage(scene, pressed, wiring, found)
+    return ViewedPress(scene, pressed, wiring, found)
 
 
 def _frequencies(asked: list[float] | None, known: list[float], every: bool) -> list[float]:
@@ -164,12 +164,12 @@ def _frequencies(asked: list[float] | None, known: list[float], every: bool) -> 
     return [min(known, key=lambda each: abs(math.log(each / middle)))]
 
 
-def _told(stage: Stage) -> str:
+def _told(stage: ViewedPress) -> str:
     frequencies = stage.fields.frequency
     return f"{frequencies[0]:g} Hz" if len(frequencies) == 1 else f"{len(frequencies)} frequencies"
 
 
-def _interact(stage: Stage, what: str, output: Path | None) -> None:
+def _interact(stage: ViewedPress, what: str, output: Path | None) -> None:
     from .outputs import show, write_turnable
     from .painting import has_display
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .camera import Camera
+    from .displayed_quantity import DisplayedQuantity
     from .foils import Foil
-    from .shown import Shown
 
 SINGLE, PANEL, LEAST_WIDTH = 5.0, 2.3, 5.0
 """Width of a picture's panel, of one among several, and the least for the title, inches."""
@@ -50,7 +50,7 @@ class Panel:
     """A field in its scenery, as a camera sees it."""
 
     scenery: Scenery
-    shown: Shown
+    shown: DisplayedQuantity
     camera: Camera
 
 
@@ -138,7 +138,7 @@ def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
     colour_bar(axes, shown, NUMBERS_WIDTH if lines else 0.1, width)
 
 
-def _heading(shown: Shown) -> str:
+def _heading(shown: DisplayedQuantity) -> str:
     return "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
 
 

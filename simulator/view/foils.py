@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..press.touch import Touch
     from ..scene.contacts import Contact, Interface
     from ..scene.scene import Scene
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Real = NDArray[np.float64]
 
@@ -54,9 +54,9 @@ class Foil:
 def foils(
     scene: Scene,
     interface: Interface,
-    skin: Surface,
+    skin: SkinSurface,
     laid: Callable[[Real], Real],
-    mesh: Meshed | None = None,
+    mesh: SkinMesh | None = None,
 ) -> tuple[Foil, ...]:
     """All foils of a scene, driven and floating.
 
@@ -89,10 +89,10 @@ def _role(contact: Contact, interface: Interface) -> Role:
     return "low" if contact.name in interface.low else "floating"
 
 
-class Meshed:
+class SkinMesh:
     """The triangles of a scene's mesh, in space as the skin is drawn."""
 
-    def __init__(self, scene: Scene, press: Press, skin: Surface) -> None:
+    def __init__(self, scene: Scene, press: Press, skin: SkinSurface) -> None:
         from ..mesh.skin_mesh import domain
 
         self._rows, self._columns = scene.pixels.rows, scene.pixels.columns

@@ -13,14 +13,14 @@ from ..mesh.drawing import polygon_of, polygonal
 from ..press.pixels import cell_centres, pixel_lines
 from ..press.touch import Disc, Touch, place_of
 from ..scene.planar import sides
-from .foils import Foil, Meshed, foils
+from .foils import Foil, SkinMesh, foils
 
 if TYPE_CHECKING:
     from ..press.press import Press
     from ..press.touch import AnyTouch
     from ..scene.contacts import Interface
     from ..scene.scene import Scene
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Real = NDArray[np.float64]
 Point = Real | tuple[float, float]
@@ -60,7 +60,7 @@ class Arrows:
     directions: Real
     length: float
 
-    def facing(self, skin: Surface, towards: Real | None) -> Arrows:
+    def facing(self, skin: SkinSurface, towards: Real | None) -> Arrows:
         """Those on the side of the skin that is towards an eye (3,); all where it may move."""
         if towards is None or not self.places.size:
             return self
@@ -72,11 +72,11 @@ def marks(
     scene: Scene,
     press: Press,
     interface: Interface,
-    skin: Surface,
+    skin: SkinSurface,
     laid: Callable[[Real], Real],
 ) -> Marks:
     """All that is drawn on the skin besides the field; `laid` as for `foils`."""
-    mesh = Meshed(scene, press, skin) if scene.skin.mesh else None
+    mesh = SkinMesh(scene, press, skin) if scene.skin.mesh else None
     if mesh and scene.pixels.groups:
         grid, middles = list(mesh.pixel_lines()), mesh.middles()
     else:
@@ -98,14 +98,14 @@ def _grid_lines(scene: Scene, laid: Callable[[Real], Real]) -> tuple[Real, Real]
     return laid(np.stack([x, np.zeros_like(x)]))[0], laid(np.stack([np.zeros_like(y), y]))[1]
 
 
-def _middles(scene: Scene, skin: Surface) -> Real:
+def _middles(scene: Scene, skin: SkinSurface) -> Real:
     """Of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
     flat = cell_centres(scene, scene.pixels.shape).reshape(2, -1)
     places, _, _ = skin.carry(flat)
     return np.where(skin.covers(flat), places, np.nan)
 
 
-def _around(scene: Scene, press: Press, skin: Surface, mesh: Meshed | None) -> Iterator[Real]:
+def _around(scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None) -> Iterator[Real]:
     """Lines (3, n) around the places that are pressed."""
     for touch in press.touches:
         place = place_of(touch)
@@ -134,7 +134,7 @@ def _between(low: Point, high: Point, steps: int = STEPS) -> Real:
     return np.linspace(np.asarray(low), np.asarray(high), steps + 1).T
 
 
-def _on_skin(flat: Real, skin: Surface) -> list[Real]:
+def _on_skin(flat: Real, skin: SkinSurface) -> list[Real]:
     """The parts of a flat line that lie on the skin, in space."""
     middle = skin.x.mean(axis=1, keepdims=True)
     inside = skin.covers(flat + 1e-6 * (middle - flat))
@@ -143,7 +143,7 @@ def _on_skin(flat: Real, skin: Surface) -> list[Real]:
     return [places[:, low:high] for low, high in ends.reshape(-1, 2) if high - low > 1]
 
 
-def arrows(skin: Surface, current: Real, highest: float) -> Arrows:
+def arrows(skin: SkinSurface, current: Real, highest: float) -> Arrows:
     """Arrows along a real current density (2, point), where it is not faint beside the highest."""
     spans = np.ptp(skin.x, axis=1)
     step = spans.max() / ARROWS_ALONG

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 from ..chart_style import ENDINGS as STILLS
 from ..progress import ProgressCallback, silent, tracked
 from ..sweeps import InputError, require_packages
-from .quantities import Quantity, chosen
-from .shown import at_frequencies, over_the_phase
+from .displayed_quantity import at_frequencies, over_the_phase
+from .quantities import ViewedQuantity, chosen
 
 if TYPE_CHECKING:
     import pyvista as pv
 
     from .figure import Panel
     from .foils import Foil
-    from .scenery import Stage
+    from .scenery import ViewedPress
 
 MOVIES = (".gif", ".mp4")
 PICTURES = (*STILLS, *MOVIES)
@@ -60,7 +60,7 @@ def check_shown() -> None:
 
 def write_output(
     path: Path,
-    stage: Stage,
+    stage: ViewedPress,
     what: str,
     animate: str | None,
     progress: ProgressCallback = silent,
@@ -81,7 +81,7 @@ def write_output(
     write(path, stage, what)
 
 
-def title(stage: Stage) -> str:
+def title(stage: ViewedPress) -> str:
     """Scene, press and interface in one line."""
     press = str(stage.press) if stage.press.touches else ""
     if len(press) > LONGEST_PRESS:
@@ -90,7 +90,7 @@ def title(stage: Stage) -> str:
     return f"{stage.scene.name}, {pressed}, interface {stage.interface.name}"
 
 
-def rows_of_panels(stage: Stage, what: str) -> list[list[Panel]]:
+def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """A row for each quantity with a panel for each frequency; rows of ACROSS if that is one."""
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
     if max(map(len, rows)) > 1:
@@ -99,20 +99,20 @@ def rows_of_panels(stage: Stage, what: str) -> list[list[Panel]]:
     return [panels[first : first + ACROSS] for first in range(0, len(panels), ACROSS)]
 
 
-def panels_of(stage: Stage, quantity: Quantity, own: bool = False) -> list[Panel]:
+def panels_of(stage: ViewedPress, quantity: ViewedQuantity, own: bool = False) -> list[Panel]:
     """A panel for each frequency, or the only one. own: each with a colour scale of its own."""
     skin = stage.skin(quantity)
     numbers = [0] if quantity.everywhere else range(len(stage.fields.frequency))
     return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers, own))
 
 
-def _write_picture(path: Path, stage: Stage, what: str) -> None:
+def _write_picture(path: Path, stage: ViewedPress, what: str) -> None:
     from .figure import draw
 
     draw(path, rows_of_panels(stage, what), title(stage))
 
 
-def write_turnable(path: Path, stage: Stage, what: str) -> None:
+def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
     """Write a page to turn the skin about in a browser."""
     from .turnable import write_page
 
@@ -121,7 +121,7 @@ def write_turnable(path: Path, stage: Stage, what: str) -> None:
     write_page(path, panels, title(stage))
 
 
-def _frequencies(stage: Stage, what: str) -> list[list[Panel]]:
+def _frequencies(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """The panels of each picture of a movie over the frequencies."""
     if all(quantity.everywhere for quantity in chosen(what, stage.fields)):
         raise InputError(f"--what {what}: is the same at all frequencies; write a .png")
@@ -131,7 +131,7 @@ def _frequencies(stage: Stage, what: str) -> list[list[Panel]]:
     ]
 
 
-def _phases(stage: Stage, what: str) -> list[list[Panel]]:
+def _phases(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """The panels of each picture of a movie over one period."""
     if what not in ("potential", "current"):
         raise InputError(f"--animate phase: --what must be potential or current, got {what!r}")
@@ -145,7 +145,7 @@ def _phases(stage: Stage, what: str) -> list[list[Panel]]:
 
 def _write_frames(
     path: Path,
-    stage: Stage,
+    stage: ViewedPress,
     frames: list[list[Panel]],
     progress: ProgressCallback,
     tell: Callable[[str], None],
@@ -167,7 +167,7 @@ def _write_frames(
     write_movie(path, images(), used)
 
 
-def _write_data(path: Path, stage: Stage, what: str) -> None:
+def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
     from ..scene.scene_files import scene_text
     from .paraview import write_dataset
 
@@ -179,7 +179,7 @@ def _write_data(path: Path, stage: Stage, what: str) -> None:
     write_dataset(path, stage.fields, stage.plain_skin(), about)
 
 
-def show(stage: Stage, what: str) -> None:
+def show(stage: ViewedPress, what: str) -> None:
     """Open a window with the first frequency of each quantity and wait until it is closed."""
     from .painting import add_all, window
 

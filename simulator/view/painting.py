@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..chart_style import COLOURS, UNPRESSED_COLOUR
 from ..sweeps import InputError
-from .surface import polygons
+from .skin_surface import polygons
 
 if TYPE_CHECKING:
     from ctypes import CDLL
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from pyvista.plotting.themes import Theme
 
     from .camera import Camera
+    from .displayed_quantity import DisplayedQuantity
     from .foils import Foil
     from .marks import Arrows, Marks
-    from .shown import Shown
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 WINDOW_CLASS = "VTK_DEFAULT_OPENGL_WINDOW"
 ON_EGL, ON_MESA = "vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow"
@@ -164,7 +164,7 @@ def under_grid(colours: Real) -> Real:
 class Scenery:
     """Everything in the picture but the field: the marks and what the skin lies on."""
 
-    skin: Surface
+    skin: SkinSurface
     marks: Marks
     bodies: tuple[pv.PolyData, ...] = ()
 
@@ -174,7 +174,7 @@ class Scenery:
         return replace(self, marks=replace(self.marks, pixels=()))
 
 
-def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
+def paint(scenery: Scenery, shown: DisplayedQuantity, camera: Camera, pixels: int) -> Image:
     """The picture (height, width, 3) without any text; `pixels`: along its longer side."""
     width, height = camera.high - camera.low
     scale = pixels / max(width, height)
@@ -189,7 +189,7 @@ def paint(scenery: Scenery, shown: Shown, camera: Camera, pixels: int) -> Image:
 def add_all(
     plotter: pv.Plotter,
     scenery: Scenery,
-    shown: Shown,
+    shown: DisplayedQuantity,
     *,
     lit: bool,
     bar: bool = False,
@@ -222,7 +222,9 @@ def add_all(
         plotter.add_mesh(arrow_mesh(seen), color=ARROW, ambient=0.75, diffuse=0.25)
 
 
-def _add_field(plotter: pv.Plotter, skin: Surface, shown: Shown, lit: bool, bar: bool) -> None:
+def _add_field(
+    plotter: pv.Plotter, skin: SkinSurface, shown: DisplayedQuantity, lit: bool, bar: bool
+) -> None:
     mesh = polygons(skin.points, skin.cells)
     mesh.point_data["shown"] = shown.values
     mesh.point_data["normals"] = skin.normals.T
@@ -278,7 +280,7 @@ def _add_lines(
     plotter.add_mesh(mesh, color=colour, line_width=width, opacity=opacity, lighting=False)
 
 
-def lifted(line: Real, skin: Surface, times: float = 1.0, towards: Real | None = None) -> Real:
+def lifted(line: Real, skin: SkinSurface, times: float = 1.0, towards: Real | None = None) -> Real:
     """A line (3, n) on the skin raised a little, to be seen: off it, or towards an eye (3,)."""
     way = skin.normals_near(line) if towards is None else towards[:, None]
     return line + times * LIFTED * skin.size * way

@@ -15,14 +15,16 @@ if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
     from ..models.solution_fields import SolutionFields
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Array = NDArray[np.float64]
 SHEETS = ("top", "bottom")
 CELLS = {3: "triangle", 4: "quad"}
 
 
-def write_dataset(path: Path, fields: SolutionFields, skin: Surface, about: dict[str, str]) -> None:
+def write_dataset(
+    path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
+) -> None:
     """Write .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
     with whole_file(path) as unfinished:
         if path.suffix == ".vtu":
@@ -59,7 +61,9 @@ def _in_space(vectors: Array) -> Array:
     return np.vstack([vectors, np.zeros_like(vectors[:1])]).T
 
 
-def _write_vtu(path: Path, fields: SolutionFields, skin: Surface, about: dict[str, str]) -> None:
+def _write_vtu(
+    path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
+) -> None:
     grid = skin.mesh.cast_to_unstructured_grid()
     for name, values in everywhere(fields):
         grid.point_data[name] = values
@@ -87,7 +91,7 @@ def _xml(grid: UnstructuredGrid) -> str:
     return writer.GetOutputString()
 
 
-def _write_xdmf(path: Path, fields: SolutionFields, skin: Surface) -> None:
+def _write_xdmf(path: Path, fields: SolutionFields, skin: SkinSurface) -> None:
     from meshio.xdmf import TimeSeriesWriter
 
     with TimeSeriesWriter(path, data_format="XML") as writer:

@@ -34,7 +34,7 @@ PREFIXES = ("f", "p", "n", "µ", "m", "", "k", "M", "G")
 
 
 @dataclass(frozen=True)
-class Quantity:
+class ViewedQuantity:
     """Something that has a value at every point.
 
     values: (fields, number of the frequency) -> (point,) in `unit`. sheet: 0 or 1 where arrows of
@@ -85,28 +85,28 @@ def current_size(fields: SolutionFields, at: int, sheet: int) -> Real:
     return np.sqrt((np.abs(fields.current[sheet, at]) ** 2).sum(axis=0))
 
 
-def _current(sheet: int, title: str) -> Quantity:
+def _current(sheet: int, title: str) -> ViewedQuantity:
     def values(fields: SolutionFields, at: int) -> Real:
         return current_size(fields, at, sheet)
 
-    return Quantity("current", title, "A/m", "magnitude", values, sheet, prefixed=True)
+    return ViewedQuantity("current", title, "A/m", "magnitude", values, sheet, prefixed=True)
 
 
-POTENTIAL = Quantity(
+POTENTIAL = ViewedQuantity(
     "potential",
     "Potential between the sheets",
     "V",
     "magnitude",
     lambda fields, at: np.abs(difference(fields, at)),
 )
-PHASE = Quantity(
+PHASE = ViewedQuantity(
     "phase",
     "Phase of the potential between the sheets",
     "degrees",
     "cyclic",
     lambda fields, at: np.degrees(np.angle(difference(fields, at))),
 )
-POWER = Quantity(
+POWER = ViewedQuantity(
     "power",
     "Power dissipated in the sheets",
     "W/m²",
@@ -114,21 +114,21 @@ POWER = Quantity(
     lambda fields, at: fields.power[at],
     prefixed=True,
 )
-SENSITIVITY_RS = Quantity(
+SENSITIVITY_RS = ViewedQuantity(
     "sensitivity-Rs",
     "Change of Rs by doubled capacitance",
     "% per cm²",
     "signed",
     lambda fields, at: PERCENT_PER_CM2 * fields.by_rise_Rs[at],
 )
-SENSITIVITY_CP = Quantity(
+SENSITIVITY_CP = ViewedQuantity(
     "sensitivity-Cp",
     "Change of Cp by doubled capacitance",
     "% per cm²",
     "signed",
     lambda fields, at: PERCENT_PER_CM2 * fields.by_rise_Cp[at],
 )
-CAPACITANCE = Quantity(
+CAPACITANCE = ViewedQuantity(
     "capacitance",
     "Capacitance",
     "pF/cm²",
@@ -136,7 +136,7 @@ CAPACITANCE = Quantity(
     lambda fields, at: 1e8 * fields.capacitance,
     everywhere=True,
 )
-DEFORMATION = Quantity(
+DEFORMATION = ViewedQuantity(
     "deformation",
     "Deflection of the skin",
     "mm",
@@ -163,7 +163,7 @@ def deformed(fields: SolutionFields) -> bool:
     return bool(np.max(np.abs(fields.deflection), initial=0.0) > NO_DEFLECTION)
 
 
-def chosen(name: str, fields: SolutionFields) -> list[Quantity]:
+def chosen(name: str, fields: SolutionFields) -> list[ViewedQuantity]:
     """The quantities of that name: two where the sheets' currents differ; `all` is what there is.
 
     Raises InputError for deformation where nothing is deformed.
@@ -201,7 +201,7 @@ def point_areas(fields: SolutionFields) -> Real:
 
 
 def scales(
-    quantity: Quantity, frames: Sequence[Real], weight: Real, own: bool = False
+    quantity: ViewedQuantity, frames: Sequence[Real], weight: Real, own: bool = False
 ) -> list[tuple[float, float]]:
     """The ends of the colour scale for each frame of values (point,).
 
@@ -217,14 +217,14 @@ def scales(
     return [_scale(quantity, frames, max(sizes))] * len(frames)
 
 
-def _size(quantity: Quantity, values: Real, weight: Real) -> float:
+def _size(quantity: ViewedQuantity, values: Real, weight: Real) -> float:
     """What a frame needs of a scale: the span of its angles, else its largest value."""
     if quantity.scale == "cyclic":
         return float(np.ptp(values)) or 1.0
     return _highest(np.abs(values), weight) or 1.0
 
 
-def _scale(quantity: Quantity, frames: Sequence[Real], high: float) -> tuple[float, float]:
+def _scale(quantity: ViewedQuantity, frames: Sequence[Real], high: float) -> tuple[float, float]:
     if quantity.scale == "cyclic":
         return _angles(frames)
     if quantity.scale == "signed":

@@ -13,7 +13,7 @@ from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks
 from .painting import Scenery
-from .surface import Surface, curved, polygons, readable_exaggeration, surface
+from .skin_surface import SkinSurface, curved, polygons, readable_exaggeration, surface
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from ..press.press import Press
     from ..scene.contacts import Interface
     from ..scene.scene import Scene
-    from .quantities import Quantity
-    from .shown import Shown
+    from .displayed_quantity import DisplayedQuantity
+    from .quantities import ViewedQuantity
 
 Real = NDArray[np.float64]
 MARGIN = 0.012
@@ -40,7 +40,7 @@ AROUND = 180
 
 
 @dataclass(frozen=True)
-class Stage:
+class ViewedPress:
     """What is looked at and how: the fields of a press at an interface of a scene.
 
     wrapped: where the skin is in space; None is so wherever it is curved. exaggeration: of the
@@ -54,17 +54,17 @@ class Stage:
     wrapped: bool | None = None
     exaggeration: float | None = None
 
-    def plain_skin(self) -> Surface:
+    def plain_skin(self) -> SkinSurface:
         """The surface, deflected only where that is asked for."""
         return surface(self.fields, self._in_space, self.exaggeration or 0.0)
 
-    def skin(self, quantity: Quantity) -> Surface:
+    def skin(self, quantity: ViewedQuantity) -> SkinSurface:
         """The surface that a quantity is drawn on."""
         if quantity.name != "deformation" or self.exaggeration is not None:
             return self.plain_skin()
         return replace(self, exaggeration=readable_exaggeration(self.fields)).plain_skin()
 
-    def panels(self, skin: Surface, frames: list[Shown]) -> list[Panel]:
+    def panels(self, skin: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
         """Each frame on the skin, all from the same place."""
         drawn = marks(self.scene, self.press, self.interface, skin, self.laid)
         scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
@@ -81,7 +81,7 @@ class Stage:
             return position(self.scene, x)
         return np.vstack([x, np.zeros_like(x[:1])])
 
-    def _bodies(self, skin: Surface) -> list[pv.PolyData]:
+    def _bodies(self, skin: SkinSurface) -> list[pv.PolyData]:
         """What the skin lies on, and the sides of its foam where heights are exaggerated."""
         shape, thickness = self.scene.skin.shape, self.scene.skin.foam.thickness
         foam = skin.exaggeration * thickness if thickness is not None else 0.0
@@ -97,7 +97,7 @@ class Stage:
         return [*sides, _mug(skin, middle, radius, shape.axis)]
 
     @property
-    def _rest(self) -> Surface:
+    def _rest(self) -> SkinSurface:
         return surface(self.fields, self._in_space)
 
 
@@ -124,11 +124,11 @@ def _facing(scenery: Scenery) -> Real:
     return facing
 
 
-def _far_from_flat(skin: Surface) -> bool:
+def _far_from_flat(skin: SkinSurface) -> bool:
     return bool(np.abs(skin.points[:2] - skin.x).max() > 1e-9 * skin.size)
 
 
-def _foam(skin: Surface, rest: Surface, thickness: float) -> pv.PolyData:
+def _foam(skin: SkinSurface, rest: SkinSurface, thickness: float) -> pv.PolyData:
     """The foam's sides, from the skin's rim down to the sheet beneath."""
     upper = skin.points[:, skin.rim]
     lower = (rest.points - thickness * rest.normals)[:, skin.rim]
@@ -138,7 +138,7 @@ def _foam(skin: Surface, rest: Surface, thickness: float) -> pv.PolyData:
     return polygons(np.hstack([*upper.transpose(1, 0, 2), *lower.transpose(1, 0, 2)]), cells)
 
 
-def _mug(skin: Surface, middle: Real, radius: float, axis: str) -> pv.PolyData:
+def _mug(skin: SkinSurface, middle: Real, radius: float, axis: str) -> pv.PolyData:
     """A cylinder beneath the skin, longer than it. middle: anywhere on its axis."""
     along = np.array([1.0, 0.0, 0.0] if axis == "x" else [0.0, 1.0, 0.0])
     reach = along @ skin.points

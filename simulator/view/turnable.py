@@ -14,15 +14,15 @@ from ..chart_style import UNPRESSED_COLOUR
 from ..safe_text import plotly_text
 from ..sweeps import whole_file
 from .painting import ARROW, BODY, GRID, arrow_mesh, foil_colours, lifted, ribbon
-from .surface import triangles
+from .skin_surface import triangles
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
     import pyvista as pv
 
+    from .displayed_quantity import DisplayedQuantity
     from .figure import Panel
-    from .shown import Shown
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Real = NDArray[np.float64]
 COLOURS = 33
@@ -140,7 +140,7 @@ def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
     return float(width), float(height)
 
 
-def _heading(shown: Shown) -> str:
+def _heading(shown: DisplayedQuantity) -> str:
     title, *more = map(plotly_text, (shown.title, shown.moment, shown.note))
     return "<br>".join(filter(None, (f"<b>{title}</b>", *more)))
 
@@ -168,7 +168,7 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
     }
 
 
-def _step(shown: Shown, alone: bool) -> str:
+def _step(shown: DisplayedQuantity, alone: bool) -> str:
     named = shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
     return plotly_text(named)
 
@@ -217,7 +217,7 @@ def _pixel_names(panel: Panel) -> go.Scatter3d:
     )
 
 
-def _luminance(shown: Shown) -> Real:
+def _luminance(shown: DisplayedQuantity) -> Real:
     """Relative, of the colour at each point, (point,): WCAG 2.2."""
     from matplotlib import colormaps
     from matplotlib.colors import Normalize
@@ -229,7 +229,7 @@ def _luminance(shown: Shown) -> Real:
     return linear @ np.array([0.2126, 0.7152, 0.0722])
 
 
-def _field(skin: Surface, shown: Shown, even: bool) -> go.Mesh3d:
+def _field(skin: SkinSurface, shown: DisplayedQuantity, even: bool) -> go.Mesh3d:
     import plotly.graph_objects as go
 
     value = f"%{{customdata[2]:.4g}} {shown.unit}"

@@ -7,7 +7,7 @@ from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.mesh.held import held
+from rcskin.simulator.mesh.pixel_coverage import pixel_coverage
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.skin import on_skin
@@ -44,7 +44,8 @@ def test_sweeps_are_those_of_the_full_model(kinds, tmp_path, name):
     scene = kinds[name].with_(SAME)
     data = made(scene, tmp_path / "out.zarr")
     there = [
-        (k // scene.pixels.columns + 1, k % scene.pixels.columns + 1) for k in held(scene).numbers
+        (k // scene.pixels.columns + 1, k % scene.pixels.columns + 1)
+        for k in pixel_coverage(scene).numbers
     ]
     pressed = {*zip(data["row"].values.tolist(), data["column"].values.tolist(), strict=True)}
     assert pressed - {(0, 0), (-1, -1)} == set(there)
@@ -127,7 +128,9 @@ def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
     x = np.stack([presses.x[there], presses.y[there]])
     within = on_skin(scene.skin, x)
     assert 0.8 < within.mean()  # the others lie in cells that are partly skin
-    assert held(scene.with_({"pixels.rows": 8, "pixels.columns": 8})).part.sum() < 0.75 * 64
+    assert (
+        pixel_coverage(scene.with_({"pixels.rows": 8, "pixels.columns": 8})).part.sum() < 0.75 * 64
+    )
     assert len({str(each) for each in presses.text}) > 250
 
 

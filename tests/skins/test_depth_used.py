@@ -11,7 +11,7 @@ from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.measure.under_touches import factors_under
+from rcskin.simulator.measure.touch_factors import factors_under
 from rcskin.simulator.models.mechanics.force_depths import depths_in_words, forces_as_depths
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.press import press_on

@@ -22,7 +22,7 @@ from rcskin.simulator.fem.quadrature import (
     triangle_rule,
 )
 from rcskin.simulator.fem.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
-from rcskin.simulator.mesh.rings import Cells, rectangles, ringed
+from rcskin.simulator.mesh.rings import QuadrilateralCells, rectangles, ringed
 from rcskin.simulator.models.heterogeneous.elements import flat_triangles
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
@@ -41,28 +41,28 @@ class Triangles:
     t: NDArray[np.int64]
 
 
-def squares(n: int) -> Cells:
+def squares(n: int) -> QuadrilateralCells:
     """n x n equal cells."""
     return rectangles(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
 
 
-def with_rings(n: int) -> Cells:
+def with_rings(n: int) -> QuadrilateralCells:
     """The same, two rings of trapezoids around the middle of the left edge; n even."""
     middle = n // 2 * (n + 1)
     return ringed(squares(n), np.array([middle]), layers=2)
 
 
-def bent(n: int) -> Cells:
+def bent(n: int) -> QuadrilateralCells:
     """The same, moved smoothly within the square: no cell is a parallelogram."""
     even = squares(n)
     bump = 0.08 * np.sin(np.pi * even.p[0]) * np.sin(np.pi * even.p[1])
     return of_points(even.p + np.stack([bump, -1.5 * bump]), even.t)
 
 
-def of_points(p: NDArray[np.float64], t: NDArray[np.int64]) -> Cells:
+def of_points(p: NDArray[np.float64], t: NDArray[np.int64]) -> QuadrilateralCells:
     """Straight-edged cells from their points in m, shape (2, point), and corners."""
     first, second, third, fourth = (p[:, corner] for corner in t)
-    return Cells(p, t, second - first, fourth - first, third - second - fourth + first)
+    return QuadrilateralCells(p, t, second - first, fourth - first, third - second - fourth + first)
 
 
 def halved(n: int) -> Triangles:
@@ -96,7 +96,7 @@ class Errors:
     current: float
 
 
-def errors(problem: Problem, cells: Cells | Triangles, order: int) -> Errors:
+def errors(problem: Problem, cells: QuadrilateralCells | Triangles, order: int) -> Errors:
     """Of elements of that order on these cells."""
     discrete = Discrete(problem, cells, order)
     u, current = discrete.solution()
@@ -129,7 +129,7 @@ def observed_orders(problem: Problem, mesh: str, order: int) -> dict[str, float]
 class Discrete:
     """The equations of a problem on a mesh; coefficients of a field are `field * N` further on."""
 
-    def __init__(self, problem: Problem, cells: Cells | Triangles, order: int) -> None:
+    def __init__(self, problem: Problem, cells: QuadrilateralCells | Triangles, order: int) -> None:
         self.problem, self.order = problem, order
         degree = 2 * order + SMOOTHER
         if isinstance(cells, Triangles):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....simulator.report.files import filled_at_once, write_json
-from ....simulator.report.page import Grid, Items, Picture, Section, write_page
+from ....simulator.report.page import Items, Picture, ReportSection, TableGrid, write_page
 from .chart_list import charts_of
 from .json_data import numbers
 from .sentences import accuracy_rows, cause_sentence, column_headings, estimate_row, summary
@@ -47,7 +47,7 @@ def write_report(folder: Path, findings: GapFindings, ending: str | None = None)
             chart.draw(made / f"{chart.name}{ending}")
 
 
-def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[Section]:
+def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[ReportSection]:
     shown = {
         title: [each for each in pictures if each.name.startswith(kind)]
         for kind, title in HEADINGS.items()
@@ -55,11 +55,17 @@ def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[Sectio
     calibrated = ["", "Scene", "Calibrated", "95 % interval"]
     estimates = [estimate_row(each) for each in findings.trial.estimates]
     return [
-        Section("", [_compared(findings), Items([*summary(findings), *_cause(findings)])]),
+        ReportSection("", [_compared(findings), Items([*summary(findings), *_cause(findings)])]),
         _accuracies(findings),
-        *(Section(title, found) for title, found in shown.items() if found),
-        *([Section("What was calibrated", [Grid(calibrated, estimates)])] if estimates else []),
-        Section("What stands behind the numbers", [Items([_error(findings), *findings.notes])]),
+        *(ReportSection(title, found) for title, found in shown.items() if found),
+        *(
+            [ReportSection("What was calibrated", [TableGrid(calibrated, estimates)])]
+            if estimates
+            else []
+        ),
+        ReportSection(
+            "What stands behind the numbers", [Items([_error(findings), *findings.notes])]
+        ),
     ]
 
 
@@ -79,7 +85,7 @@ def _cause(findings: GapFindings) -> list[str]:
     return [told] if told else []
 
 
-def _accuracies(findings: GapFindings) -> Section:
+def _accuracies(findings: GapFindings) -> ReportSection:
     adjective, columns = findings.trial.pair.label.adjective, column_headings(findings)
     rows = [[row.trained, *row.cells] for row in accuracy_rows(findings)]
     done = "adapt the model" if findings.model else "are added to the simulated ones"
@@ -91,7 +97,7 @@ def _accuracies(findings: GapFindings) -> Section:
     )
     numbered = range(1, 1 + len(columns))
     title = f"Accuracy on {adjective} sweeps"
-    return Section(title, [Grid(["Trained on", *columns], rows, numbered), told])
+    return ReportSection(title, [TableGrid(["Trained on", *columns], rows, numbered), told])
 
 
 def _error(findings: GapFindings) -> str:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...chebyshev import Interpolant, refined
-from ...mesh.fingers import with_fingers_at
-from ...mesh.held import held
+from ...mesh.finger_cells import with_fingers_at
+from ...mesh.pixel_coverage import pixel_coverage
 from ...models.mechanics.lattice.relaxed_presses import Applicators, Window, independent, raised
 from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.reduced.indented.draws import felt_beside
@@ -83,7 +83,7 @@ def by_touch(batch: PressBatch) -> tuple[Index, Array]:
 def middles(scene: Scene) -> list[Place]:
     """Middle of the skin of each pixel, m."""
     if not scene.skin.rectangular:
-        return [(float(x), float(y)) for x, y in held(scene).middle.T]
+        return [(float(x), float(y)) for x, y in pixel_coverage(scene).middle.T]
     skin, (rows, columns) = scene.skin, scene.pixels.shape
     x, y = (
         (np.arange(count) + 0.5) * side / count

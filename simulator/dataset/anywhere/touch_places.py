@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mesh.held import held
+from ...mesh.pixel_coverage import pixel_coverage
 from ...models.reduced.indented.draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
@@ -83,7 +83,7 @@ def _first_on_skin(
         on_skin = covers(scene.skin, np.stack([x, y]))
     else:
         (rows, columns), (along, across) = grid, scene.skin.sides
-        part = held(scene.on_grid(*grid)).part.reshape(grid)
+        part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
         row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
         on_skin = part[row, column] >= HALF
     on_skin[-1] = True

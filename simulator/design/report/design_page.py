@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...report.page import Grid, Items, Picture, Section
+from ...report.page import TableGrid, Items, Picture, ReportSection
 from ...scene.scene import Scene
 from ..evaluator import SearchSettings
 from ..picking import sweep_time
@@ -23,7 +23,7 @@ def sections_of(
     measured: tuple[Sequence[SensitivityCurve], Sequence[float]],
     table: Sequence[WiringRow],
     folder: Path,
-) -> list[Section]:
+) -> list[ReportSection]:
     """All sections of the page.
 
     measured: sensitivity to each number, and loss without each reading. table: the wiring. folder:
@@ -32,12 +32,12 @@ def sections_of(
     (flat, lost), scale = measured, scale_of(found.evaluator.scene, settings.request)
     scene = designed(found.evaluator.scene, found.best.layout)
     return [
-        Section("", [_bounds_meaning(settings, scale)]),
+        ReportSection("", [_bounds_meaning(settings, scale)]),
         _gained(found, scale, folder),
         _wiring(found, table, lost, scale, folder),
-        Section("What to make", [Items(_cast(scene, flat, scale))]),
+        ReportSection("What to make", [Items(_cast(scene, flat, scale))]),
         _flatness(flat, scale, folder),
-        Section("Distance from the best choice", [_far(found, scale)]),
+        ReportSection("Distance from the best choice", [_far(found, scale)]),
     ]
 
 
@@ -61,14 +61,14 @@ def _bounds_meaning(settings: SearchSettings, scale: MeritScale) -> str:
     )
 
 
-def _gained(found: SearchResult, scale: MeritScale, folder: Path) -> Section:
+def _gained(found: SearchResult, scale: MeritScale, folder: Path) -> ReportSection:
     of = f"nine of ten samples ({scale.unit})", "gain", f"nominal skin ({scale.unit})"
     sheets = "top, bottom sheet (kohm/sq)"
     heads = ["step", *of, sheets, "readings", "frequencies", "sweep (s)", "taken"]
     before = (None, *found.steps[:-1])
     rows = [_row(step, other, scale) for step, other in zip(found.steps, before, strict=True)]
     chart = Picture(folder / "steps.png", "The bound after each step", below=False)
-    return Section("Gain of each step", [Grid(heads, rows, (1, 2, 3, 5, 6, 7)), chart])
+    return ReportSection("Gain of each step", [TableGrid(heads, rows, (1, 2, 3, 5, 6, 7)), chart])
 
 
 def _row(step: SearchStep, before: SearchStep | None, scale: MeritScale) -> list[str]:
@@ -93,7 +93,7 @@ def _wiring(
     lost: Sequence[float],
     scale: MeritScale,
     folder: Path,
-) -> Section:
+) -> ReportSection:
     layout, unit = found.best.layout, "points" if scale.guess is None else "mm"
     losses = [f"{_change(part, scale):.2g}" for part in lost] or [""]
     rows = [[*row, part] for row, part in zip(table, losses, strict=True)]
@@ -101,10 +101,10 @@ def _wiring(
         "The foils at each reading. Solid: top sheet; dashed, outside them: bottom sheet; grey: "
         "open."
     )
-    return Section(
+    return ReportSection(
         "Wiring",
         [
-            Grid(["reading", "H", "L", "open", f"loss without it ({unit})"], rows, (4,)),
+            TableGrid(["reading", "H", "L", "open", f"loss without it ({unit})"], rows, (4,)),
             Picture(folder / "wiring.png", caption),
             f"Frequencies of the readings: {_listed(layout)} Hz. A sweep takes "
             f"{time_of(found.best):.2f} s on the virtual meter.",
@@ -112,10 +112,10 @@ def _wiring(
     )
 
 
-def _flatness(flat: Sequence[SensitivityCurve], scale: MeritScale, folder: Path) -> Section:
+def _flatness(flat: Sequence[SensitivityCurve], scale: MeritScale, folder: Path) -> ReportSection:
     chart = Picture(folder / "flat.png", "The bound at other values than designed", below=False)
     lines = [_sensitivity_sentence(each, scale) for each in flat]
-    return Section("Sensitivity of the optimum", [chart, Items(lines)])
+    return ReportSection("Sensitivity of the optimum", [chart, Items(lines)])
 
 
 def _cast(scene: Scene, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:

@@ -16,7 +16,7 @@ from .smoothing import smoothed
 Numbers = NDArray[np.int64]
 
 
-class Meshed(NamedTuple):
+class MeshedDrawing(NamedTuple):
     """Points in m, shape (2, point); triangles, shape (3, triangle), and the edges along pieces of
     the drawing, shape (2, line), by numbers of points; the piece of each line, shape (line,)."""
 
@@ -28,7 +28,7 @@ class Meshed(NamedTuple):
 
 def meshed(
     points: Points, pieces: Numbers, curvature: Points, curve: Numbers, size: float
-) -> Meshed:
+) -> MeshedDrawing:
     """Triangles with edges of at most about `size` [m] that conform to every piece of a drawing.
 
     points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2). curvature: of the
@@ -45,4 +45,4 @@ def meshed(
     points, t = smoothed(points, t, lines, curve[piece], fixed)
     used, number = np.unique(t, return_inverse=True)
     t, lines = number.reshape(t.shape), np.searchsorted(used, lines)
-    return Meshed(points[used].T, t, np.sort(lines, axis=0), piece)
+    return MeshedDrawing(points[used].T, t, np.sort(lines, axis=0), piece)

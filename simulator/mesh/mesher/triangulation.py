@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...scene.planar import Points
 from ...sweeps import InputError, ToleranceError
-from ..triangles import edge_numbers, edges_of
+from ..edge_numbering import edge_numbers, edges_of
 
 Numbers = NDArray[np.int64]
 TOO_NEAR = "lines of the skin or of the press are too near to others to mesh"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..arcs import EDGES
 from ..domain import Domain, Numbers, Points
-from ..triangles import edge_numbers, edges_of
+from ..edge_numbering import edge_numbers, edges_of
 from .wedges import around, between
 
 WHOLE = 0.02
@@ -26,7 +26,7 @@ LOW, HIGH = (0, 1, 0), (1, 2, 2)
 
 
 @dataclass(frozen=True)
-class Sheet:
+class SheetAtCorners:
     """What one field is in.
 
     foils: the names of those that hold it, and films of those that feed it through a resistance.
@@ -41,7 +41,7 @@ class Sheet:
     conductance: NDArray[np.float64] | None = None
 
 
-def corner_exponents(mesh: Domain, sheets: Sequence[Sheet]) -> NDArray[np.float64]:
+def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> NDArray[np.float64]:
     """The power of the distance that fields go by from each point, inf where they are smooth.
 
     Of several sheets the least. Shape (point,).
@@ -52,7 +52,9 @@ def corner_exponents(mesh: Domain, sheets: Sequence[Sheet]) -> NDArray[np.float6
     return np.min(powers, axis=0)
 
 
-def _powers(mesh: Domain, sheet: Sheet, rim: Numbers, of_triangle: Numbers) -> NDArray[np.float64]:
+def _powers(
+    mesh: Domain, sheet: SheetAtCorners, rim: Numbers, of_triangle: Numbers
+) -> NDArray[np.float64]:
     """Of one sheet, shape (point,). rim: its edges, shape (2, edge)."""
     points, at = mesh.p.shape[1], np.unique(rim)
     angle = _angles(mesh) if sheet.angle is None else sheet.angle

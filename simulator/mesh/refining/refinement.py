@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arcs import on_arcs
 from ..domain import Domain, Numbers, Points
-from ..triangles import edges_of, halves
+from ..edge_numbering import edges_of, halves
 
 
 def refined(domain: Domain, marked: ArrayLike) -> Domain:

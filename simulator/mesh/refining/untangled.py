@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...sweeps import ToleranceError
 from ..arcs import mapped
 from ..domain import Domain, Numbers
-from ..triangles import edge_numbers, edges_of
+from ..edge_numbering import edge_numbers, edges_of
 from .refinement import arcs_halved, refined
 
 STEPS = 6

@@ -8,7 +8,7 @@ from ...fem.circuit import Circuit
 from ...fem.quadrature import rule_at
 from ...fem.unknowns import TRIANGLES
 from ...mesh.domain import Domain
-from ...mesh.refining.exponents import Sheet
+from ...mesh.refining.exponents import SheetAtCorners
 from ...mesh.refining.wedges import stretched
 from ...scene.contacts import Contact
 from .coefficients import ELECTRODES, PressCoefficients
@@ -17,7 +17,7 @@ from .elements import on_triangles
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> list[Sheet]:
+def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> list[SheetAtCorners]:
     """One sheet for each field. A film that resists less than the sheet within one edge is left
     out."""
     found = []
@@ -38,7 +38,7 @@ def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> l
             S = coefficients.conductance(field, at.x)
             of_corners = [stretched(u, v, S[..., k]) for k, (u, v) in enumerate(edges)]
             angle, conductance = (np.stack(each) for each in zip(*of_corners, strict=True))
-        found.append(Sheet(foils, films, angle, conductance))
+        found.append(SheetAtCorners(foils, films, angle, conductance))
     return found
 
 

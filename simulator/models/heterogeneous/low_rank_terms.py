@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix
 
 from ...fem.dropped import DROPPED
 from ...fem.unknowns import Unknowns
-from ...surroundings.solved import surroundings_matrix
+from ...surroundings.surroundings_matrix import surroundings_matrix
 from .elements import Elements
 from .materials import Materials
 

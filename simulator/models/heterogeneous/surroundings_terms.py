@@ -24,7 +24,7 @@ from ...press.walls import of_step
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
-from ...surroundings.solved import surroundings_matrix
+from ...surroundings.surroundings_matrix import surroundings_matrix
 from ...sweeps import InputError
 from .coefficients import ELECTRODES, PressCoefficients
 from .elements import Elements

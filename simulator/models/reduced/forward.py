@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.factors import one_blas_thread
-from ...press.at_random import random_presses
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
+from ...press.random_presses import random_presses
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid

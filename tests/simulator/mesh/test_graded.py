@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refining.exponents import Sheet, corner_exponents
+from rcskin.simulator.mesh.refining.exponents import SheetAtCorners, corner_exponents
 from rcskin.simulator.mesh.refining.graded import fewest, graded
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
@@ -21,7 +21,7 @@ def mesh(tools):
 
 def singular(mesh, *names, films=()):
     """Places that are no smooth ones, with their exponents."""
-    found = corner_exponents(mesh, [Sheet(names, films)])
+    found = corner_exponents(mesh, [SheetAtCorners(names, films)])
     return {
         tuple(np.round(mesh.p[:, k], 6).tolist()): found[k]
         for k in np.flatnonzero(np.isfinite(found))
@@ -43,7 +43,9 @@ def test_where_a_foil_ends_within_an_edge_the_field_is_singular(make_scene):
     scene = make_scene({"top-left": {"span": (0.0, 0.7)}, "bottom-bottom": {}})
     mesh = domain(scene, Press(), 0.05)
     assert singular(mesh, "top-left") == {(0.0, 0.056): pytest.approx(0.5)}
-    found = corner_exponents(mesh, [Sheet(["top-left"]), Sheet(["bottom-bottom"])])
+    found = corner_exponents(
+        mesh, [SheetAtCorners(["top-left"]), SheetAtCorners(["bottom-bottom"])]
+    )
     assert np.isfinite(found).sum() == 1
 
 
@@ -56,7 +58,7 @@ def test_circles_have_no_corners(tools):
 
 
 def test_towards_a_corner_triangles_are_halved_as_its_exponent_asks(mesh, tools):
-    exponents = corner_exponents(mesh, [Sheet(["top-end"])])
+    exponents = corner_exponents(mesh, [SheetAtCorners(["top-end"])])
     there, parts = parts_at(mesh, CORNER)
     levels = 3
     found, _ = graded(mesh, parts, 1.01 * 4 ** (-2 / 3 * levels), ORDER, exponents)
@@ -81,7 +83,7 @@ def test_a_smooth_part_is_halved_once_where_once_is_enough(mesh):
 
 
 def test_every_error_is_seen_to(mesh):
-    exponents = corner_exponents(mesh, [Sheet(["top-end"])])
+    exponents = corner_exponents(mesh, [SheetAtCorners(["top-end"])])
     _, corner = parts_at(mesh, CORNER)
     far, other = parts_at(mesh, (0.0, 0.0))
     found, _ = graded(mesh, np.concatenate([corner, other]), 0.1, ORDER, exponents)

@@ -6,12 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from rcskin.simulator.mesh.edge_numbering import edge_numbers, edges_of
 from rcskin.simulator.mesh.mesher import meshed
 from rcskin.simulator.mesh.mesher.dividing import divided
 from rcskin.simulator.mesh.mesher.sizing import GROWTH, Sizing
 from rcskin.simulator.mesh.mesher.triangulation import triangulated
 from rcskin.simulator.mesh.skin_mesh import domain
-from rcskin.simulator.mesh.triangles import edge_numbers, edges_of
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Disc
 from rcskin.simulator.scene.scene_files import load_scene

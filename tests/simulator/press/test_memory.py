@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.press.memory import Creep, let_off
+from rcskin.simulator.press.foam_creep import Creep, let_off
 from scipy.integrate import quad, solve_ivp
 
 ONE = Creep(np.array([0.1]), np.array([1.0]))

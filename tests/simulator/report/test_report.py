@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from rcskin.simulator.chart_style import chart
 from rcskin.simulator.report.files import files_in, filled_at_once, write_json, write_rows
 from rcskin.simulator.report.from_above import draw_foils, draw_outline, draw_pixels
-from rcskin.simulator.report.page import Cell, Grid, Items, Picture, Section, write_page
+from rcskin.simulator.report.page import Cell, Items, Picture, ReportSection, TableGrid, write_page
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps.writing.register import made_by
 
@@ -42,8 +42,18 @@ def test_a_page_holds_all_that_it_is_given_and_names_are_text(tmp_path):
     with chart(picture.path, 1, 1) as figure:
         figure.subplots()
     rows = [[HOSTILE, "2"], [Cell("differs", "by a rule", agrees=False), "3"]]
-    parts = ["a paragraph", Items(["one"], ["about"]), Grid(["name", "n"], rows, (1,)), picture]
-    write_page(tmp_path / "p.html", HOSTILE, [Section("", [HOSTILE]), Section("One", parts)], "42")
+    parts = [
+        "a paragraph",
+        Items(["one"], ["about"]),
+        TableGrid(["name", "n"], rows, (1,)),
+        picture,
+    ]
+    write_page(
+        tmp_path / "p.html",
+        HOSTILE,
+        [ReportSection("", [HOSTILE]), ReportSection("One", parts)],
+        "42",
+    )
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
     assert "<script>" not in page and page.count("&lt;script&gt;") == 4
     for told in (

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
-from rcskin.simulator.surroundings.block import quarter
 from rcskin.simulator.surroundings.charges import capacitances
-from rcskin.simulator.surroundings.kernel import fill_influence
+from rcskin.simulator.surroundings.influence_kernel import fill_influence
+from rcskin.simulator.surroundings.panels import quarter
 from rcskin.simulator.surroundings.reflections import Layer, images
 from scipy.integrate import dblquad
 

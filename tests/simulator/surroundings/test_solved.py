@@ -8,9 +8,10 @@ from rcskin.simulator.fem.low_rank import Bordered, LowRankMass
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.surroundings import kept, solved
+from rcskin.simulator.surroundings import array_cache as kept
+from rcskin.simulator.surroundings import surroundings_matrix as solved
 from rcskin.simulator.surroundings.rim import rim_densities
-from rcskin.simulator.surroundings.solved import surroundings_matrix
+from rcskin.simulator.surroundings.surroundings_matrix import surroundings_matrix
 from rcskin.simulator.sweeps import InputError
 from scipy.sparse import csc_matrix
 

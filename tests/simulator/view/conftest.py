@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.solution_fields import SolutionFields
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.view.scenery import Stage
+from rcskin.simulator.view.scenery import ViewedPress
 
 LENGTH, WIDTH = 0.12, 0.08
 R, C = 50e3, 4.861e-9
@@ -102,6 +102,6 @@ def stage(scene):
     def stage(fields, press="3,5", wrapped=None, exaggeration=None, **skin):
         there = scene(**skin)
         pressed = parse_press(press, 2.0)
-        return Stage(there, pressed, there.interfaces[0], fields, wrapped, exaggeration)
+        return ViewedPress(there, pressed, there.interfaces[0], fields, wrapped, exaggeration)
 
     return stage

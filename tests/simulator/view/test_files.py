@@ -80,8 +80,8 @@ def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_mo
 
 
 def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, small_movies):
+    from rcskin.simulator.view.displayed_quantity import over_the_phase
     from rcskin.simulator.view.quantities import chosen
-    from rcskin.simulator.view.shown import over_the_phase
 
     set_up = stage(fields())
     (quantity,) = chosen("potential", set_up.fields)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.view.displayed_quantity import at_frequencies
 from rcskin.simulator.view.quantities import NAMES, chosen, point_areas, prefix, scales, span_text
-from rcskin.simulator.view.shown import at_frequencies
-from rcskin.simulator.view.surface import surface
+from rcskin.simulator.view.skin_surface import surface
 
 
 def only(name, fields):

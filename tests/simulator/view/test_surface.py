@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.view.foils import foils
 from rcskin.simulator.view.marks import arrows, marks
 from rcskin.simulator.view.painting import lifted
-from rcskin.simulator.view.surface import curved, readable_exaggeration, surface
+from rcskin.simulator.view.skin_surface import curved, readable_exaggeration, surface
 
 
 @pytest.mark.parametrize("corners", [3, 4])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
-from ....mesh.held import held
+from ....mesh.pixel_coverage import pixel_coverage
 from ....mesh.quadrilaterals import Resolution
 from ....mesh.refining.untangled import finer
 from ....press.batch import NOTHING
@@ -61,7 +61,7 @@ def resolved(
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
     presses = [_everywhere(scene, rise)] if scene.uniform else _in_turns(scene, rise, finger)
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
-    each = [] if scene.uniform else alone(held(scene).numbers, rise, MOST_ALONE)
+    each = [] if scene.uniform else alone(pixel_coverage(scene).numbers, rise, MOST_ALONE)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ....mesh.held import held
+from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
 from ....scene.scene import Scene
@@ -67,7 +67,7 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 def apart(draw: Draw, scene: Scene) -> Draw:
     """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
     meet only the first is left, and of those without skin none."""
-    on_skin, parts = held(scene).part > 0, parts_of(scene)
+    on_skin, parts = pixel_coverage(scene).part > 0, parts_of(scene)
     columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
 
     def drawn(random: np.random.Generator) -> Case:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.measure.foam_state import FoamState
-from rcskin.simulator.press.memory import Creep, let_off
+from rcskin.simulator.press.foam_creep import Creep, let_off
 from rcskin.simulator.press.press import Press, press_on
 from scipy.integrate import solve_ivp
 

@@ -28,7 +28,7 @@ SHOWN_DEPTH = 0.08
 
 
 @dataclass(frozen=True)
-class Surface:
+class SkinSurface:
     """Points in space (3, point) and their unit normals, at flat places x (2, point), in m.
 
     cells: (corner, cell), counter-clockwise seen from where the normals point to. same: for each
@@ -141,7 +141,9 @@ def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.hstack([cells[[0, k, k + 1]] for k in range(1, len(cells) - 1)])
 
 
-def surface(fields: SolutionFields, wrapped: bool = False, exaggeration: float = 0.0) -> Surface:
+def surface(
+    fields: SolutionFields, wrapped: bool = False, exaggeration: float = 0.0
+) -> SkinSurface:
     """The skin flat or where it is in space, deflected against its normals."""
     base = fields.position if wrapped else np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     cells = _counter_clockwise(fields)
@@ -150,7 +152,7 @@ def surface(fields: SolutionFields, wrapped: bool = False, exaggeration: float =
     points = base - exaggeration * fields.deflection * normals
     if exaggeration:
         normals = _normals(polygons(points, same[cells]))[:, same]
-    return Surface(fields.x, points, normals, cells, same, exaggeration)
+    return SkinSurface(fields.x, points, normals, cells, same, exaggeration)
 
 
 def _first_at_place(places: Real) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..chebyshev import Array, barycentric, extrema
 from ..models.solution import Solution
 from ..models.solver import Solver
-from ..press.memory import Creep
+from ..press.foam_creep import Creep
 from ..press.press import Press, check_press
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError

@@ -9,7 +9,7 @@ from ..press.batch import PressBatch
 from ..press.parts import parts_of
 from ..press.rasterized import Footprints, rasterized
 from ..scene.scene import Scene
-from .held import held
+from .pixel_coverage import pixel_coverage
 
 
 def with_fingers_at(
@@ -57,7 +57,7 @@ def _spread(
     """Of one touch a press. covered: cells, and what part of each. finger: F, shape (press,)."""
     press, area = covered.press, covered.rises
     if not scene.skin.rectangular:
-        area = area * held(scene.on_grid(*grid)).part[covered.cells]
+        area = area * pixel_coverage(scene.on_grid(*grid)).part[covered.cells]
     whole = np.bincount(press, area, covered.count)
     cells = parts_of(scene, grid).finger(covered.cells)
     return PressBatch(cells, finger[press] * area / whole[press], covered.starts)

@@ -10,11 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .marks import Arrows, arrows
-from .quantities import COLOUR_MAPS, Quantity, difference, point_areas, prefix, scales, span_text
+from .quantities import (
+    COLOUR_MAPS,
+    ViewedQuantity,
+    difference,
+    point_areas,
+    prefix,
+    scales,
+    span_text,
+)
 
 if TYPE_CHECKING:
     from ..models.solution_fields import SolutionFields
-    from .surface import Surface
+    from .skin_surface import SkinSurface
 
 Real = NDArray[np.float64]
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
@@ -23,7 +31,7 @@ MOST_CONTOURS = 9
 
 
 @dataclass(frozen=True)
-class Shown:
+class DisplayedQuantity:
     """values (point,) in `unit`; contours: lines (3, n) on the skin. moment: frequency and Z.
 
     frequency: alone, as text; empty where the values are those of all frequencies.
@@ -54,12 +62,12 @@ class Shown:
 
 
 def at_frequencies(
-    quantity: Quantity,
+    quantity: ViewedQuantity,
     fields: SolutionFields,
-    skin: Surface,
+    skin: SkinSurface,
     numbers: Sequence[int],
     own: bool = False,
-) -> list[Shown]:
+) -> list[DisplayedQuantity]:
     """The quantity at frequencies by number; `own` as for `scales`."""
     values = [quantity.values(fields, at) for at in numbers]
     ends = scales(quantity, values, point_areas(fields), own)
@@ -72,23 +80,23 @@ def at_frequencies(
     return [replace(each, note=_and_scale(each)) for each in drawn]
 
 
-def _and_scale(shown: Shown) -> str:
+def _and_scale(shown: DisplayedQuantity) -> str:
     """Its note, and the ends of its colours, which other frames do not share."""
     scale = f"colours: {span_text(*shown.limits, shown.unit)}"
     return f"{shown.note}, {scale}" if shown.note else scale
 
 
 def _shown(
-    quantity: Quantity,
+    quantity: ViewedQuantity,
     fields: SolutionFields,
-    skin: Surface,
+    skin: SkinSurface,
     at: int,
     values: Real,
     scale: tuple[float, float],
-) -> Shown:
+) -> DisplayedQuantity:
     factor, unit = quantity.shown_unit(scale[1])
     closed = quantity.scale == "cyclic" and scale[1] - scale[0] == 360
-    shown = Shown(
+    shown = DisplayedQuantity(
         title=quantity.title,
         moment="" if quantity.everywhere else heading(fields, at),
         unit=unit,
@@ -112,8 +120,8 @@ def _shown(
 
 
 def over_the_phase(
-    quantity: Quantity, fields: SolutionFields, skin: Surface, at: int, count: int
-) -> list[Shown]:
+    quantity: ViewedQuantity, fields: SolutionFields, skin: SkinSurface, at: int, count: int
+) -> list[DisplayedQuantity]:
     """Potential or current at `count` moments of one period."""
     complex_values = difference(fields, at)
     if quantity.sheet is not None:
@@ -125,7 +133,7 @@ def over_the_phase(
     factor, unit = quantity.shown_unit(highest)
     signed = quantity.sheet is None
     return [
-        Shown(
+        DisplayedQuantity(
             title=quantity.title,
             moment=f"{heading(fields, at)}, {np.degrees(moment):.0f}° after the source's peak",
             unit=unit,
@@ -162,7 +170,7 @@ def _in_ohm(value: float) -> tuple[str, str]:
     return f"{factor * value:.4g}".replace("-", "−"), unit
 
 
-def phase_contours(skin: Surface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:
+def phase_contours(skin: SkinSurface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:
     """Lines (3, n) of equal phase of V (point,), and the degrees between them.
 
     Where the phase is a, V exp(-ja) is real and positive: nothing jumps at 180 degrees.
@@ -176,8 +184,8 @@ def phase_contours(skin: Surface, V: NDArray[np.complex128]) -> tuple[tuple[Real
     return tuple(lines), step
 
 
-def _isophase(skin: Surface, V: NDArray[np.complex128], level: float) -> list[Real]:
-    from .surface import polygons
+def _isophase(skin: SkinSurface, V: NDArray[np.complex128], level: float) -> list[Real]:
+    from .skin_surface import polygons
 
     turned = V * np.exp(-1j * np.radians(level)) / np.maximum(np.abs(V), np.finfo(float).tiny)
     mesh = polygons(skin.points, skin.cells)

@@ -13,7 +13,7 @@ from ..press.press import Press
 from ..scene.scene import Scene
 
 
-class Held(NamedTuple):
+class PixelCoverage(NamedTuple):
     """Of each pixel, row by row.
 
     part: of its area on the grid that is skin, as seen along z, shape (pixel,). middle: of that
@@ -29,18 +29,18 @@ class Held(NamedTuple):
         return np.flatnonzero(self.part)
 
 
-def held(scene: Scene) -> Held:
+def pixel_coverage(scene: Scene) -> PixelCoverage:
     """What each pixel of a scene holds. Raises InputError where a mesh file does not serve."""
     return _held(scene)  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=16)
-def _held(scene: Scene) -> Held:
+def _held(scene: Scene) -> PixelCoverage:
     count, (length, width) = scene.pixels.rows * scene.pixels.columns, scene.skin.sides
     if scene.skin.rectangular:
         row, column = np.divmod(np.arange(count), scene.pixels.columns)
         x, y = (column + 0.5) / scene.pixels.columns, (row + 0.5) / scene.pixels.rows
-        return Held(np.ones(count), np.stack([x * length, y * width]))
+        return PixelCoverage(np.ones(count), np.stack([x * length, y * width]))
     from .skin_mesh import domain
 
     mesh = domain(scene, Press(), max(scene.skin.sides))
@@ -51,4 +51,4 @@ def _held(scene: Scene) -> Held:
         for each in (np.ones(len(here)), *flat.middles)
     )
     middle = np.divide([x, y], area, out=np.zeros((2, count)), where=area > 0)
-    return Held(area * count / (length * width), middle)
+    return PixelCoverage(area * count / (length * width), middle)

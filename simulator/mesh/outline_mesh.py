@@ -15,7 +15,7 @@ from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords
 from .domain import Domain, Numbers, Points, labelled, unlabelled
 from .drawing import Drawing, closed
-from .mesher import Meshed, meshed
+from .mesher import MeshedDrawing, meshed
 from .refining.untangled import untangled
 
 SAME = 1e-8
@@ -115,7 +115,7 @@ def _middles(drawing: Arrangement, bends: NDArray[np.float64]) -> Points:
     return on_arcs(start, stop, bends).T
 
 
-def _arcs(mesh: Meshed, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
+def _arcs(mesh: MeshedDrawing, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
     """The mesh's lines along pieces that bend."""
     bent = bends[mesh.piece] != 0
     lines, piece = mesh.lines[:, bent], mesh.piece[bent]

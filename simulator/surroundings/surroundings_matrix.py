@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..sweeps import InputError
-from . import kept
-from .block import Block, quarter
+from . import array_cache as kept
 from .blocks import Shape, shape_of
 from .charges import influence, sigma
+from .panels import PanelBlock, quarter
 from .polynomials import Polynomials, polynomials
 from .reflections import Layer, layer
 
@@ -113,7 +113,9 @@ def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
     return float(np.abs(np.linalg.eigvalsh(scaled)).max()) / straight
 
 
-def excess(block: Block, layer: Layer | None, permittivity: float, basis: Polynomials) -> Array:
+def excess(
+    block: PanelBlock, layer: Layer | None, permittivity: float, basis: Polynomials
+) -> Array:
     """Of one block, F, shape (2, polynomial, 2, polynomial), the bottom sheet first.
 
     Polynomials are those of the whole skin; where the block is a part of it that mirrors make up,
@@ -137,7 +139,7 @@ def excess(block: Block, layer: Layer | None, permittivity: float, basis: Polyno
     return VACUUM_PERMITTIVITY * len(block.mirrors) * found
 
 
-def _local(block: Block, layer: Layer | None, values: Array, slopes: Array) -> Array:
+def _local(block: PanelBlock, layer: Layer | None, values: Array, slopes: Array) -> Array:
     """What sheets with vacuum between have place by place, over eps0, m, shape (2 k, 2 k).
 
     values, slopes: of k potentials and of their gradients at the middles of all panels.

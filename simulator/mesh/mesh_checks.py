@@ -6,7 +6,7 @@ import numpy as np
 
 from ..sweeps import InputError
 from .domain import Numbers, Points, areas
-from .triangles import edges_of
+from .edge_numbering import edges_of
 
 FLAT = 1e-10
 """Area over the square of the longest edge, of a triangle that counts as none."""

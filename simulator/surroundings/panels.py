@@ -14,7 +14,7 @@ ITSELF = np.array([[1.0, 1.0, 0.0, 0.0]])
 
 
 @dataclass(frozen=True)
-class Block:
+class PanelBlock:
     """Panels of each sheet and of the foam's side faces; the bottom sheet lies at z = 0.
 
     panels: of either sheet, in the plane, m, shape (panel, 4, 2), of triangles with one corner
@@ -97,7 +97,9 @@ class Block:
         return found.reshape(-1, 4, 3)
 
 
-def quarter(length: float, width: float, thickness: float, count: int, even: float = 0.0) -> Block:
+def quarter(
+    length: float, width: float, thickness: float, count: int, even: float = 0.0
+) -> PanelBlock:
     """A quarter of a rectangular skin, all in m, and its mirrors. count: panels along each side.
 
     even: as of `lines`.
@@ -110,7 +112,9 @@ def quarter(length: float, width: float, thickness: float, count: int, even: flo
     around = np.concatenate([np.stack([0 * y, y])[:, ::-1], np.stack([x, 0 * x])[:, 1:]], axis=1).T
     mirrors = np.array([[a, b, (a < 0) * length, (b < 0) * width] for a in SIGNS for b in SIGNS])
     slices = max(2, count // 2)
-    return Block(panels, np.stack([around[:-1], around[1:]], axis=1), thickness, slices, mirrors)
+    return PanelBlock(
+        panels, np.stack([around[:-1], around[1:]], axis=1), thickness, slices, mirrors
+    )
 
 
 def lines(side: float, thickness: float, count: int, even: float = 0.0) -> NDArray[np.float64]:
