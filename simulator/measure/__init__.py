@@ -1,1 +1,1 @@
-"""What a meter would show of a skin."""
+"""Measurements that a meter would take of a skin."""

@@ -1,8 +1,8 @@
-"""Sweeps of foam that creeps, read frequency after frequency while it does.
+"""Sweeps of foam that creeps while it is measured frequency by frequency.
 
-Within a sweep every strain is a straight line in the decays s_k = exp(-t / time_k) of the foam's
-solids, so that Z is smooth in these, however fast the foam is. It is solved at Chebyshev's extrema
-of each s_k and interpolated to the moment of each reading.
+Within a sweep every strain is linear in the decays s_k = exp(-t / time_k) of the foam's solids, so
+Z is smooth in these, however fast the foam is. It is solved at Chebyshev's extrema of each s_k and
+interpolated to the time of each reading.
 """
 
 from __future__ import annotations
@@ -29,17 +29,18 @@ from .foam_state import FoamState
 Number = TypeVar("Number", np.float64, np.complex128)
 
 FIRST, MOST = 3, 9
-"""Nodes in each decay, at first and at most. Every second one is a node of the coarser
-interpolation, which tells the error; more are taken in the decay that errs most."""
+"""First and largest number of nodes in each decay. Every second node belongs to the coarser
+interpolation that estimates the error; nodes are added in the decay with the largest error."""
 OF_NODES = 0.4
-"""Of the tolerance, to which nodes are solved: interpolation adds up to twice their errors."""
+"""Tolerance at the nodes over that of the sweep: interpolation adds up to twice their errors."""
 
 
 def reading_moments(scene: Scene) -> tuple[Array, float]:
-    """When each reading is taken, s after the press, shape (interface, frequency), and when the
-    last one is done.
+    """Time of each reading, s after the press, shape (interface, frequency), and the end of the
+    last one.
 
-    In the middle of its time, see `pace.reading_time`; where an interface is not read, at the end.
+    Times are in the middle of a reading, see `pace.reading_time`; those of skipped readings at the
+    end.
     """
     timing, reading = scene.experiment.timed, scene.reading
     moment, now = np.zeros(reading.shape), timing.before
@@ -53,7 +54,7 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
 
 
 def in_words(scene: Scene) -> list[str]:
-    """How presses follow each other where the foam remembers them; a line, or none."""
+    """A line on the timing of presses if the foam creeps, else none."""
     if not scene.skin.foam.in_time:
         return []
     timing, (_, whole) = scene.experiment.timed, reading_moments(scene)
@@ -67,10 +68,10 @@ def in_words(scene: Scene) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Interpolation:
-    """From states of the foam to the moments of readings.
+    """Interpolation from states of the foam to the times of readings.
 
-    moments: decays of the solids at each reading, shape (solid, interface, frequency). counts: of
-    nodes in each decay.
+    moments: decays of the solids at each reading, shape (solid, interface, frequency). counts:
+    number of nodes in each decay.
     """
 
     moments: Array
@@ -83,9 +84,9 @@ class Interpolation:
         return [np.array(state) for state in itertools.product(*each)]
 
     def weights(self, coarse: int | None = None) -> Array:
-        """Of the states at each reading, shape (state, interface, frequency).
+        """Weights of the states at each reading, shape (state, interface, frequency).
 
-        coarse: a solid of whose nodes only every second one counts.
+        coarse: a solid of which only every second node is used.
         """
         weights = np.ones((1, *self.moments.shape[1:]))
         for solid, own in enumerate(self.moments):
@@ -96,12 +97,16 @@ class Interpolation:
         return weights
 
     def of(self, values: NDArray[Number], weights: Array) -> NDArray[Number]:
-        """At the moments of readings, from those of states, shape (..., state, interface,
-        frequency). weights: as of `weights`."""
+        """Values at the times of readings, from those of states, shape (..., state, interface,
+        frequency).
+
+        weights: as of `weights`.
+        """
         return np.einsum("nif,...nif->...if", weights, values)
 
     def finer(self, solid: int) -> Interpolation | None:
-        """With twice as many intervals in the decay of a solid; None beyond MOST nodes."""
+        """Interpolation with twice as many intervals in the decay of a solid; None beyond MOST
+        nodes."""
         counts = list(self.counts)
         counts[solid] = 2 * counts[solid] - 1
         return Interpolation(self.moments, tuple(counts)) if counts[solid] <= MOST else None
@@ -112,16 +117,16 @@ class Interpolation:
 
 
 def interpolation(scene: Scene) -> Interpolation:
-    """The coarsest one of a scene's readings."""
+    """Coarsest interpolation for a scene's readings."""
     moments, _ = reading_moments(scene)
     time = Creep.of(scene.skin.foam).time
     return Interpolation(np.exp(-moments / time.reshape(-1, 1, 1)), (FIRST,) * len(time))
 
 
 def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
-    """Each press with what is read of it, in a session of the scene's experiment.
+    """Each press with its readings, in a session of the scene's experiment.
 
-    The foam is at rest at first. Raises as `FoamState.then` and `Solver.solve`.
+    The foam is unpressed at first. Raises as `FoamState.then` and `Solver.solve`.
     """
     scene, (_, whole) = solver.scene, reading_moments(solver.scene)
     closer = Solver(scene, OF_NODES * solver.rtol, solver.model, solver.frequency)
@@ -137,13 +142,13 @@ def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple
 
 
 class _Once:
-    """Solves each press once, and forgets all but the skin at rest with the next sweep."""
+    """Solves each press once; the next sweep drops all solutions but that of the unpressed skin."""
 
     def __init__(self, solve: Callable[[Press], Solution]) -> None:
         self._solve, self._known = solve, dict[Press, Solution]()
 
     def next(self) -> None:
-        """Forget."""
+        """Drop the solutions."""
         self._known = {press: self._known[press] for press in self._known if not press.touches}
 
     def __call__(self, press: Press) -> Solution:
@@ -153,7 +158,7 @@ class _Once:
 
 
 def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float) -> Solution:
-    """What is read of a foam, by an interpolation or finer ones."""
+    """Readings of a foam, by an interpolation or finer ones."""
     solve.next()
     while True:
         pressed = [state.at(node) for node in between.nodes]
@@ -168,14 +173,14 @@ def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float)
         if finer is None:
             raise ToleranceError(
                 f"press {state.press}: read while the foam creeps, the estimated error of Rs or Cp "
-                f"is {worst:.1e}, asked {rtol:g}",
+                f"is {worst:.1e}, tolerance {rtol:g}",
                 worst / rtol,
             )
         between = finer
 
 
 def _interpolated(answers: list[Solution], between: Interpolation) -> tuple[Solution, list[float]]:
-    """At the moments of readings, and how much each solid's coarser nodes change, relatively."""
+    """Values at the times of readings, and their relative change by each solid's coarser nodes."""
     first, weights = answers[0], between.weights()
     states = np.stack([answer.Z for answer in answers])
     Z = between.of(states, weights)

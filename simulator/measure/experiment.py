@@ -1,4 +1,4 @@
-"""The presses that are measured, as a scene's experiment plans them."""
+"""The presses of a scene's experiment."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ PRESSES, METER = 0, 1
 
 
 def stream(scene: Scene, purpose: int) -> np.random.Generator:
-    """The random numbers of one purpose (PRESSES or METER), from the scene's seed."""
+    """Random generator of one purpose (PRESSES or METER), from the scene's seed."""
     return np.random.default_rng([scene.experiment.seed, purpose])
 
 
 def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
-    """Every repetition of every pixel on the skin, and of nothing pressed where that is a class.
+    """Every repetition of every pixel on the skin, and of the unpressed skin if that is a class.
 
-    How strongly is drawn from `own_presses`, anew for each; raises InputError as that does.
+    Strengths are drawn from `own_presses`, separately for each; raises InputError as that does.
     """
     drawn, planned = own_presses(scene), scene.experiment
     at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
@@ -48,12 +48,12 @@ class Strengths(NamedTuple):
 
 
 def own_presses(scene: Scene) -> AnyDistribution:
-    """The factors that the scene's experiment presses with.
+    """Factors by which the scene's experiment presses.
 
     The rise of capacitance (factor - 1) is normal about the nominal one, with the scene's
-    `factor_spread` as its relative standard deviation, and is cut as normal ones of data sets are.
-    Where pixels are pressed by depth it is the factor under the applicator. Raises InputError where
-    they are by force, or a factor might be 0 or less.
+    `factor_spread` as its relative standard deviation, truncated as in data sets. Where pixels are
+    pressed by depth it is the factor under the applicator. Raises InputError for presses by force,
+    or if a factor might be 0 or less.
     """
     factor, spread = scene.pressed_factor, scene.press.factor_spread
     if spread == 0:
@@ -69,7 +69,8 @@ def own_presses(scene: Scene) -> AnyDistribution:
 
 
 def strengths(presses: AnyDistribution, count: int) -> Strengths:
-    """The distribution as so many strengths a step apart, weighed by what lies around each."""
+    """Distribution as `count` strengths at equal distances, each weighted by the probability around
+    it."""
     if presses.low == presses.high:
         return Strengths(np.array([float(presses.low)]), np.ones(1))
     chance = np.linspace(0, 1, QUANTILES)
@@ -80,7 +81,7 @@ def strengths(presses: AnyDistribution, count: int) -> Strengths:
 
 
 def quantiles(presses: AnyDistribution, count: int) -> Strengths:
-    """The distribution as so many equally likely strengths."""
+    """Distribution as `count` equally likely strengths."""
     if presses.low == presses.high:
         count = 1
     factor = presses.at((np.arange(count) + 0.5) / count)
@@ -88,7 +89,7 @@ def quantiles(presses: AnyDistribution, count: int) -> Strengths:
 
 
 def together(each: Sequence[Strengths]) -> Strengths:
-    """Strengths of several touches in all ways, factor of shape (touch, way)."""
+    """All combinations of the strengths of several touches, factor of shape (touch, way)."""
     factor, weight = np.zeros((0, 1)), np.ones(1)
     for one in each:
         repeated = np.repeat(factor, len(one.factor), axis=1)

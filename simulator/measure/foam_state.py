@@ -1,4 +1,4 @@
-"""The foam from one change of a press to the next, and which press it is like at any moment."""
+"""State of a creeping foam between changes of the press, and the equivalent press at any moment."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 NEGLIGIBLE = 1e-9
-"""Strain of a trace that is forgotten: a tenth of the closest tolerance of Rs and Cp."""
+"""Strain below which a trace is dropped: a tenth of the smallest tolerance of Rs and Cp."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """A place that is pressed, or was.
+    """A place that is or was pressed.
 
-    touch: as it was pressed last, a force by the depth that it takes at once. how: a load (a factor
-    or a force), a held depth, or let go. x: strain that the load causes at once, or that is held; 0
-    of what was let go. most: the largest x of this load. y: memory at the beginning, shape
-    (solid,).
+    touch: the last touch there, a force as the depth that it causes at once. how: a load (a factor
+    or a force), a fixed depth, or released. x: strain that the load causes at once, or that is
+    fixed; 0 if released. most: the largest x of this load. y: internal strains at the beginning,
+    shape (solid,).
     """
 
     touch: AnyTouch
@@ -37,9 +37,9 @@ class Spot:
 
 @dataclass(frozen=True, eq=False)
 class FoamState:
-    """A press that is held, what is remembered of those before, and how it goes on from there.
+    """A constant press with the traces of earlier presses, and its development in time.
 
-    Immutable: `then` is the state after the next change. since: when it began, s.
+    Immutable: `then` is the state after the next change. since: start of the press, s.
     """
 
     scene: Scene
@@ -48,13 +48,13 @@ class FoamState:
     since: float = 0.0
 
     def after(self, seconds: float) -> Press:
-        """The press that the skin is like so many s after the change."""
+        """Equivalent press `seconds` after the change."""
         return self.at(self.creep.decay(seconds))
 
     def at(self, decay: Array) -> Press:
-        """The same by the decay exp(-t / time_constant) of each solid, shape (solid,).
+        """Equivalent press by the decay exp(-t / time_constant) of each solid, shape (solid,).
 
-        Strains are straight lines in these.
+        Strains are linear in these.
         """
         if not self.scene.skin.foam.in_time:
             return self.press
@@ -62,10 +62,10 @@ class FoamState:
         return Press(tuple(sorted((each for each in touches if each is not None), key=order)))
 
     def then(self, press: Press, seconds: float) -> FoamState:
-        """The state so many s later, as the press becomes another one.
+        """State `seconds` later, when the press changes.
 
-        Raises InputError and ToleranceError as `settled`, and InputError for a load under which the
-        foam would creep too far, and where one place is pressed twice.
+        Raises InputError and ToleranceError as `press_by_depths`, and InputError for a load under
+        which the foam would creep too far, and if one place is pressed twice.
         """
         since = self.since + seconds
         if not self.scene.skin.foam.in_time:
@@ -91,11 +91,11 @@ class FoamState:
 
     @property
     def creep(self) -> Creep:
-        """The law of the foam's memory."""
+        """Creep law of the foam."""
         return Creep.of(self.scene.skin.foam)
 
     def _later(self, spot: Spot, seconds: float) -> Spot:
-        """The spot with its memory so many s later."""
+        """Spot with its internal strains `seconds` later."""
         creep = self.creep
         if spot.how == "depth":
             return replace(spot, y=creep.clamped(spot.y, np.array(spot.x), seconds))
@@ -130,7 +130,7 @@ class FoamState:
         return float(let_off(np.array(spot.x), np.array(spot.most), hysteresis))
 
     def _now(self, spot: Spot, decay: Array) -> AnyTouch | None:
-        """A touch that compresses the foam as it is then; None where no trace is left."""
+        """Touch that compresses the foam as it is then; None if no trace is left."""
         if spot.how == "depth":
             return spot.touch
         at_once = self._at_once(spot)
@@ -146,7 +146,7 @@ class FoamState:
         return replace(spot.touch, factor=float(spot.touch.factor * more))
 
     def _trace(self, touch: AnyTouch, strain: float) -> AnyTouch:
-        """What a touch leaves: as large, without whatever touched."""
+        """Trace of a touch: of the same shape, without a finger."""
         if isinstance(touch, Indentation):
             return touch_at(place_of(touch), self._depth(strain))
         return touch_at(touch, float(self.scene.skin.foam.factor_at(np.array(strain))))

@@ -1,4 +1,4 @@
-"""What a meter shows of an impedance, and how its errors look to whoever reads it."""
+"""Display of an impedance by a meter, and the statistics of its errors."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Meter:
         self.turn = readout.phase_accuracy * phase
 
     def measure(self, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Z in ohm as measured, one reading for each; shape (sweep, interface, frequency)."""
+        """Z in ohm with errors, one reading for each; shape (sweep, interface, frequency)."""
         magnitude, phase = self._random.standard_normal((2, *Z.shape))
         gain = self.gain * (1 + self._readout.magnitude_noise * magnitude)
         return Z * gain * np.exp(1j * (self.turn + self._readout.phase_noise * phase))
 
 
 def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
-    """Values rounded to that many significant digits, as a meter displays them."""
+    """Values rounded to that many significant digits, as on a meter's display."""
     some = np.isfinite(value) & (value != 0)
     exponent = np.floor(np.log10(np.abs(value), out=np.zeros(value.shape), where=some))
     low, high = exponent.min(initial=0.0), exponent.max(initial=0.0)
@@ -51,7 +51,7 @@ def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
 def read_out(
     sweeps: xr.Dataset, readout: Readout, random: np.random.Generator, session: int = 0
 ) -> xr.Dataset:
-    """The sweeps as a meter would show them in one session; numerical errors no longer apply."""
+    """Sweeps as measured by a meter in one session, without numerical errors."""
     frequency = sweeps["frequency"].values
     Z = Meter(readout, sweeps.sizes["interface"], random).measure(impedance(sweeps))
     Rs, X, Cp = (
@@ -85,7 +85,7 @@ def observed(
 def observed_slope(
     Z: NDArray[np.complex128], dZ: NDArray[np.complex128], taken: NDArray[np.bool_] | None = None
 ) -> NDArray[np.float64]:
-    """The derivative of `observed` from that of Z, of the same shape as Z."""
+    """Derivative of `observed` from that of Z, of the same shape as Z."""
     ratio = _readings(dZ / Z, taken)
     return np.concatenate([ratio.real, ratio.imag], axis=-1)
 
@@ -96,11 +96,11 @@ def _readings(Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None) -> NDA
 
 @dataclass(frozen=True)
 class ErrorModel:
-    """Standard deviations of what `observed` tells of one sweep.
+    """Standard deviations of the `observed` values of one sweep.
 
-    readout: of the meter. read: which interface is read at which frequency, shape (interface,
-    frequency). averaged: sweeps that are averaged. against_rest: of how many sweeps of the skin at
-    rest, averaged, it is the difference; 0 tells it as it is, with the errors of the session.
+    readout: of the meter. read: mask of the readings, shape (interface, frequency). averaged:
+    number of averaged sweeps. against_rest: number of baseline sweeps whose average is subtracted;
+    0 for values without a baseline, with the errors of the session.
     """
 
     readout: Readout
@@ -109,7 +109,7 @@ class ErrorModel:
     against_rest: int = 0
 
     def __post_init__(self) -> None:
-        """Raises InputError where the meter is without noise."""
+        """Raises InputError for a meter without noise."""
         readout = self.readout
         if not (readout.magnitude_noise > 0 and readout.phase_noise > 0):
             raise InputError(
@@ -119,7 +119,8 @@ class ErrorModel:
 
     @property
     def deviation(self) -> NDArray[np.float64]:
-        """Of each number by the noise of readings, shape (2 * readings taken,)."""
+        """Standard deviation of each value by the noise of readings, shape (2 * readings
+        taken,)."""
         return np.repeat(self.noise, self.read.sum())
 
     @property
@@ -131,7 +132,7 @@ class ErrorModel:
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Of all numbers together, shape (2 * readings taken, 2 * readings taken)."""
+        """Covariance of all values, shape (2 * readings taken, 2 * readings taken)."""
         C = np.diag(self.deviation**2)
         if self.against_rest:
             return C
@@ -141,9 +142,10 @@ class ErrorModel:
         return C + np.kron(np.diag(np.square(accuracy)), shared)
 
     def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Those taken, turned so that each errs by 1 on its own, shape (..., 2 * readings taken).
+        """Values of the readings taken, transformed to independent errors of deviation 1.
 
-        numbers: of all readings as of `observed`, shape (..., 2 * readings).
+        numbers: of all readings as of `observed`, shape (..., 2 * readings). Returns shape (..., 2
+        * readings taken).
         """
         numbers = numbers[..., np.tile(self.read.ravel(), 2)]
         factor = np.linalg.cholesky(self.covariance)
@@ -154,7 +156,7 @@ class ErrorModel:
 def errors_of(
     scene: Scene, against_rest: int = 0, averaged: int = 1, reading: ReadingSetup | None = None
 ) -> ErrorModel:
-    """Of what a scene's meter reads, all that the scene has for None. Raises InputError without
+    """Error model of a scene's meter; all readings of the scene for None. Raises InputError without
     noise."""
     read = scene.reading if reading is None else reading
     return ErrorModel(scene.readout, read.read, averaged, against_rest)

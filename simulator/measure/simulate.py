@@ -1,4 +1,4 @@
-"""Sweeps of a scene's presses: as they are, and as another recording was taken."""
+"""Sweeps of a scene's presses: noise-free, and with the presses of another recording."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ if TYPE_CHECKING:
 
 
 BYTES_FOR_READING = 120
-"""Z and its errors as complex numbers, then Rs, X, Cp and theirs, once more while written."""
+"""Memory for Z and its errors as complex numbers, then Rs, X, Cp and theirs, once more while
+written."""
 
 
 def check_fits(scene: Scene, presses: int) -> None:
-    """Raises InputError where sweeps of so many presses would not fit in memory."""
+    """Raise InputError if sweeps of that many presses would not fit in memory."""
     readings = len(scene.interfaces) * len(scene.frequencies)
     check_memory(
         BYTES_FOR_READING * presses * readings,
@@ -43,17 +44,17 @@ def check_fits(scene: Scene, presses: int) -> None:
 def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
     """Noise-free sweeps, one for each press, with their estimated numerical errors.
 
-    Raises InputError where there is no press or one does not fit the scene, ToleranceError where
-    the tolerance is not reached.
+    Raises InputError if there is no press or one does not fit the scene, ToleranceError if the
+    tolerance is not reached.
     """
     return gather(solver, answered(solver, presses)).dataset()
 
 
 def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
-    """Each press with its answer; one that comes again is not solved again.
+    """Each press with its solution; a repeated press is solved once.
 
-    Of foam that creeps they are those of a session, see `answered_in_time`. Raises InputError where
-    a press does not fit the scene, ToleranceError where the tolerance is not reached.
+    For foam that creeps they are those of a session, see `answered_in_time`. Raises InputError if a
+    press does not fit the scene, ToleranceError if the tolerance is not reached.
     """
     if solver.scene.skin.foam.in_time:
         yield from answered_in_time(solver, presses)
@@ -66,7 +67,7 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
 
 
 def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTable:
-    """Sweeps from presses that were answered already. Raises InputError where there is none."""
+    """Sweeps from presses that are already solved. Raises InputError if there is none."""
     found = list(pairs)
     if not found:
         raise InputError("`presses` must hold at least one press, got none")
@@ -94,11 +95,11 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
 
 
 def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]) -> xr.Dataset:
-    """The presses of sweeps on a scene, noise-free, at their interfaces.
+    """Noise-free sweeps of a scene with the presses and interfaces of other sweeps.
 
-    Of foam that creeps, one after the other as they stand, session by session. frequency: Hz; where
-    they are those of the sweeps, the same readings are taken as of these, else all.
-    Raises as `press_on` and `Solver.solve`.
+    For foam that creeps they follow each other in the given order, session by session. frequency:
+    Hz; if they are those of the sweeps, the same readings are taken as there, else all. Raises as
+    `press_on` and `Solver.solve`.
     """
     scene = with_frequencies(scene, frequency.tolist())
     found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
@@ -109,7 +110,7 @@ def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]
 
 
 def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """The press of each sweep; one that comes again is solved once."""
+    """Press of each sweep; a repeated press is solved once."""
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
@@ -118,7 +119,7 @@ def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
 
 
 def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """The press of each sweep as it comes in its session."""
+    """Press of each sweep in the order of its session."""
     presses = [press_on(scene, str(press)) for press in sweeps["press"].values]
     return _by_session(
         sweeps["session"].values,
@@ -127,13 +128,13 @@ def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
 
 
 def _by_session(session: NDArray, part: Callable[[NDArray[np.bool_]], xr.Dataset]) -> xr.Dataset:
-    """Parts of sweeps, put together in the order of these. session: of each sweep."""
+    """Parts of sweeps, joined in the order of the sweeps. session: of each sweep."""
     order = np.argsort(np.argsort(session, kind="stable"))
     return concatenate([part(session == each) for each in np.unique(session)]).isel(sweep=order)
 
 
 def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
-    """The sweeps as the meter of a scene would show them, session by session."""
+    """Sweeps as measured by the meter of a scene, session by session."""
     meter, random = scene.readout, np.random.default_rng(seed)
     if not sweeps.sizes["sweep"]:
         return sweeps
@@ -152,7 +153,7 @@ class ReadingError(NamedTuple):
 
 
 def reading_error(scene: Scene) -> ReadingError | None:
-    """Error of one reading by a scene's meter, with that of its session; None where it has none."""
+    """Error of one reading by a scene's meter, with that of its session; None without noise."""
     meter = scene.readout
     magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
     phase = math.hypot(meter.phase_accuracy, meter.phase_noise)

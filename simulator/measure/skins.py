@@ -1,4 +1,4 @@
-"""The skin of a session, drawn: sheets, foam, contacts and leads."""
+"""Random skin of a session: sheets, foam, contacts and leads."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class DrawnSkin:
 def drawn_skin(
     scene: Scene, seed: int, session: int, grid: tuple[int, int], modes: int
 ) -> DrawnSkin:
-    """The skin of a session.
+    """Random skin of a session.
 
-    grid: rows and columns of the capacitance's cells, multiples of the pixels'. modes: of a sheet's
-    conductance that are kept, of WAVES.
+    grid: rows and columns of the capacitance's cells, multiples of the pixels'. modes: number of
+    modes of a sheet's conductance, of HALF_WAVES.
     """
     drawn, random = scene.dataset.session, stream(seed, session, SKIN)
     foam = scene.skin.foam
@@ -61,7 +61,7 @@ def drawn_skin(
 def _ambient(scene: Scene, random: np.random.Generator) -> tuple[float, float]:
     """Factors of the session's temperature and humidity on capacitance and on sheet resistance.
 
-    Drawn after all else, and only where they are named, so that no other draw changes by them.
+    Drawn last, and only if they are named, so that no other draw changes.
     """
     both = np.ones(2)
     for name in AMBIENT:
@@ -73,7 +73,7 @@ def _ambient(scene: Scene, random: np.random.Generator) -> tuple[float, float]:
 
 
 def _factor(drawn: AnyDistribution | None, random: np.random.Generator) -> float:
-    """A draw; 1, and no random number, of what is not drawn."""
+    """A draw; 1, without a random number, if it is not drawn."""
     return 1.0 if drawn is None else float(drawn.at(random.random()))
 
 

@@ -1,4 +1,4 @@
-"""A simulated skin on the bench: pressed and measured one frequency at a time, as a meter does."""
+"""A simulated skin for a virtual meter: pressed and measured one frequency at a time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SWEEPS_KEPT = 256
 
 
 class SolvedScene:
-    """What was read of a scene, at every interface."""
+    """Cached solutions of a scene, at every interface."""
 
     def __init__(self, scene: Scene) -> None:
         self._frequencies, self._solver = scene.frequencies, Solver(scene)
@@ -40,19 +40,19 @@ class SolvedScene:
 
     @cached_method(SWEEPS_KEPT)
     def _sweeps(self, press: Press) -> NDArray[np.complex128]:
-        """At all frequencies of the scene: mechanics is solved once for them."""
+        """Solutions at all frequencies of the scene: mechanics is solved once for them."""
         return self._solver.solve(press).Z
 
 
 @dataclass
 class PressedFoam:
-    """How the skin is pressed, by the clock of whoever reads it."""
+    """State of the pressed foam, by the clock of the reader."""
 
     state: FoamState
 
 
 class Specimen:
-    """A scene at one of its interfaces, and how it is pressed at all of them."""
+    """A scene at one of its interfaces, with a press that all interfaces share."""
 
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
@@ -61,20 +61,18 @@ class Specimen:
         self._foam = PressedFoam(FoamState(scene))
 
     def at(self, interface: str) -> Self:
-        """The same specimen at another interface; what one has solved the other knows."""
+        """Same specimen at another interface; both share their solutions."""
         other = copy(self)
         other._number = interface_names(self.scene).index(interface)
         return other
 
     def check(self, press: str) -> str:
-        """The press in its full form.
-
-        Raises InputError where it does not fit the scene, or a pixel has no skin.
-        """
+        """Press in its full form. Raises InputError if it does not fit the scene, or a pixel has no
+        skin."""
         return label_of(self._checked(press), self.scene)
 
     def hold(self, press: str, now: float) -> str:
-        """Press the skin, and hold it until the next press; the press in its full form.
+        """Press the skin until the next press; returns the press in its full form.
 
         now: s by any clock. Raises as `check` and `FoamState.then`.
         """
@@ -83,9 +81,9 @@ class Specimen:
         return label_of(found, self.scene)
 
     def momentary(self, press: str, at: float) -> Press:
-        """What the skin is pressed like at a time, s by the clock of `hold`: as its foam creeps.
+        """Equivalent press at a time, s by the clock of `hold`, with creep.
 
-        press: in words, of skins that know no other.
+        press: text, for skins without a press of their own.
         """
         state = self._foam.state
         return state.after(max(0.0, at - state.since))
@@ -96,7 +94,7 @@ class Specimen:
         return complex(self._solved.impedances(found, frequency)[self._number])
 
     def depths(self, press: str) -> str:
-        """The depths that the forces of a press take, in words; empty where it has none."""
+        """Depths under the forces of a press, in words; empty without forces."""
         return "; ".join(depths_in_words(self.scene, [press_on(self.scene, press)]))
 
     def _checked(self, press: str) -> Press:
@@ -108,14 +106,14 @@ class Specimen:
 
 
 class SessionErrors:
-    """The errors of a meter in one session, with a fixed part of its own in each range."""
+    """Errors of a meter in one session, with a fixed part for each range."""
 
     def __init__(self, scene: Scene, seed: int) -> None:
         self._readout, self._random = scene.readout, np.random.default_rng(seed)
         self._meters: dict[int, Meter] = {}
 
     def read(self, Z: complex, range_number: int) -> complex:
-        """Z in ohm as measured once."""
+        """Z in ohm of one measurement."""
         if range_number not in self._meters:
             self._meters[range_number] = Meter(self._readout, 1, self._random)
         return complex(self._meters[range_number].measure(np.array([[[Z]]])).item())

@@ -1,4 +1,4 @@
-"""Random numbers of a data set: each purpose of each session has its own, whoever computes it."""
+"""Random generators of a data set: each purpose of each session has its own, on any computer."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ SKIN, PRESSES, METER, AUDIT, CELLS = range(5)
 
 
 def stream(seed: int, session: int, purpose: int) -> np.random.Generator:
-    """The random numbers of one purpose (SKIN, PRESSES, METER, AUDIT, CELLS) in one session."""
+    """Random generator of one purpose (SKIN, PRESSES, METER, AUDIT, CELLS) in one session."""
     return np.random.Generator(
         np.random.Philox(np.random.SeedSequence(seed, spawn_key=(session, purpose)))
     )

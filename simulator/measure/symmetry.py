@@ -1,9 +1,9 @@
-"""Pixels that show the same impedance when pressed, by the symmetry of a skin.
+"""Pixels with the same impedance when pressed, by the symmetry of a skin.
 
-A mapping of the skin onto itself that leaves sheets, foam, foils and what interfaces connect as
-they are gives Z of a pixel at its image as well. So does one that exchanges the two sheets where
-their surroundings are alike, or the two sides of every interface: what flows into the low terminal
-at 0 V for 1 V at the high one is the same the other way round, unless a guard follows one of them.
+A mapping of the skin onto itself that preserves sheets, foam, foils and the connections of
+interfaces gives the Z of a pixel at its image as well. So does one that exchanges the two sheets if
+their surroundings are equal, or the two sides of every interface: the current into the low terminal
+at 0 V for 1 V at the high one is the same in reverse, unless a guard follows one of them.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from ..scene.skin import Electrode, Sheet, Skin, curves
 from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]
-"""(row, column), counted from 1; (0, 0) is the skin at rest."""
+"""(row, column), counted from 1; (0, 0) is the unpressed skin."""
 AT_REST: Pixel = (0, 0)
 
 NEAR = 1e-9
-"""Of the skin's longer side, and relatively of factors: what counts as the same."""
+"""Tolerance of equality: over the skin's longer side, and relatively for factors."""
 MARKS = 9
-"""Places on each foil at which it is compared: both ends, and evenly between."""
+"""Points on each foil that are compared: both ends, and equidistant ones between."""
 LOOKED_AT = 17
-"""Places along each side at which maps are compared."""
+"""Points along each side at which maps are compared."""
 OTHER: dict[Electrode, Electrode] = {"top": "bottom", "bottom": "top"}
 
 
 @dataclass(frozen=True)
 class Mapping:
-    """Of the rectangle that pixels are counted on, about its middle.
+    """Mapping of the rectangle of pixels about its middle.
 
-    swapped: x and y change places. turned: which of the coordinates then runs the other way.
-    exchanged: whether the sheets change places, too.
+    swapped: x and y change places. turned: True for each coordinate that is then reversed.
+    exchanged: True if the sheets change places, too.
     """
 
     swapped: bool
@@ -49,18 +49,18 @@ class Mapping:
 
     @property
     def none(self) -> bool:
-        """Whether it leaves every place where it is."""
+        """True for the identity."""
         return not (self.swapped or any(self.turned))
 
     def place(self, x: NDArray[np.float64], sides: tuple[float, float]) -> NDArray[np.float64]:
-        """Where places x go, m, shape (2, ...)."""
+        """Images of positions x, m, shape (2, ...)."""
         moved = x[::-1] if self.swapped else x
         return np.stack(
             [s - v if t else v for v, s, t in zip(moved, sides, self.turned, strict=True)]
         )
 
     def pixel(self, pixel: Pixel, shape: tuple[int, int]) -> Pixel:
-        """Where a pixel goes on a grid of (rows, columns)."""
+        """Image of a pixel on a grid of (rows, columns)."""
         column, row = pixel if self.swapped else pixel[::-1]
         rows, columns = shape
         return (
@@ -69,13 +69,13 @@ class Mapping:
         )
 
     def angle(self, angle: float) -> float:
-        """Of a direction after it, rad."""
+        """Image of a direction, rad."""
         along = np.array([np.cos(angle), np.sin(angle)])
         x, y = np.where(self.turned, -1.0, 1.0) * (along[::-1] if self.swapped else along)
         return float(np.arctan2(y, x))
 
     def electrode(self, name: Electrode) -> Electrode:
-        """What an electrode becomes."""
+        """Image of an electrode."""
         return OTHER[name] if self.exchanged else name
 
 
@@ -86,9 +86,9 @@ MAPPINGS = [
 
 
 def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
-    """A function from a pixel to the one of lowest row and column that shows the same impedance.
+    """Function from a pixel to the one of lowest row and column with the same impedance.
 
-    Of a mesh that a file brings every pixel is taken to be its own.
+    On a mesh from a file every pixel counts as its own.
     """
     found = [] if scene.skin.mesh is not None else [m for m in MAPPINGS if _kept(scene, m)]
 
@@ -101,7 +101,7 @@ def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
 
 
 def _kept(scene: Scene, mapping: Mapping) -> bool:
-    """Whether a mapping leaves all that the impedance depends on."""
+    """True if a mapping preserves everything that the impedance depends on."""
     return (
         not mapping.none
         and _sides_kept(scene, mapping)
@@ -113,14 +113,14 @@ def _kept(scene: Scene, mapping: Mapping) -> bool:
 
 
 def _alike_around(scene: Scene) -> bool:
-    """Whether both sheets see the same around them, and no finger touches one of them."""
+    """True if both sheets have equal surroundings, and no finger touches one of them."""
     return scene.press.finger is None and (
         scene.surroundings is None or scene.surroundings.symmetric_sides
     )
 
 
 def _guarded(scene: Scene) -> bool:
-    """Whether a guard follows a terminal of the meter, so that high and low are not alike."""
+    """True if a guard follows a terminal of the meter, so that high and low are not equivalent."""
     return scene.surroundings is not None and any(b.follows for b in scene.surroundings.body)
 
 
@@ -169,7 +169,7 @@ def _map_becomes(one: AnyMap | None, other: AnyMap | None, mapping: Mapping, ski
 
 
 def _outline_kept(skin: Skin, mapping: Mapping) -> bool:
-    """Whether every curve around the skin becomes one of them."""
+    """True if every curve around the skin is mapped onto one of them."""
     if skin.outline is None:
         return True
     drawn = [np.array([curve.at(m) for m in _marks(curve.marks)]).T for curve in curves(skin)]
@@ -180,12 +180,12 @@ def _outline_kept(skin: Skin, mapping: Mapping) -> bool:
 
 
 def _marks(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Along a curve: its corners, or eighths of a circle."""
+    """Points along a curve: its corners, or eighths of a circle."""
     return corners[:-1] if len(corners) > 2 else np.linspace(0, corners[-1], 8, endpoint=False)
 
 
 def _same(one: NDArray[np.float64], other: NDArray[np.float64], near: float) -> bool:
-    """Whether two sets of places (2, n) are one."""
+    """True if two sets of points (2, n) are equal."""
     if one.shape != other.shape:
         return False
     apart = np.abs(one[:, :, None] - other[:, None, :]).max(axis=0)
@@ -199,11 +199,11 @@ class _Foil:
 
     @cached_property
     def places(self) -> NDArray[np.float64]:
-        """On it, m, shape (2, MARKS)."""
+        """Points on it, m, shape (2, MARKS)."""
         return path(self.contact, self.skin, MARKS - 1)
 
     def becomes(self, other: _Foil, mapping: Mapping) -> bool:
-        """Whether a mapping lays it on another."""
+        """True if a mapping maps it onto another foil."""
         return (
             mapping.electrode(self.contact.electrode) == other.contact.electrode
             and self.contact.resistance == other.contact.resistance
@@ -217,7 +217,7 @@ class _Foil:
 
 
 def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
-    """The foil that each becomes, by name."""
+    """Name of the image of each foil."""
     foils = [_Foil(contact, scene.skin) for contact in scene.contacts]
     return {
         foil.contact.name: next(
@@ -228,10 +228,10 @@ def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
 
 
 def repeated(scene: Scene) -> list[tuple[str, str]]:
-    """Interfaces that show what an earlier one does whatever is pressed, and that one.
+    """Interfaces with the same impedance as an earlier one for any press, and that earlier one.
 
-    The same two sides, either way round, or by the exchange of sheets that are alike, at no other
-    frequencies: then a further one only averages the meter's errors.
+    They have the same two sides, in either order, or after the exchange of equal sheets, and no
+    other frequencies: a further one only averages the meter's errors.
     """
     group = conductor_groups(scene.contacts, scene.skin)
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
@@ -263,7 +263,7 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _exchanged(scene: Scene) -> list[dict[str, str]]:
-    """The image of every foil where the sheets can change places, or nothing."""
+    """Image of every foil if the sheets can change places, or nothing."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
     alike = _layers_kept(scene.skin, exchange) and _alike_around(scene)
     if scene.skin.mesh is not None or not alike:
@@ -273,7 +273,7 @@ def _exchanged(scene: Scene) -> list[dict[str, str]]:
 
 
 def repeated_told(scene: Scene) -> list[str]:
-    """Each of those in words."""
+    """A sentence for each of those."""
     return [
         f"{name}: shows what {earlier} does, by symmetry; it adds nothing but averaging"
         for name, earlier in repeated(scene)
@@ -281,7 +281,7 @@ def repeated_told(scene: Scene) -> list[str]:
 
 
 def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
-    """Whether every foil has an image, and every interface connects the images alike."""
+    """True if every foil has an image, and every interface connects the images in the same way."""
     images = _images(scene, mapping)
     if None in images.values():
         return False

@@ -1,4 +1,4 @@
-"""How strong the touches of a press are as factors of capacitance, however they are written."""
+"""Strengths of the touches of a press as factors of capacitance, however they are given."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ..scene.scene import Scene
 from ..sweeps.press_text import JOINT
 
 FACTOR_RTOL = 1e-3
-"""Of the deflection beside an applicator of a given force, which tells how deep that goes."""
+"""Tolerance of the deflection next to an applicator of a given force, which sets its depth."""
 
 
 def factors_under(scene: Scene, press: str) -> list[float]:
-    """The factor under each touch, in the order in which they are written.
+    """Factor under each touch, in their order in the text.
 
-    Raises InputError for a press that does not fit the scene, and as `pressed`.
+    Raises InputError for a press that does not fit the scene, and as `deformation`.
     """
     whole, default = press_on(scene, press), strength_of(scene.press)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}

@@ -1,4 +1,4 @@
-"""What can differ from a scene by a number: its parameters, and a skin that differs so."""
+"""Parameters: what can differ from a scene by a number, and the skin that results."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects
 
 HALF_WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
-"""Half waves along x and along y of the modes of a sheet's conductance; the first is its mean."""
+"""Half waves along x and along y of the cosine modes of a sheet's conductance; the first is its
+mean."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Variation:
         return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beside)
 
     def factors(self, scene: Scene) -> NDArray[np.float64]:
-        """Factors on each part of M, shape (part,), see `Parts`; 1 of a finger."""
+        """Factors on each part of M, shape (part,), see `Parts`; 1 for a finger."""
         parts, foam = parts_of(scene), self.foam(scene)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
@@ -58,18 +59,18 @@ class Variation:
 
     @property
     def alike(self) -> bool:
-        """Whether both sheets vary over the skin in the same way."""
+        """True if both sheets vary over the skin in the same way."""
         top, bottom = self.top / self.top[0], self.bottom / self.bottom[0]
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
 
 
 def of_parts(scene: Scene, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
-    """A number for each part, shape (part,), from those of pixels, shape (row, column)."""
+    """Values of parts, shape (part,), from those of pixels, shape (row, column)."""
     return np.append(map_of.ravel(), beside)[: foam_parts(scene)]
 
 
 def nominal(scene: Scene, modes: int = 1) -> Variation:
-    """The scene as it stands."""
+    """Variation without any change of the scene."""
     uniform = np.eye(1, modes).ravel()
     return Variation(
         uniform,
@@ -116,11 +117,11 @@ PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
 
 
 FOAM_MODES = ("foam_x", "foam_y", "foam_xy")
-"""Amplitudes of slow waves of the foam's capacitance over its mean, of WAVES but the first: 0 in
-every scene, and parameters only where they are asked for."""
+"""Amplitudes of cosine modes of the foam's capacitance over its mean, of HALF_WAVES but the first:
+0 in every scene, and parameters only on request."""
 
 TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
-"""The same of each sheet's conductance."""
+"""Amplitudes of cosine modes of each sheet's conductance."""
 
 SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
 COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
@@ -142,9 +143,9 @@ def own_values(scene: Scene) -> dict[str, float]:
 
 
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
-    """Those given, and the scene's own for the others.
+    """Given values, and the scene's own for the others.
 
-    Raises InputError for an unknown name, and for one of EFFECTS that the scene has not.
+    Raises InputError for an unknown name, and for one of EFFECTS that the scene does not have.
     """
     own = own_values(scene)
     for name in given or {}:
@@ -156,12 +157,12 @@ def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, flo
 
 
 def loss_of(values: Mapping[str, float]) -> Loss:
-    """The foam's losses."""
+    """Losses of the foam."""
     return Loss(values["loss_tangent"], values["phase_exponent"])
 
 
 def leads_of(values: Mapping[str, float]) -> Leads:
-    """The leads."""
+    """Leads of the meter."""
     return Leads(
         resistance=values["lead_resistance"],
         inductance=values["lead_inductance"],
@@ -170,7 +171,7 @@ def leads_of(values: Mapping[str, float]) -> Leads:
 
 
 def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
-    """The skin, as factors on the scene's: half of a mismatch of sheets up, half of it down."""
+    """Skin as factors on the scene's; a mismatch of sheets is split in half between them."""
     common, half = math.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
     return Variation(
         top=np.array([common * math.exp(-half)]),
@@ -187,7 +188,7 @@ def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
 
 
 def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
-    """The scene with these parameters. Raises InputError for an unknown name."""
+    """Scene with these parameters. Raises InputError for an unknown name."""
     values = all_values(scene, given)
     skin, half = scene.skin, values["sheet_mismatch"] / 2
     sheets = {
@@ -236,7 +237,8 @@ def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
 def by_sheets(
     energy: NDArray[np.complex128], top: float, bottom: float
 ) -> dict[str, NDArray[np.complex128]]:
-    """dY in S by the logarithms of both sheets' resistance and of the top's over the bottom's.
+    """Derivatives of Y in S by the logarithms of both sheets' resistance and of the top's over the
+    bottom's.
 
     energy: of each field's sheet at 1 V, u'Ku, S, shape (field, ...). top, bottom: resistances,
     which share the energy of the one field that stands for both.
@@ -249,7 +251,7 @@ def by_sheets(
 
 
 class SessionSpread(NamedTuple):
-    """By how much sessions differ from a scene in a parameter: mean, and standard deviation."""
+    """Difference of sessions from a scene in a parameter: mean, and standard deviation."""
 
     shift: float
     deviation: float

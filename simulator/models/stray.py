@@ -1,8 +1,8 @@
-"""How large each effect is that two sheets and a foam alone leave out: closed forms and estimates.
+"""Sizes of the effects that two sheets and a foam alone leave out: closed forms and estimates.
 
-Relative sizes are those of a uniform skin that both sheets are fed along the same edge of, at low
-frequency; the same formulas tell of other skins about how much they have. eps0 is the permittivity
-of vacuum, d the thickness of the foam, c its capacitance per area, C its whole capacitance.
+Relative sizes are those of a uniform skin with both sheets fed along the same edge, at low
+frequency; the same formulas give the approximate size on other skins. eps0 is the permittivity of
+vacuum, d the thickness of the foam, c its capacitance per area, C its whole capacitance.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from ..scene.skin import VACUUM_PERMITTIVITY, Electrode
 from ..scene.surroundings import Body
 
 NEARBY = Body(distance=5e-3)
-"""What a robot's arm is behind a skin, and what sizes are told of where a scene names no body."""
+"""A robot's arm behind a skin: the assumed body if a scene names none."""
 FINGER = VACUUM_PERMITTIVITY * 3.0 * 1e-4 / 0.5e-3
-"""F: a finger pad of 1 cm² on 0.5 mm of a rubber or plastic of relative permittivity 3, 5.3 pF."""
+"""Finger pad of 1 cm² on 0.5 mm of rubber or plastic of relative permittivity 3, 5.3 pF; F."""
 OVERLAP = 1e-3
-"""m: of a foil, where a scene names none."""
+"""Assumed overlap of a foil if a scene names none, m."""
 
 
 def rim_per_length(length: float, width: float, thickness: float) -> float:
@@ -37,9 +37,9 @@ def rim_per_length(length: float, width: float, thickness: float) -> float:
 
 
 def rim_share(scene: Scene) -> float:
-    """What the field around the outline adds to C, relatively: gamma P / C, P the perimeter.
+    """Relative increase of C by the field around the outline: gamma P / C, P the perimeter.
 
-    It is 2 gamma / c (1/L + 1/W) of a rectangle.
+    It is 2 gamma / c (1/L + 1/W) for a rectangle.
     """
     skin = scene.skin
     gamma = rim_per_length(*skin.stretched_sides, skin.foam.thickness_or_assumed)
@@ -47,7 +47,7 @@ def rim_share(scene: Scene) -> float:
 
 
 def straight_share(thickness: float, depth: float) -> float:
-    """Bound on what a field across the foam that is not straight changes of Rs and Cp, relatively.
+    """Bound on the relative change of Rs and Cp by fields across the foam that are not straight.
 
     (d / delta)² / 6 with delta the depth to which the field reaches from a foil; both in m.
     """
@@ -55,7 +55,7 @@ def straight_share(thickness: float, depth: float) -> float:
 
 
 def wall_share(scene: Scene, factor: float) -> float:
-    """What the walls around a pixel add to the rise of its capacitance by a factor, relatively.
+    """Increase by the walls around a pixel of the rise of its capacitance by a factor, relatively.
 
     E eps p / (c A (k - 1)) with p and A of the pixel, E of a step from d to d / k.
     """
@@ -118,7 +118,7 @@ def overlap_share(extent: float, width: float) -> float:
 
 
 def extent_from(foil: Contact, scene: Scene) -> float:
-    """How far a skin reaches from the edge that a foil is on, m; its shorter side on an outline."""
+    """Length of a skin from the edge that a foil is on, m; its shorter side on an outline."""
     x, y = scene.skin.stretched_sides
     return {"left": x, "right": x, "bottom": y, "top": y}.get(foil.edge, min(x, y))
 
@@ -129,7 +129,7 @@ def sheet_part(scene: Scene, electrode: Electrode) -> float:
 
 
 def capacitance(scene: Scene) -> float:
-    """Of the whole skin at rest, as it is stretched, F; maps are left out."""
+    """Capacitance of the whole unpressed skin, with stretch, F; maps are left out."""
     skin = scene.skin
     stretched = math.prod(skin.stretch.ratios) if skin.stretch else 1.0
     return skin.foam.unpressed_capacitance_per_area * surface(skin) * stretched

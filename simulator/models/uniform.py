@@ -1,13 +1,13 @@
-"""The plain scene that a stretched, bent or evenly mapped one is electrically.
+"""The uniform scene that is electrically equivalent to a stretched, bent or uniformly mapped one.
 
 A uniform stretch of an isotropic rectangle leaves a rectangle: its sides grow, the sheets'
 resistance R' = R J^(p / (1 - p)) and the foam's capacitance per area c' = c0 J^(q / (1 - q)) are
-uniform again (see `materials`), and contact resistance times length of contact line is taken to
-stay. Bending to a cylinder changes no length at all. Maps of one factor are factors.
+uniform again (see `materials`). Contact resistance times length of contact line is assumed
+constant. Bending to a cylinder changes no length. Maps of one factor are factors.
 
-Places in m of a press are those of the skin at rest, so they move with it: `electrical_press`. What
-is no pixel or rectangle has no plain scene: it is solved as it is on the flat skin at rest, with
-the coefficients of `materials`.
+Positions in m of a press are those of the unstretched skin, so they move with it:
+`equivalent_press`. Shapes other than pixels and rectangles have no uniform scene: they are solved
+on the flat, unstretched skin, with the coefficients of `materials`.
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ Part = TypeVar("Part", Sheet, Foam)
 
 
 def equivalent_scene(scene: Scene) -> Scene:
-    """The scene with all folded in that a plain scene can hold, see `form`.
+    """Scene with everything folded in that a uniform scene can represent, see `equivalent_skin`.
 
-    A plain scene is returned as it is.
+    A uniform scene is returned as it is.
     """
     skin = equivalent_skin(scene.skin)
     return scene if skin is scene.skin else scene.model_copy(update={"skin": skin})
 
 
 def equivalent_skin(skin: Skin) -> Skin:
-    """What a skin is electrically.
+    """Electrically equivalent skin.
 
-    Even maps and directions of no preference are always folded in, and bending to a cylinder; a
-    stretch where nothing else is left that is not plain.
+    Uniform maps, anisotropy of ratio 1 and bending to a cylinder are always folded in; a stretch is
+    folded in if the rest is uniform.
     """
     even = _without_uniform_maps(skin)
     return _stretched(even) if even.beyond_uniform == ["skin.stretch"] else even
 
 
 def equivalent_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
-    """The same press on `electrical(scene)`; None where that is no plain press on a plain scene.
+    """Same press on `equivalent_scene(scene)`; None if press or scene are not uniform.
 
-    even: `electrical(scene)`, where it is known.
+    even: `equivalent_scene(scene)`, if it is known.
     """
     if not (press.plain and (even or equivalent_scene(scene)).uniform):
         return None
@@ -70,7 +70,7 @@ def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
 
 
 def uniformly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """As `folded`, but what a tension spreads beside applicators is left out everywhere."""
+    """Scene as of `folded`, but without the spread by a tension next to applicators."""
     if not (creeps and scene.press.by_factor):
         require_static(scene, f"{what} by `press.depth`" if creeps else what)
     if scene.press.by_factor:
@@ -117,7 +117,7 @@ def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
 
 
 def _without_uniform_maps(skin: Skin) -> Skin:
-    """Without even maps, without directions of no preference, and flat where it only bends."""
+    """Skin without uniform maps, without anisotropy of ratio 1, and flat if it only bends."""
     changed = {
         "top": _without_even_map(_without_idle_direction(skin.top)),
         "bottom": _without_even_map(_without_idle_direction(skin.bottom)),
@@ -143,7 +143,7 @@ def _without_even_map(part: Part) -> Part:
 
 
 def _times(part: Part, factor: float) -> Part:
-    """With `factor` times the resistance, or times the capacitance per area."""
+    """Part with `factor` times the resistance, or times the capacitance per area."""
     if isinstance(part, Sheet):
         return part.model_copy(update={"sheet_resistance": part.sheet_resistance * factor})
     if part.capacitance_per_area is None and part.mechanics is None:
@@ -171,7 +171,7 @@ def _stretched(skin: Skin) -> Skin:
 
 
 def _thinned(foam: Foam, factor: float) -> Foam:
-    """With `factor` times the capacitance per area, all by its thickness where that is known."""
+    """Foam with `factor` times the capacitance per area, by its thickness if that is known."""
     thinner = _times(foam, factor)
     if foam.thickness is None:
         return thinner

@@ -1,7 +1,8 @@
-"""Where two sheets and a foam alone end as a model: what a scene leaves out, and how large that is.
+"""Limits of the model of two sheets and a foam: the effects that a scene leaves out, and their
+size.
 
 Foam of thickness d carries displacement current along the skin too. Where the potential grows
-evenly from sheet to sheet that is a conductance s c d² / 12 beside 1 / R, of which it is the part
+uniformly from sheet to sheet that is a conductance s c d² / 12 in parallel with 1 / R. Its share is
 |s R c| d² / 12 = (d / delta)² / 6; at the end of a long strip Rs falls and Cp rises by half as
 much. At the edges of the skin the field fringes; at those of a press it is smoothed over d. Earth
 takes a part of the current. Sizes: `stray`.
@@ -20,7 +21,7 @@ PIXEL_LIMIT = 2.0
 
 
 def thickness_told(scene: Scene) -> str:
-    """The foam's thickness in words, with what is assumed where its capacitance alone is given."""
+    """Thickness of the foam in words, with the assumption if only its capacitance is given."""
     told = f"{1e3 * scene.skin.foam.thickness_or_assumed:.2g} mm"
     if scene.skin.foam.thickness is not None:
         return told
@@ -28,10 +29,10 @@ def thickness_told(scene: Scene) -> str:
 
 
 def warnings(scene: Scene) -> list[str]:
-    """One line for each way in which the scene leaves the model's range; none where it is within.
+    """One line for each way in which the scene leaves the model's range.
 
-    Where the capacitance is given, and not its geometry, it is taken to hold the fringe field, and
-    the foam to be as thick as one of ASSUMED_PERMITTIVITY.
+    A capacitance that is given directly is assumed to contain the fringe field, and the foam to be
+    as thick as one of ASSUMED_PERMITTIVITY.
     """
     around = scene.surroundings
     checks = [
@@ -45,7 +46,7 @@ def warnings(scene: Scene) -> list[str]:
 
 
 def _assumed(scene: Scene) -> str | None:
-    """What is assumed of a foam whose thickness surroundings need, and that does not say it."""
+    """Assumption about a foam whose thickness surroundings need, but which is not given."""
     around = scene.surroundings
     if around is None or scene.skin.foam.thickness is not None:
         return None
@@ -94,7 +95,8 @@ def _pixels(scene: Scene) -> str | None:
 
 
 def _loss(scene: Scene) -> str | None:
-    """One s multiplies all capacitance: the loss of the foam cannot be told from that around it."""
+    """One s multiplies all capacitance, so the loss of the foam applies to its surroundings as
+    well."""
     if scene.surroundings is None or scene.skin.foam.loss == LOSSLESS:
         return None
     return (
@@ -104,9 +106,10 @@ def _loss(scene: Scene) -> str | None:
 
 
 def earth_left_out(scene: Scene) -> str | None:
-    """What a meter with an earth may show of a scene that says nothing of it; None where it does.
+    """Possible effect of earth on a scene without surroundings, as one line; None with
+    surroundings.
 
-    One line, with the size of a body behind the skin and of a finger on it.
+    The line has the size of a body behind the skin and of a finger on it.
     """
     if scene.surroundings is not None:
         return None

@@ -1,7 +1,7 @@
 """From a press to the capacitance per area: of every pixel, of any grid, and exactly.
 
-A pixel and a rectangle are patches that a mesh of lines follows. A disc is none: it enters a grid
-by the part that it takes of each cell's area, and what is solved for discs has arcs for edges.
+A pixel and a rectangle are patches that a mesh of lines follows. A disc is not: it enters a grid by
+the share of each cell's area that it covers, and meshes for discs have arcs as edges.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .walls import require_no_walls
 
 @dataclass(frozen=True)
 class Patch:
-    """What a touch covers between two lines x and two lines y in m, and its factor."""
+    """A touch between two lines x and two lines y in m, and its factor."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -33,22 +33,22 @@ class Patch:
 
     @property
     def area(self) -> float:
-        """Between its lines, m²."""
+        """Area between its lines, m²."""
         return float(np.ptp(self.x) * np.ptp(self.y))
 
     def share(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the touch covers of each cell between other lines, shape (row, column)."""
+        """Covered share of each cell between other lines, shape (row, column)."""
         return shared(self.y, y).T @ shared(self.x, x)
 
     def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c over that without the touch, in the mean of each cell between other lines."""
+        """c over that without the touch, averaged over each cell between other lines."""
         return weighed(self.share(x, y), self.factor)
 
 
 def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
-    """c in F/m², shape (row, column): the foam at rest, times each touch's factor where it is.
+    """c in F/m², shape (row, column): the unpressed foam, times each touch's factor.
 
-    Raises InputError where a touch is not whole pixels; `grid_map` then gives the pixels' means.
+    Raises InputError for a touch that is not whole pixels; `grid_map` then gives the pixels' means.
     """
     require_plain(press)
     c = np.full(
@@ -65,10 +65,10 @@ def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
 
 
 def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.float64]:
-    """c over that at rest, on a uniform grid over the skin, shape (row, column).
+    """c over its unpressed value, on a uniform grid over the skin, shape (row, column).
 
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
-    disc as the circle it is; factors multiply.
+    disc as an exact circle; factors multiply.
     """
     x, y = _even_lines(scene.skin.length, columns), _even_lines(scene.skin.width, rows)
     total = np.ones((rows, columns))
@@ -83,17 +83,17 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
 
 @lru_cache
 def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
-    """Between so many cells of one size, from 0 to a length in m; not to be written to."""
+    """Lines between equal cells, from 0 to a length in m; read-only."""
     lines = np.linspace(0, length, cells + 1)
     lines.flags.writeable = False
     return lines
 
 
 def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
-    """Of a uniform grid, by default of the pixels, where a press raises c; as `grid_map`.
+    """Cells of a uniform grid, by default the pixels, where a press raises c; as `grid_map`.
 
-    Fingers follow, as `Parts` numbers them. Raises InputError for a finger where the scene has no
-    earth, and for walls around touches that are no whole cells.
+    Fingers follow, numbered as in `Parts`. Raises InputError for a finger if the scene has no
+    earth, and for walls around touches that are not whole cells.
     """
     check_fingers(press, scene)
     shape = grid or scene.pixels.shape
@@ -116,7 +116,7 @@ def _check_walls(scene: Scene, press: Press, grid: tuple[int, int]) -> None:
 
 
 def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
-    """The fingers of a press on such a grid, as `Parts` numbers them, F."""
+    """Fingers of a press on such a grid, numbered as in `Parts`, F."""
     shape = grid or scene.pixels.shape
     each = [_finger(scene, touch, shape) for touch in press.touches if touch.finger]
     return together(NOTHING, *each)
@@ -129,17 +129,17 @@ def _raised(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
 
 
 def _finger(scene: Scene, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
-    """The finger of one touch, spread evenly over what it covers."""
+    """Finger of one touch, spread uniformly over the area that it covers."""
     cells, covered = _raised(scene, Press((replace(place_of(touch), factor=2.0),)), grid)
     share = touch.finger * covered / covered.sum()
     return TouchedCells(parts_of(scene, grid).finger(cells), share)
 
 
 def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
-    """Pixels, and by how much c rises under their applicators.
+    """Pixels, and the rise of c under their applicators.
 
-    Raises InputError where touches are others, or a scene is pressed by factors and its skins'
-    tension spreads presses.
+    Raises InputError for other touches, or if a scene is pressed by factors and a tension spreads
+    presses.
     """
     mechanics = scene.skin.foam.mechanics
     spreads = mechanics is not None and bool(mechanics.tension)
@@ -157,9 +157,9 @@ def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
 def tile_map(
     scene: Scene, press: Press, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """c over that at rest between lines in m, shape (row, column): exact where they are `lines`.
+    """c over its unpressed value between lines in m, shape (row, column): exact for `lines`.
 
-    Edges that are not told apart from a line enter the cells beside it by the area covered.
+    Edges that nearly coincide with a line enter the cells next to it by the covered area.
     """
     total = np.ones((len(y) - 1, len(x) - 1))
     for touch in press.touches:
@@ -168,7 +168,7 @@ def tile_map(
 
 
 def lines(scene: Scene, press: Press) -> Lines:
-    """Lines beside those of the pixels that c may jump at, ascending."""
+    """Lines in addition to those of the pixels at which c may jump, ascending."""
     areas = [patch(scene, touch) for touch in press.touches if not isinstance(touch, Touch)]
     if not areas:
         return NO_LINES
@@ -176,15 +176,15 @@ def lines(scene: Scene, press: Press) -> Lines:
 
 
 def patch(scene: Scene, touch: AnyTouch) -> Patch:
-    """What a touch covers. Raises InputError where it is not plain."""
+    """Patch that a touch covers. Raises InputError if it is no patch."""
     box = touched_box(scene, touch)
     return Patch(np.array(box[:2]), np.array(box[2:]), touch.factor)
 
 
 def touched_box(scene: Scene, touch: AnyTouch) -> Box:
-    """The rectangle that a touch is; its sides are pixels' lines where they are the same.
+    """Rectangle of a touch; its sides are pixels' lines where they coincide.
 
-    Raises InputError where it is none.
+    Raises InputError if it is no rectangle.
     """
     if not isinstance(touch, Touch | Rectangle):
         require_plain(Press((touch,)))
@@ -198,7 +198,7 @@ def touched_box(scene: Scene, touch: AnyTouch) -> Box:
 
 
 def weighed(fraction: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
-    """1 + (factor - 1) fraction, exact where all or nothing is covered."""
+    """1 + (factor - 1) fraction, exact for fractions 0 and 1."""
     return (1 - fraction) + factor * fraction
 
 

@@ -1,4 +1,4 @@
-"""What touches a skin besides pressing it: the capacitance to earth of a finger on a patch.
+"""Fingers on the skin: the capacitance to earth of a finger on a patch.
 
 A finger on the cover is a plate as large as the patch that it touches:
 
@@ -20,15 +20,15 @@ from ..sweeps.press_text import EARTHED, FREE_TOUCH, WrittenFinger
 from .touch import Disc, Place, Polygon, Touch
 
 PERSON = 150e-12
-"""F: of a standing person to earth, as in the test of IEC 61000-4-2."""
+"""Capacitance of a standing person to earth, F, as in the test of IEC 61000-4-2."""
 LOOKED_AT = 256
-"""Places along each side of a touch at which it is looked whether there is skin: areas to 1e-3."""
+"""Sample points along each side of a touch for its area on the skin: accurate to 1e-3."""
 
 
 def finger_of(place: Place, written: WrittenFinger | None, scene: Scene | None) -> float:
-    """Capacitance to earth in F of what touches a place, by what its text says, or else the scene.
+    """Capacitance to earth in F of whatever touches a place, from its text, or else from the scene.
 
-    Raises InputError where it follows from no scene, or the scene has no earth or no cover.
+    Raises InputError if it follows from no scene, or the scene has no earth or no cover.
     """
     given = scene.press.finger if scene else None
     how = given if written is None else (given or EARTHED) if written == FREE_TOUCH else written
@@ -42,9 +42,9 @@ def finger_of(place: Place, written: WrittenFinger | None, scene: Scene | None) 
 
 
 def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
-    """That of a finger on a place of a scene with surroundings, F.
+    """Capacitance of a finger on a place of a scene with surroundings, F.
 
-    "floating": in series with PERSON. Raises InputError where there is neither cover nor air.
+    "floating": in series with PERSON. Raises InputError without cover and air.
     """
     if isinstance(how, float | int):
         return float(how)
@@ -56,8 +56,10 @@ def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
 
 
 def finger_over(scene: Scene, area: NDArray[np.float64], how: Finger | None) -> NDArray[np.float64]:
-    """The same of areas in m², of a scene with surroundings, and with cover or air where that
-    tells it; 0 of a rod."""
+    """Capacitances of fingers on areas in m², for a scene with surroundings; 0 for a rod.
+
+    The scene needs a cover or air if the capacitance follows from it.
+    """
     if not isinstance(how, str):
         return np.full(area.shape, float(how or 0.0))
     assert scene.surroundings is not None and scene.surroundings.finger_per_area is not None
@@ -66,10 +68,11 @@ def finger_over(scene: Scene, area: NDArray[np.float64], how: Finger | None) -> 
 
 
 def touched_area(scene: Scene, place: Place) -> float:
-    """Area of the skin that a place covers, as the skin is stretched, m².
+    """Area of the skin that a place covers, with stretch, m².
 
-    Exact on a rectangle, and of pixels that are groups of a mesh. Else the part of the place that
-    has skin is sampled at LOOKED_AT² places around it; a mesh in space counts as seen along z.
+    Exact on a rectangle, and for pixels that are groups of a mesh. Otherwise LOOKED_AT² sample
+    points in the box around the place show the share on the skin; a mesh in space counts as seen
+    along z.
     """
     skin, groups = scene.skin, scene.pixels.groups
     stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0
@@ -85,7 +88,7 @@ def touched_area(scene: Scene, place: Place) -> float:
 
 
 def _around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The rectangle around a place: its lowest corner, and its sides along x and y; m."""
+    """Rectangle around a place: its lowest corner, and its sides along x and y; m."""
     if isinstance(place, Touch):
         sides = np.array(scene.skin.sides) / scene.pixels.shape[::-1]
         return sides * (place.column - 1, place.row - 1), sides
@@ -94,7 +97,7 @@ def _around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _part(place: Place, extent: NDArray[np.float64]) -> float:
-    """Of the rectangle around it that a place covers; extent: its sides, m."""
+    """Share of the rectangle around it that a place covers; extent: sides of the rectangle, m."""
     if isinstance(place, Disc):
         return np.pi / 4
     if isinstance(place, Polygon):
@@ -103,7 +106,7 @@ def _part(place: Place, extent: NDArray[np.float64]) -> float:
 
 
 def _within(place: Place, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether positions x in the box around a place, m, shape (2, ...), lie in it."""
+    """True for positions x in the box around a place, m, shape (2, ...), that lie in it."""
     if isinstance(place, Disc):
         return Circle(place.x, place.y, place.radius).holds(x)
     if isinstance(place, Polygon):

@@ -1,13 +1,13 @@
-"""What a foam remembers of presses: it creeps under a load and recovers after it.
+"""Creep of the foam under a load, and its recovery.
 
 Standard linear solids: under a load that causes the strain x at once, the strain is
 
     e = x + sum_k y_k,    time_k dy_k/dt = share_k x - y_k
 
 (W. N. Findley, J. S. Lai and K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials,
-1976, chapter 5). Whatever happened before is in y alone, so that a state between two changes of the
-press is known without steps in time. Where a depth is held, e is fixed and x = e - sum_k y_k falls:
-the force relaxes.
+1976, chapter 5). The history is contained in y alone, so the state between two changes of the press
+is known without steps in time. At a fixed depth, e is fixed and x = e - sum_k y_k decreases: the
+force relaxes.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Creep:
-    """share: of the strain at once; time: constants in s; both of shape (solid,).
+    """Creep law. share: over the strain at once; time: constants in s; both of shape (solid,).
 
-    Memories y have the shape (solid, ...), strains (...).
+    Internal strains y have the shape (solid, ...), strains (...).
     """
 
     share: Array
@@ -35,14 +35,14 @@ class Creep:
 
     @classmethod
     def of(cls, foam: Foam) -> Creep:
-        """That of a foam; of no solid where it has none."""
+        """Creep law of a foam; without solids if it has none."""
         solids = foam.relaxation or ()
         pairs = [(each.share, each.time_constant) for each in solids]
         share, time = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
         return cls(share, time)
 
     def nothing(self, *shape: int) -> Array:
-        """The memory of a foam that was never pressed."""
+        """Internal strains of a foam that was never pressed."""
         return np.zeros((len(self.share), *shape))
 
     def decay(self, seconds: float) -> Array:
@@ -50,7 +50,8 @@ class Creep:
         return np.exp(-seconds / self.time)
 
     def loaded(self, y: Array, x: Array, decay: Array) -> Array:
-        """The memory later, under a load that causes the strain x at once; 0 lets it recover.
+        """Internal strains later, under a load that causes the strain x at once; 0 lets the foam
+        recover.
 
         decay: see `decay`.
         """
@@ -59,21 +60,24 @@ class Creep:
         return settled + (y - settled) * decay.reshape(along)
 
     def clamped(self, y: Array, e: Array, seconds: float) -> Array:
-        """The memory so many s later, the strain e held; in the end share_k e / (1 + sum share)."""
+        """Internal strains `seconds` later at a fixed strain e; they tend to share_k e / (1 + sum
+        share)."""
         settled = np.multiply.outer(self.share, e) / (1 + self.share.sum())
         power, turn, root = self._modes
         moved = turn * np.exp(power * seconds) @ turn.T * root / root[:, None]
         return settled + np.tensordot(moved, y - settled, 1)
 
     def greatest(self, y: Array, x: Array) -> Array:
-        """Bound on the strain that is ever come to under a load that causes x at once, reached
-        where nothing is remembered."""
+        """Bound on the strain under a load that causes x at once; reached if all y are 0 at
+        first."""
         return x + np.maximum(y, np.multiply.outer(self.share, x)).sum(axis=0)
 
     @cached_property
     def _modes(self) -> tuple[Array, Array, Array]:
-        """Of dy/dt = -(y + share sum(y)) / time: rates (solid,) in 1/s, vectors, and the scale of
-        y in which it is symmetric."""
+        """Modes of dy/dt = -(y + share sum(y)) / time.
+
+        Rates (solid,) in 1/s, vectors, and the scale of y in which the system is symmetric.
+        """
         root = np.sqrt(self.time / self.share)
         symmetric = -np.diag(1 / self.time) - np.outer(1 / root, 1 / root)
         power, turn = np.linalg.eigh(symmetric)
@@ -81,10 +85,10 @@ class Creep:
 
 
 def let_off(x: Array, most: Array, hysteresis: float) -> Array:
-    """The strain that a load leaves that causes x on the way up, after a larger one caused `most`.
+    """Strain on unloading, where loading would cause x, after a larger load caused `most`.
 
-    x + 3 h x (1 - x / most): where stress is proportional to x, what lies between both ways is the
-    share h of the work of loading. The way back up is that down, until `most` is passed, as of
-    rubber by R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. Lond. A 455 (1999) 2861.
+    x + 3 h x (1 - x / most): where stress is proportional to x, the area between both paths is the
+    share h of the work of loading. Reloading follows the same path until `most` is passed, as for
+    rubber in R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. Lond. A 455 (1999) 2861.
     """
     return x + 3 * hysteresis * x * (1 - x / np.maximum(most, np.finfo(float).tiny))

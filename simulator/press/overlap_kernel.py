@@ -17,9 +17,10 @@ def touched(
     x: NDArray,
     y: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
-    """As `rasterized.rasterized`. boxes: left, right, bottom and top in m, shape (press, touch, 4).
+    """Compiled form of `rasterized.rasterized`.
 
-    radius: of discs in m, 0 of rectangles. x, y: the grid's lines in m, ascending.
+    boxes: left, right, bottom and top in m, shape (press, touch, 4). radius: of discs in m, 0 of
+    rectangles. x, y: the grid's lines in m, ascending.
     """
     rows, columns = len(y) - 1, len(x) - 1
     starts = np.zeros(len(touches) + 1, np.int64)

@@ -1,9 +1,9 @@
-"""How the parts that M of a skin is a sum of are numbered; presses say by these numbers what rises.
+"""Numbering of the parts that M of a skin is a sum of; presses refer to parts by these numbers.
 
-The foam's parts come first. Where a scene has surroundings, others follow: what a finger holds to
-earth on each pixel, what a field across the foam that is not straight adds in each part of it, the
-walls between parts that are pressed to different thickness, and what no press changes: bodies, and
-the field along the outline.
+The foam's parts come first. If a scene has surroundings, others follow: the capacitance to earth of
+a finger on each pixel, the correction for the field along the foam in each part of it, the walls
+between parts that are pressed to different thickness, and the parts that no press changes: bodies,
+and the field along the outline.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from .batch import NOTHING, PressBatch, TouchedCells
 from .walls import NO_WALL, NO_WALLS, Walls, of_step, of_step_slope, walls_of
 
 SOLVED = "solved"
-"""In place of a factor: what is solved for is of one geometry."""
+"""Marks a part without a factor: solved surroundings are valid for one geometry."""
 SLOPE_STEP = 1e-5
-"""Of a factor: central differences are then off by 1e-10 of what they tell, and by rounding."""
+"""Relative step of central differences: their error is 1e-10 of the slope, plus rounding."""
 
 
 @dataclass(frozen=True)
 class Parts:
-    """So many of each kind, one kind after the other.
+    """Number of parts of each kind, one kind after the other.
 
-    foam: see `foam_parts`; they rise by fractions of c at rest. fingers: one on each pixel, or
-    none; they rise by F from nothing. thickness: of the field across each part of the foam, or
-    none; they go with the factor of that part as `across` says, whoever presses it. walls: between
-    parts of the foam, none unless a scene has `edges`; they go with the factors on both sides as
-    `wall` says. fixed: the factor of a `Variation` that each of the others goes with, or SOLVED of
-    those that no skin weighs. mechanics: of foam that is pressed.
+    foam: see `foam_parts`; they rise by fractions of the unpressed c. fingers: one on each pixel,
+    or none; they rise by F from nothing. thickness: of the field across each part of the foam, or
+    none; they follow the factor of that part by `across`. walls: between parts of the foam, none
+    unless a scene has `edges`; they follow the factors on both sides by `wall`. fixed: for each of
+    the others the factor of a `Variation` that scales it, or SOLVED. mechanics: of foam that is
+    pressed.
     """
 
     foam: int
@@ -47,56 +47,59 @@ class Parts:
 
     @property
     def touched(self) -> int:
-        """How many a press may change."""
+        """Number of parts that a press may change."""
         return self.foam + self.fingers + self.thickness + self.walls.count
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of parts."""
         return self.touched + len(self.fixed)
 
     @cached_property
     def kind(self) -> tuple[slice, slice, slice, slice]:
-        """Which those of the foam are, of fingers, of the field across the foam, and walls."""
+        """Slices of the parts of foam, fingers, the field across the foam, and walls."""
         of_kinds = self.foam, self.fingers, self.thickness, self.walls.count
         foam, fingers, across, walls = np.cumsum(of_kinds).tolist()
         return slice(0, foam), slice(foam, fingers), slice(fingers, across), slice(across, walls)
 
     @property
     def around(self) -> bool:
-        """Whether there is anything but the foam."""
+        """True if there are other parts than the foam."""
         return self.count > self.foam
 
     def finger(self, pixel: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The part of a finger on a pixel, counted row by row from 0."""
+        """Part of a finger on a pixel, counted row by row from 0."""
         return self.foam + pixel
 
     def by_kind(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[TouchedCells, TouchedCells]:
-        """What a press does to the foam, and its fingers."""
+        """Changes of the foam, and fingers, of a press."""
         if not self.around:
             return TouchedCells(cells, rises), NOTHING
         foam = cells < self.foam
         return TouchedCells(cells[foam], rises[foam]), TouchedCells(cells[~foam], rises[~foam])
 
     def pixels(self, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """The pixel of each touch on the foam or by a finger, and whether it is the first one there
-        of its press; both of shape (press, touch)."""
+        """Pixel of each touch on the foam or by a finger, and whether it is the first one there of
+        its press.
+
+        Both of shape (press, touch).
+        """
         pixels = np.where(cells < self.foam, cells, cells - self.foam)
         same = pixels[:, :, None] == pixels[:, None, :]
         return pixels, ~np.tril(same, -1).any(axis=2)
 
     @cached_property
     def resting(self) -> NDArray[np.float64]:
-        """How much of each there is without a press, shape (part,): no fingers and no walls."""
+        """Amount of each part without a press, shape (part,): no fingers and no walls."""
         found = np.ones(self.count)
         _, fingers, _, walls = self.kind
         found[fingers] = found[walls] = 0.0
         return found
 
     def pressed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How much of each there is under a press, shape (part,)."""
+        """Amount of each part under a press, shape (part,)."""
         found = self.resting.copy()
         np.add.at(found, cells, rises)
         foam, _, thickness, walls = self.kind
@@ -107,33 +110,38 @@ class Parts:
         return found
 
     def thinned(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Thickness of the foam over that at rest, of shape (...), where c is so many times."""
+        """Thickness of the foam over the unpressed one for factors of c, of shape (...)."""
         if self.mechanics is None:
             return 1 / factor
         return 1 - np.asarray(self.mechanics.strain_at(factor))
 
     def across(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The field across foam over that at rest, of shape (...), where c is so many times: it
-        goes with c d², and without mechanics foam of constant permittivity is thinner by as much.
+        """Term of the field across the foam over its unpressed value for factors of c, of shape
+        (...).
+
+        It is proportional to c d²; without mechanics foam of constant permittivity is thinner by
+        the factor.
         """
         if self.mechanics is None:
             return 1 / factor
         return factor * self.thinned(factor) ** 2
 
     def across_slope(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of `across` by the factor, to six digits."""
+        """Derivative of `across` by the factor, to six digits."""
         step = SLOPE_STEP * factor
         return (self.across(factor + step) - self.across(factor - step)) / (2 * step)
 
     def wall(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How much of a wall there is between foam where c is so many times, both of shape (...):
-        `of_step` of the thickness on either side, which is 0 of the same."""
+        """Amount of a wall between foam with these factors of c, both of shape (...).
+
+        `of_step` of the ratio of the thicknesses; 0 if they are equal.
+        """
         return of_step(_ratio(self.thinned(one), self.thinned(other)))
 
     def wall_slope(
         self, own: NDArray[np.float64], other: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Of `wall` by the factor on its own side, to six digits."""
+        """Derivative of `wall` by the factor on its own side, to six digits."""
         thinned, beside, step = self.thinned(own), self.thinned(other), SLOPE_STEP * own
         by_factor = (self.thinned(own + step) - self.thinned(own - step)) / (2 * step)
         thinner = thinned < beside
@@ -141,7 +149,7 @@ class Parts:
         return of_step_slope(_ratio(thinned, beside)) * by_thickness * by_factor
 
     def wall_slopes(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of all walls by the factors of the first and of the second part, shape (wall, 2).
+        """Derivatives of all walls by the factors of their first and second part, shape (wall, 2).
 
         factor: of each part of the foam, shape (part,).
         """
@@ -149,13 +157,13 @@ class Parts:
         return np.stack([self.wall_slope(one, other), self.wall_slope(other, one)], axis=1)
 
     def completed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
-        """One press as `followed`."""
+        """One press as of `followed`."""
         if not (self.thickness or self.walls.count):
             return TouchedCells(cells, rises)
         return self.followed(PressBatch.of([(cells, rises)])).one(0)
 
     def followed(self, batch: PressBatch) -> PressBatch:
-        """The same presses with what they do to the field across the foam and with their walls."""
+        """Same presses with their changes of the field across the foam, and with their walls."""
         if not (self.thickness or self.walls.count):
             return batch
         on_foam, press = batch.cells < self.foam, batch.press
@@ -174,8 +182,10 @@ class Parts:
     def _walled(
         self, keys: NDArray[np.int64], factor: NDArray[np.float64], count: int
     ) -> PressBatch:
-        """Walls around so many presses. keys: press * foam + part of each that is touched,
-        ascending, and its factor."""
+        """Walls around touched parts of `count` presses.
+
+        keys: press * foam + touched part, ascending, and the factor of each.
+        """
         press, part = np.divmod(keys, self.foam)
         walls, around = self.walls, self.walls.of(part)
         each = (press[:, None] * walls.count + around)[around != NO_WALL]
@@ -188,19 +198,19 @@ class Parts:
 
 
 def _ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of the smaller one to the larger one."""
+    """Ratio of the smaller one to the larger one."""
     return np.minimum(one, other) / np.maximum(one, other)
 
 
 def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
-    """Parts of the foam: cells of a grid row by row, by default the pixels, and on a mesh what is
-    left beside them."""
+    """Number of parts of the foam: cells of a grid row by row, by default the pixels; on a mesh
+    also the foam outside them."""
     rows, columns = grid or scene.pixels.shape
     return rows * columns + (scene.skin.mesh is not None)
 
 
 def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
-    """Of a scene with cells of a grid, by default its pixels."""
+    """Parts of a scene with the cells of a grid, by default its pixels."""
     foam, around = foam_parts(scene, grid), scene.surroundings
     if around is None:
         return Parts(foam)

@@ -1,4 +1,4 @@
-"""The grid of pixels, and which of them have a part of the skin in them."""
+"""The grid of pixels, and the pixels that contain skin."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from ..scene.scene import Scene
 from ..scene.skin import reaches_into
 
 SAME = 1e-8
-"""Over the skin's longer side: what reaches no farther into a pixel does not count."""
+"""Overlap of skin and pixel over the skin's longer side below which the pixel counts as empty."""
 
 
 def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
-    """The lines that pixels lie between, across x (axis 0) or y (axis 1); m."""
+    """Lines between pixels, across x (axis 0) or y (axis 1); m."""
     return np.linspace(0, scene.skin.sides[axis], scene.pixels.shape[1 - axis] + 1)
 
 
 def cell_centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
-    """Centres (x, y) of even cells by rows and columns, m, shape (2, row, column)."""
+    """Centres (x, y) of equal cells by rows and columns, m, shape (2, row, column)."""
     row, column = np.indices(grid) + 0.5
     return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])
 
 
 def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
-    """(row, column) from 1 of each pixel that has a part of the skin in it, row by row."""
+    """(row, column) from 1 of each pixel that contains skin, row by row."""
     skin, groups = scene.skin, scene.pixels.groups
     every = [(row + 1, column + 1) for row, column in np.ndindex(*scene.pixels.shape)]
     if groups is not None or (skin.outline is None and skin.mesh is None):

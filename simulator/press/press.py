@@ -1,4 +1,4 @@
-"""A press: the touches of the skin at one time, how they are written, and where they may lie."""
+"""A press: simultaneous touches of the skin, their text form, and where they may lie."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ ORDER = (Touch, Rectangle, Disc, Polygon)
 
 @dataclass(frozen=True)
 class Press:
-    """Several touches at once; none at all is the skin at rest.
+    """Several touches at once; none is the unpressed skin.
 
-    Pixels are pressed once each; other touches may lie over them and over each other. Factors
-    multiply where they do; of applicators the deeper one counts.
+    Pixels are pressed once each; other touches may overlap them and each other. Where touches
+    overlap, factors multiply; of applicators the deeper one counts.
     """
 
     touches: tuple[AnyTouch, ...] = ()
@@ -52,33 +52,33 @@ class Press:
 
     @property
     def fingers(self) -> bool:
-        """Whether anything that touches has a capacitance to earth."""
+        """True if any touch has a capacitance to earth."""
         return any(touch.finger for touch in self.touches)
 
     @property
     def boxes(self) -> bool:
-        """Whether it is nothing but factors of pixels and rectangles, by whatever touches there."""
+        """True if all touches are factors of pixels and rectangles, by rods or fingers."""
         return all(isinstance(touch, Touch | Rectangle) for touch in self.touches)
 
     @property
     def on_patches(self) -> Press:
-        """Its touches of a given factor, and what fingers at others touch: those of factor 1."""
+        """Press of its touches of a given factor, and of fingers at the others, with factor 1."""
         patches = [replace(t.place, finger=t.finger) for t in self.indented if t.finger]
         return Press((*self.sharp.touches, *patches))
 
     @property
     def sharp(self) -> Press:
-        """Its touches of a given factor."""
+        """Press of its touches of a given factor."""
         return Press(tuple(each for each in self.touches if not isinstance(each, Indentation)))
 
     @property
     def indented(self) -> tuple[Indentation, ...]:
-        """Its touches of a given depth or force."""
+        """Touches of a given depth or force."""
         return tuple(each for each in self.touches if isinstance(each, Indentation))
 
     @property
     def pixel(self) -> tuple[int, int]:
-        """(row, column) of a single touch, (0, 0) at rest, (-1, -1) where it is no single pixel."""
+        """(row, column) of a single touch, (0, 0) unpressed, (-1, -1) if it is no single pixel."""
         if not self.touches:
             return 0, 0
         first, *others = self.touches
@@ -98,13 +98,12 @@ def require_plain(press: Press) -> None:
 
 
 def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Press:
-    """The press written as `text`, see `sweeps.press_text`.
+    """Press from `text`, see `sweeps.press_text`.
 
-    `default` is how strongly touches are pressed that do not say so; what touches is a finger of
-    the scene where that does not stand there, and a rod without a scene. Touches are put in order:
-    those with factors before those with depths and forces, pixels before rectangles, discs and
-    polygons. Raises InputError as `parse_touches`, and for a finger of which no scene tells the
-    capacitance.
+    `default`: strength of touches without one of their own. Touches without a finger of their own
+    have the finger of the scene, and are rods without a scene. Touches are sorted: factors before
+    depths and forces, pixels before rectangles, discs and polygons. Raises InputError as
+    `parse_touches`, and for a finger whose capacitance no scene gives.
     """
     touches = [_touch(each, default, scene) for each in parse_touches(text)]
     return Press(tuple(sorted(touches, key=order)))
@@ -117,14 +116,14 @@ def _touch(written: WrittenTouch, default: Strength, scene: Scene | None) -> Any
 
 
 def order(touch: AnyTouch) -> tuple:
-    """What the touches of a press are sorted by."""
+    """Sort key of the touches of a press."""
     place = place_of(touch)
     by = (touch.by.unit, touch.by.value) if isinstance(touch, Indentation) else ()
     return bool(by), ORDER.index(type(place)), astuple(place), by, touch.finger
 
 
 def _place(touch: WrittenTouch) -> Place:
-    """The place that is written, of factor 1."""
+    """Place from its text, of factor 1."""
     numbers = touch.numbers
     match touch.kind:
         case "pixel":
@@ -145,20 +144,21 @@ def _by(strength: WrittenStrength) -> Strength:
 
 
 LEAST_SIZE = 1e-6
-"""Of a touch, over that of the skin: a thousand times what lines are told apart by."""
+"""Smallest size of a touch over that of the skin: a thousand times the distance at which lines
+coincide."""
 
 
 def strength_of(pressing: Pressing) -> Strength:
-    """How strongly a touch presses that does not say so."""
+    """Strength of a touch without one of its own."""
     if pressing.depth is not None:
         return Depth(pressing.depth)
     return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
 
 
 def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouch:
-    """A pixel with c so many times that at rest under it: by a depth where the scene presses so.
+    """Pixel with this factor of c under it: by a depth if the scene presses by depth.
 
-    Raises InputError where the foam cannot be pressed so far.
+    Raises InputError if the foam cannot be compressed so far.
     """
     pixel = Touch(row, column, 1.0)
     strength = factor if scene.press.by_factor else Depth(scene.pressed_depth(factor))
@@ -166,14 +166,14 @@ def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouc
 
 
 def pressed_factor(scene: Scene, touch: AnyTouch) -> float:
-    """c under a touch over that at rest. Raises InputError for one by a force."""
+    """c under a touch over its unpressed value. Raises InputError for a force."""
     if not isinstance(touch, Indentation):
         return touch.factor
     return scene.factor_at(touch.by.value if isinstance(touch.by, Depth) else None)
 
 
 def every_press(scene: Scene) -> list[Press]:
-    """The skin at rest, then every pixel alone that has a part of the skin in it, row by row."""
+    """The unpressed skin, then each pixel with skin alone, row by row."""
     strength = strength_of(scene.press)
     pixels = [Touch(row, column, 1.0) for row, column in pixels_with_skin(scene)]
     fingers = [finger_of(pixel, None, scene) for pixel in pixels]
@@ -182,7 +182,7 @@ def every_press(scene: Scene) -> list[Press]:
 
 
 def press_on(scene: Scene, text: str) -> Press:
-    """The press written as `text`, as strong as the scene has it where that does not say.
+    """Press from `text`; touches without a strength have that of the scene.
 
     Raises InputError as `parse_press` and `check_press`.
     """
@@ -191,22 +191,21 @@ def press_on(scene: Scene, text: str) -> Press:
 
 
 def label_of(press: Press, scene: Scene) -> str:
-    """The press as text that `press_on` reads as the same press again.
+    """Text of the press that `press_on` reads as the same press.
 
-    As `Press` writes it; where touches of the scene are fingers unless they say otherwise, a rod
-    says so.
+    It is that of `Press`, but a rod is named if touches of the scene are fingers by default.
     """
     rod = rod_text(scene)
     return "+".join(f"{t}{'' if t.finger else rod}" for t in press.touches) or UNPRESSED
 
 
 def rod_text(scene: Scene) -> str:
-    """What the text of a touch by a rod ends with."""
+    """Ending of the text of a touch by a rod."""
     return ":rod" if scene.press.finger else ""
 
 
 def check_press(press: Press, scene: Scene) -> Press:
-    """The same press, if it lies on the scene's skin; raises InputError."""
+    """The press, if it lies on the scene's skin; raises InputError."""
     for place in map(place_of, press.touches):
         if isinstance(place, Touch):
             _check_pixel(place, press, scene)
@@ -223,7 +222,8 @@ def check_press(press: Press, scene: Scene) -> Press:
 
 
 def check_fingers(press: Press, scene: Scene) -> None:
-    """Raises InputError for fingers where the scene has no earth, or something is before them."""
+    """Raise InputError for fingers if the scene has no earth, or a body covers the touched
+    sheet."""
     around = scene.surroundings
     told = NO_EARTH if around is None else around.no_finger_reason
     if press.fingers and told is not None:

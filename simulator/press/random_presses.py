@@ -1,4 +1,4 @@
-"""Presses drawn at random."""
+"""Random presses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ SMALLEST, LARGEST, FACTORS = 0.03, 0.5, (1.3, 3.0)
 
 
 def random_presses(scene: Scene, rng: np.random.Generator, count: int) -> list[Press]:
-    """One rectangle or two apart, of 3 to 50 % of the sides, anywhere, factors from 1.3 to 3."""
+    """One rectangle or two separate ones, of 3 to 50 % of the sides, anywhere, factors from 1.3 to
+    3."""
     return [_random_press(scene, rng, 1 + number % 2) for number in range(count)]
 
 

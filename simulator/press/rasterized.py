@@ -1,8 +1,7 @@
-"""Many touches rasterized on the cells of a uniform grid, as `grid_map` does those of one press.
+"""Many touches rasterized on the cells of a uniform grid; `grid_map` does so for one press.
 
 A touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, and factors
-multiply. `grid_map` stays beside the kernel: it is its readable twin, and one press is not worth
-loading numba.
+multiply. `grid_map` is the kernel's readable twin, and serves single presses without loading numba.
 """
 
 from __future__ import annotations
@@ -20,8 +19,8 @@ from .batch import PressBatch
 class Footprints(NamedTuple):
     """Rectangles and discs, those of each press first in their row, shape (press, touch).
 
-    disc: else a rectangle. x, y: of the centre, width, height: of the box around it, m. factor: c
-    over that without the touch. finger: capacitance to earth, F.
+    disc: False for a rectangle. x, y: of the centre, width, height: of the box around it, m.
+    factor: c over that without the touch. finger: capacitance to earth, F.
     """
 
     disc: NDArray[np.bool_]
@@ -42,7 +41,7 @@ class Footprints(NamedTuple):
         factor: ArrayLike,
         finger: ArrayLike = 0.0,
     ) -> Self:
-        """Of shape (press, touch), or what broadcasts to it."""
+        """Footprints of rectangles; arrays of shape (press, touch), or broadcasting to it."""
         told = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
         return cls(np.zeros(x.shape, dtype=bool), x, y, *told)
 
@@ -50,9 +49,9 @@ class Footprints(NamedTuple):
 def rasterized(
     scene: Scene, touches: NDArray[np.int64], footprints: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
-    """Cells in which presses raise c, and by how much of that without them.
+    """Cells in which presses raise c, and the rise relative to the unpressed c.
 
-    touches: how many each press has, shape (press,). grid: rows and columns.
+    touches: number in each press, shape (press,). grid: rows and columns.
     """
     from .overlap_kernel import touched
 
@@ -78,8 +77,8 @@ def _ends(
     lines: NDArray[np.float64],
     disc: NDArray[np.bool_],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where touches begin and end along an axis, m; rectangles on lines that they cannot be told
-    from."""
+    """Start and end of touches along an axis, m; rectangles snap to lines that they nearly coincide
+    with."""
     low, high = (_on_lines(middle + side * extent / 2, lines, disc) for side in (-1, 1))
     return low, high
 

@@ -1,7 +1,8 @@
-"""One touch of the skin: a pixel or a place of any shape, how strongly it is pressed, and by what.
+"""One touch of the skin: a pixel or a place of any shape, its strength, and the finger or rod.
 
-How strongly is a factor on the capacitance, or a depth or a force of which mechanics makes one. By
-what is a capacitance to earth, spread evenly over the place: 0 F of a rod, some pF of a finger.
+The strength is a factor on the capacitance, or a depth or a force that mechanics converts to a
+factor. A finger is a capacitance to earth, spread uniformly over the place: 0 F for a rod, some pF
+for a finger.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from ..sweeps import InputError
 
 
 class Box(NamedTuple):
-    """A rectangle between two lines each way, m."""
+    """Rectangle between two lines in each direction, m."""
 
     left: float
     right: float
@@ -22,23 +23,23 @@ class Box(NamedTuple):
 
 
 class Touched:
-    """What touches say alike. finger: the capacitance of what touches there to earth, F."""
+    """Common part of all touches. finger: capacitance of the finger there to earth, F."""
 
     finger: float
 
     def _and_finger(self, text: str) -> str:
-        """The text of a touch; a rod, of 0 F, is not told."""
+        """Text of a touch with its finger; a rod, of 0 F, is left out."""
         return f"{text}:{self.finger!r}F" if self.finger else text
 
 
 class Placed(Touched):
-    """A place of the skin, and its capacitance over that at rest."""
+    """A place of the skin, and its capacitance over the unpressed one."""
 
     factor: float
 
     @property
     def where(self) -> str:
-        """The place as text."""
+        """Text of the place."""
         raise NotImplementedError
 
     def __str__(self) -> str:
@@ -47,7 +48,7 @@ class Placed(Touched):
 
 @dataclass(frozen=True, order=True)
 class Touch(Placed):
-    """One pressed pixel, counted from 1, and its capacitance over that at rest."""
+    """One pressed pixel, counted from 1, and its capacitance over the unpressed one."""
 
     row: int
     column: int
@@ -72,7 +73,7 @@ class Rectangle(Placed):
 
     @property
     def box(self) -> Box:
-        """What it covers."""
+        """Its own box."""
         x, y, half_width, half_height = self.x, self.y, self.width / 2, self.height / 2
         return Box(x - half_width, x + half_width, y - half_height, y + half_height)
 
@@ -93,7 +94,7 @@ class Disc(Placed):
 
     @property
     def box(self) -> Box:
-        """The rectangle around it."""
+        """Rectangle around it."""
         x, y, radius = self.x, self.y, self.radius
         return Box(x - radius, x + radius, y - radius, y + radius)
 
@@ -112,7 +113,7 @@ class Polygon(Placed):
 
     @property
     def box(self) -> Box:
-        """The rectangle around it."""
+        """Rectangle around it."""
         x, y = zip(*self.points, strict=True)
         return Box(min(x), max(x), min(y), max(y))
 
@@ -123,7 +124,7 @@ class Polygon(Placed):
 
 @dataclass(frozen=True, order=True)
 class AppliedStrength:
-    """How a rigid flat applicator is pushed in."""
+    """Depth or force of a rigid flat applicator."""
 
     value: float
     unit: ClassVar[str]
@@ -133,13 +134,13 @@ class AppliedStrength:
 
 
 class Depth(AppliedStrength):
-    """How far, m."""
+    """Depth, m."""
 
     unit = "m"
 
 
 class Force(AppliedStrength):
-    """With what, N."""
+    """Force, N."""
 
     unit = "N"
 
@@ -150,7 +151,7 @@ Strength = float | Depth | Force
 
 @dataclass(frozen=True)
 class Indentation(Touched):
-    """A rigid flat applicator of the shape of a place (of factor 1, 0 F), pushed into the skin."""
+    """A rigid flat applicator of the shape of a place (of factor 1, 0 F), pressed into the skin."""
 
     place: Place
     by: Depth | Force
@@ -158,12 +159,12 @@ class Indentation(Touched):
 
     @property
     def factor(self) -> NoReturn:
-        """None: what it does to the capacitance is for `models.mechanics` to find."""
+        """None: `models.mechanics` finds the factor."""
         raise InputError(f"press {self}: needs a capacitance factor here, not a {named(self.by)}")
 
     @property
     def where(self) -> str:
-        """The place as text."""
+        """Text of the place."""
         return self.place.where
 
     def __str__(self) -> str:
@@ -174,20 +175,17 @@ AnyTouch = Place | Indentation
 
 
 def place_of(touch: AnyTouch) -> Place:
-    """The place that is touched, however strongly."""
+    """Touched place, without its strength."""
     return touch.place if isinstance(touch, Indentation) else touch
 
 
 def named(by: Depth | Force) -> str:
-    """What the kind of strength is called."""
+    """Name of the kind of strength."""
     return "depth" if isinstance(by, Depth) else "force"
 
 
 def touch_at(place: Place, strength: Strength, finger: float = 0.0) -> AnyTouch:
-    """The place touched by a factor, or pressed to a depth or by a force.
-
-    finger: the capacitance to earth of what touches it, F.
-    """
+    """Touch at a place by a factor, a depth or a force. finger: its capacitance to earth, F."""
     if isinstance(strength, Depth | Force):
         return Indentation(replace(place, factor=1.0, finger=0.0), strength, finger)
     return replace(place, factor=strength, finger=finger)

@@ -1,7 +1,7 @@
 """Walls between parts of the foam that are pressed to different thickness.
 
-Beyond straight fields the step between two plates has a capacitance along its wall, which goes
-with the permittivity and with the thickness on either side.
+The step between two plates has a capacitance along its wall in addition to straight fields. It
+depends on the permittivity and on the thickness on either side.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ NO_WALL = -1
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """Pairs of parts of the foam that meet, the lower number first, shape (wall, 2)."""
+    """Pairs of adjacent parts of the foam, the lower number first, shape (wall, 2)."""
 
     pairs: NDArray[np.int64]
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of walls."""
         return len(self.pairs)
 
     @cached_property
     def around(self) -> NDArray[np.int64]:
-        """The walls of each part, shape (part, most); NO_WALL where it has fewer than others."""
+        """Walls of each part, shape (part, most), padded with NO_WALL."""
         part, wall = self.pairs.ravel(), np.repeat(np.arange(self.count), 2)
         order = np.argsort(part, kind="stable")
         part, wall = part[order], wall[order]
@@ -42,7 +42,7 @@ class Walls:
         return found
 
     def of(self, parts: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The walls of some parts, shape (..., most)."""
+        """Walls of some parts, shape (..., most)."""
         if not self.count:
             return np.zeros((*parts.shape, 0), dtype=np.int64)
         known = np.minimum(parts, len(self.around) - 1)
@@ -53,7 +53,7 @@ NO_WALLS = Walls(np.zeros((0, 2), dtype=np.int64))
 
 
 def walls_of(scene: Scene, grid: tuple[int, int]) -> Walls:
-    """Of the parts that a scene's foam has on a grid of so many rows and columns."""
+    """Walls between the parts of a scene's foam on a grid of rows and columns."""
     groups, mesh = scene.pixels.groups, scene.skin.mesh
     if groups is None or mesh is None:
         return _on_grid(*grid)
@@ -70,7 +70,8 @@ def _on_grid(rows: int, columns: int) -> Walls:
 
 @lru_cache(maxsize=16)
 def _between_groups(scene: Scene) -> Walls:
-    """Of pixels that are groups of a mesh's triangles; what is in none comes after them."""
+    """Walls between pixels that are groups of a mesh's triangles; the part outside all groups is
+    last."""
     groups, mesh = scene.pixels.groups, scene.skin.mesh
     assert groups is not None and mesh is not None
     surface = mesh.surface
@@ -86,7 +87,7 @@ def _between_groups(scene: Scene) -> Walls:
 
 
 def require_no_walls(scene: Scene, what: str) -> None:
-    """Raises InputError where `what`, which covers cells in part, meets touches with walls."""
+    """Raise InputError if `what`, which covers cells in part, meets touches with walls."""
     if scene.surroundings is not None and scene.surroundings.edges:
         raise InputError(
             f"{scene.name}: {what} cannot take `surroundings.edges`, which is for touches of whole "
@@ -95,12 +96,13 @@ def require_no_walls(scene: Scene, what: str) -> None:
 
 
 def of_step(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Capacitance of a step in the gap between two plates beyond that of straight fields, over eps
-    and for each metre. ratio: of the smaller gap to the larger one, above 0 and up to 1.
+    """Capacitance of a step in the gap between two plates beyond straight fields, over eps, per
+    metre.
 
-    E = 1/pi [(1 + a²)/a ln((1 + a)/(1 - a)) - 2 ln(4 a / (1 - a²))]: 0.2498 for a = 1/2, and 0 for
-    a = 1; without what cancels there, 1/pi [2 ln(1 + b²/(4 a)) + b²/a ln((1 + a)/b)], b = 1 - a.
-    Source: by a conformal map, J. R. Whinnery and H. W. Jamieson, Proc. IRE 32 (1944) 98.
+    ratio: of the smaller gap to the larger one, above 0 and up to 1. E = 1/pi [(1 + a²)/a ln((1 +
+    a)/(1 - a)) - 2 ln(4 a / (1 - a²))]: 0.2498 for a = 1/2, and 0 for a = 1. Without cancellation
+    it is 1/pi [2 ln(1 + b²/(4 a)) + b²/a ln((1 + a)/b)], b = 1 - a. Source: by a conformal map, J.
+    R. Whinnery and H. W. Jamieson, Proc. IRE 32 (1944) 98.
     """
     a = np.asarray(ratio, dtype=np.float64)
     b = 1 - a
@@ -109,7 +111,7 @@ def of_step(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
 
 
 def of_step_slope(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of `of_step` by the ratio: -(1 - a²)/(pi a²) ln((1 + a)/(1 - a))."""
+    """Derivative of `of_step` by the ratio: -(1 - a²)/(pi a²) ln((1 + a)/(1 - a))."""
     a = np.asarray(ratio, dtype=np.float64)
     there = a < 1
     own = np.where(there, a, 0.5)

@@ -1,5 +1,5 @@
-"""The static field around a skin: charges of its sheets in three dimensions, foam and bodies there.
+"""Static field around a skin: charges of its sheets in three dimensions, with foam and bodies.
 
-At the frequencies of a meter the field outside the sheets is that of electrostatics, so it is
-solved once for each geometry, whatever the sheets' resistance, the press or the frequency.
+At the frequencies of a meter the field outside the sheets is electrostatic, so it is solved once
+for each geometry, for any sheet resistance, press and frequency.
 """

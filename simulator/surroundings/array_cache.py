@@ -1,6 +1,6 @@
-"""Arrays that take long to make, kept between runs in the user's cache folder.
+"""Arrays that take long to compute, cached between runs in the user's cache folder.
 
-No file there is needed: one that is not there, is spoilt or cannot be written is as none.
+No file there is needed: one that is missing, damaged or cannot be written is ignored.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import platformdirs
 from numpy.typing import NDArray
 
 VERSION = 1
-"""Of how they are made: a higher one leaves all that was kept before alone."""
+"""Version of the computation: a higher one ignores everything cached before."""
 
 
 def read(key: str) -> NDArray[np.float64] | None:
-    """What was kept for a key; None where there is none that holds finite numbers."""
+    """Cached array of a key; None if there is none with finite numbers."""
     try:
         with _path(key).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             found = file["values"] if str(file["key"]) == key else None
@@ -30,7 +30,7 @@ def read(key: str) -> NDArray[np.float64] | None:
 
 
 def write(key: str, values: NDArray[np.float64]) -> None:
-    """Keep an array for a key, whole or not at all."""
+    """Cache an array for a key, whole or not at all."""
     path = _path(key)
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -45,7 +45,7 @@ def write(key: str, values: NDArray[np.float64]) -> None:
 
 
 def folder() -> Path:
-    """Where they are kept."""
+    """Folder of the cache."""
     return platformdirs.user_cache_path("rcskin", appauthor=False) / "surroundings"
 
 

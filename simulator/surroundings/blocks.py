@@ -1,5 +1,4 @@
-"""The blocks of panels of a scene's skin: a rectangle's quarter, or triangles of an outline or
-mesh."""
+"""Blocks of panels of a scene's skin: a rectangle's quarter, or triangles of an outline or mesh."""
 
 from __future__ import annotations
 
@@ -20,14 +19,14 @@ from ..sweeps import InputError
 from .panels import PanelBlock, Points, quarter
 
 PANELS = (6, 10)
-"""From the edge of a rectangle to its middle, of a coarse and of a fine block."""
+"""Panels from the edge of a rectangle to its middle, of a coarse and of a fine block."""
 LAYERS = (2, 4)
-"""Of triangles at an outline, coarse and fine."""
+"""Layers of triangles at an outline, coarse and fine."""
 LONGEST, FEWEST = 2.0, 100
-"""Edges of triangles along outlines: the longest over the foam's thickness, unless those are more
-than so many around a skin."""
+"""Edges of triangles along outlines: the longest over the foam's thickness, and the count around a
+skin above which they may be longer."""
 ACROSS = 4
-"""Triangles across the shorter side of a skin away from its outline, at least."""
+"""Minimum count of triangles across the shorter side of a skin away from its outline."""
 SLICES = 3
 PAIRS = [0, 1], [1, 2], [2, 0]
 PLAIN_SHEET = Sheet(sheet_resistance=1.0)
@@ -50,10 +49,8 @@ class Shape:
 
 
 def shape_of(scene: Scene, key: str) -> Shape:
-    """That of a scene's skin.
-
-    key: the key that needs it. Raises InputError for a mesh that is not flat.
-    """
+    """Shape of a scene's skin. key: the key that needs it. Raises InputError for a mesh that is not
+    flat."""
     skin, foam = scene.skin, scene.skin.foam
     thickness = foam.thickness_or_assumed
     if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
@@ -78,7 +75,8 @@ def blocks(shape: Shape) -> list[tuple[PanelBlock, float]]:
 
 
 def _outlined(scene: Scene) -> Scene:
-    """The same skin of other sheets and foam, so that all with one outline share their blocks."""
+    """Same outline with other sheets and foam, so that all skins with one outline share their
+    blocks."""
     foam = Foam(thickness=1e-3, relative_permittivity=1.0)
     skin = scene.skin.model_copy(
         update={"top": PLAIN_SHEET, "bottom": PLAIN_SHEET, "foam": foam, "stretch": None}
@@ -87,7 +85,7 @@ def _outlined(scene: Scene) -> Scene:
 
 
 def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
-    """Of a mesh, refined as LONGEST says. layers: as of `layered`."""
+    """Block of a mesh, refined as LONGEST says. layers: as of `layered`."""
     scale = np.array(shape.ratios)[:, None]
     longest = LONGEST * shape.thickness
     while True:
@@ -106,7 +104,7 @@ def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
 
 
 def _around(mesh: Domain, p: Points) -> Points:
-    """The edges of just one triangle, anticlockwise around the skin, m, shape (edge, end, 2)."""
+    """Edges of exactly one triangle, anticlockwise around the skin, m, shape (edge, end, 2)."""
     edges, of_triangle = edges_of(mesh.t)
     outer = np.bincount(of_triangle.ravel()) == 1
     side, triangle = np.nonzero(outer[of_triangle])
@@ -143,7 +141,7 @@ def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
 
 
 def _cut_in_three(triangles: Points, rim: NDArray[np.bool_]) -> tuple[Points, NDArray[np.bool_]]:
-    """Those with all corners on an outline, about their middles."""
+    """Triangles with all corners on an outline, each divided into three about its middle."""
     whole = rim.all(axis=1)
     middle = triangles[whole].mean(axis=1)
     thirds = [

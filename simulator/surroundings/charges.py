@@ -43,9 +43,10 @@ def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) ->
 
 
 def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: Array) -> Array:
-    """Of all panels, V/m, shape (panel, k). potentials: of the same, V; those of sheets count.
+    """Sigma of all panels, V/m, shape (panel, k).
 
-    influence: of all symmetric parts of the foam together, shape (2, panel, panel).
+    potentials: of all panels, V; only those of sheets are used. influence: of all symmetric parts
+    of the foam together, shape (2, panel, panel).
     """
     sheets, (potential, field) = 2 * len(block.panels), influence
     system = np.concatenate([potential[:sheets], (1 - permittivity) * field[sheets:]])
@@ -57,11 +58,11 @@ def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: 
 
 
 def influence(block: PanelBlock, layer: Layer | None) -> Array:
-    """Potentials in m and fields off the foam by sigma of each panel: (2, part, panel, panel).
+    """Potentials in m and fields out of the foam by sigma of each panel: (2, part, panel, panel).
 
     At the middles of the panels of the bottom sheet, of the top one and of the side faces, by the
-    last index's panel in each symmetric part of the foam. Fields are the mean of both sides; on
-    sheets they are none.
+    last index's panel in each symmetric part of the foam. Fields are the mean of both sides; they
+    are zero on sheets.
     """
     points = block.points
     found = np.zeros((2, len(block.mirrors), len(points), len(points)))  # by panel, then point

@@ -1,4 +1,4 @@
-"""Potential and field of evenly charged flat panels, in closed form.
+"""Potential and field of uniformly charged flat panels, in closed form.
 
 D. R. Wilton et al., IEEE Trans. Antennas Propagat. 32 (1984) 276-281, equations 5 and 11: sums over
 the edges of each polygon, exact at any distance and on the panel itself.
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ..compiled import compiled
 
 IN_PLANE = 1e-9
-"""Of an edge's length: what is nearer than that to a panel's plane, or to the edge's line, is on
-it: the field across the panel is then the mean of both sides."""
+"""Distance from a panel's plane, or an edge's line, over an edge's length, below which a point is
+on it: the field across the panel is then the mean of both sides."""
 
 
 @compiled()
@@ -48,8 +48,10 @@ def fill_influence(
 
 @compiled()
 def _edges(corners: NDArray) -> NDArray:  # pragma: no cover
-    """Of each edge: where it starts, its direction, the direction off the panel, the panel's
-    normal, and its length, shape (4, 13)."""
+    """Data of each edge, shape (4, 13).
+
+    Start, direction, direction out of the panel, the panel's normal, and length.
+    """
     edges = np.zeros((4, 13))
     normal = _normal(corners)
     for edge in range(4):
@@ -70,7 +72,7 @@ def _edges(corners: NDArray) -> NDArray:  # pragma: no cover
 
 @compiled()
 def _normal(corners: NDArray) -> tuple[float, float, float]:  # pragma: no cover
-    """The unit vector across both diagonals, from which the corners run anticlockwise."""
+    """Unit vector across both diagonals; seen along it the corners run anticlockwise."""
     a, b, c, d = corners[0], corners[1], corners[2], corners[3]
     ux, uy, uz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     vx, vy, vz = d[0] - b[0], d[1] - b[1], d[2] - b[2]

@@ -1,4 +1,4 @@
-"""The foam and its two sheets as panels, narrower towards the edges, where charges gather."""
+"""The foam and its two sheets as panels, narrower towards the edges, where charges concentrate."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class PanelBlock:
 
     @property
     def area(self) -> float:
-        """Of a whole sheet, m²."""
+        """Area of a whole sheet, m²."""
         return len(self.mirrors) * float(self.areas[: len(self.panels)].sum())
 
     @cached_property
@@ -51,7 +51,7 @@ class PanelBlock:
 
     @cached_property
     def areas(self) -> NDArray[np.float64]:
-        """Of all panels, m², shape (panel,)."""
+        """Areas of all panels, m², shape (panel,)."""
         return self._halves[0].sum(axis=0)
 
     @property
@@ -62,7 +62,7 @@ class PanelBlock:
 
     @property
     def middles(self) -> Points:
-        """The same as they are seen along z, shape (2, panel)."""
+        """Centroids projected along z, shape (2, panel)."""
         return self.points[:, :2].T
 
     @property
@@ -75,7 +75,7 @@ class PanelBlock:
 
     @property
     def normals(self) -> Points:
-        """Unit vectors off the side faces, zero on sheets, shape (panel, 3)."""
+        """Unit vectors out of the side faces, zero on sheets, shape (panel, 3)."""
         sides = self._sides
         along = sides[:, 1, :2] - sides[:, 0, :2]
         across = np.stack([along[:, 1], -along[:, 0]], axis=1)
@@ -118,11 +118,11 @@ def quarter(
 
 
 def lines(side: float, thickness: float, count: int, even: float = 0.0) -> NDArray[np.float64]:
-    """Where panels along a side end, m, shape (2 * count + 1,), symmetric.
+    """Ends of the panels along a side, m, shape (2 * count + 1,), symmetric.
 
-    They grow with the square of their number within the foam's thickness of an end, as a charge
-    that goes by one over the root of the distance asks for, and by a constant factor beyond. even:
-    share of them that is spread evenly, which bounds those in the middle.
+    They grow with the square of their number within the foam's thickness of an end, to suit a
+    charge proportional to one over the root of the distance, and by a constant factor beyond. even:
+    share of them that is equidistant, which bounds those in the middle.
     """
     a = np.arcsinh(np.sqrt(side / (2 * thickness)))
     number = np.linspace(0, 1, 50 * count + 1)

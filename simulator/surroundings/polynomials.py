@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 SMOOTH = 1
 DEGREE, LEAST_DEGREE = 8, 3
-"""Along the longer side of a skin, and along any: half a wave of the highest is an eighth of it."""
+"""Degrees along the longer side of a skin, and minimum along any: half a wave of the highest is an
+eighth of the side."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,13 @@ class Polynomials:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of polynomials."""
         return (self.degrees[0] + 1) * (self.degrees[1] + 1)
 
     @property
     def odd(self) -> NDArray[np.bool_]:
-        """Which change their sign across the middle of x, and of y, shape (2, polynomial)."""
+        """True for polynomials that are odd about the middle in x, and in y, shape (2,
+        polynomial)."""
         return self._degrees % 2 == 1
 
     @property
@@ -42,21 +44,21 @@ class Polynomials:
 
     @property
     def smooth(self) -> NDArray[np.bool_]:
-        """Which are of degree SMOOTH at most along either side, shape (polynomial,)."""
+        """True for polynomials of degree SMOOTH at most along either side, shape (polynomial,)."""
         return self._degrees.max(axis=0) <= SMOOTH
 
     @property
     def _degrees(self) -> NDArray[np.int64]:
-        """Along x and y, shape (2, polynomial)."""
+        """Degrees along x and y, shape (2, polynomial)."""
         i, j = np.meshgrid(*(np.arange(degree + 1) for degree in self.degrees), indexing="ij")
         return np.stack([i.ravel(), j.ravel()])
 
     def at(self, x: Array) -> Array:
-        """Values at places in m, shape (2, ...) to (polynomial, ...)."""
+        """Values at positions in m, shape (2, ...) to (polynomial, ...)."""
         return self._product(x, (0, 0))
 
     def slopes_at(self, x: Array) -> Array:
-        """Their gradients in 1/m, shape (2, ...) to (2, polynomial, ...)."""
+        """Gradients in 1/m, shape (2, ...) to (2, polynomial, ...)."""
         return np.stack([self._product(x, (1, 0)), self._product(x, (0, 1))])
 
     def _product(self, x: Array, derivatives: tuple[int, int]) -> Array:
@@ -71,7 +73,7 @@ class Polynomials:
 
 
 def polynomials(sides: tuple[float, float]) -> Polynomials:
-    """Of about the same resolution along both sides, m."""
+    """Polynomials of about the same resolution along both sides, m."""
     longer = max(sides)
     degrees = [max(LEAST_DEGREE, int(np.ceil(DEGREE * side / longer))) for side in sides]
     return Polynomials(sides, (degrees[0], degrees[1]))

@@ -16,12 +16,12 @@ from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body
 
 LEAST_WEIGHT = 1e-3
-"""Of images that count: the rest of a series of weights b^n, of either sign, is as much at most."""
+"""Smallest weight of an image: the rest of a series of weights b^n is at most as large."""
 ITSELF = (1.0, 0.0, 1.0)
 
 
 class Layer(NamedTuple):
-    """What lies between the bottom sheet and the plane below: thickness in m, and permittivity."""
+    """Layer between the bottom sheet and the plane below: thickness in m, and permittivity."""
 
     thickness: float
     permittivity: float
@@ -33,7 +33,7 @@ class Layer(NamedTuple):
 
 
 def layer(body: Body) -> Layer:
-    """Of a body; one that is given by its capacitance is taken to be in air."""
+    """Layer in front of a body; a body given by its capacitance is assumed to be in air."""
     if body.distance is not None:
         return Layer(body.distance, body.relative_permittivity)
     return Layer(VACUUM_PERMITTIVITY / body.per_area, 1.0)

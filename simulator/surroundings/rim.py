@@ -1,7 +1,8 @@
-"""Capacitance along the outline of a skin, beyond what each place of its sheets has by itself.
+"""Capacitance along the outline of a skin, beyond the local capacitance of its sheets.
 
-From the charges of the two sheets, each at one potential, less those of straight fields: across the
-foam, and towards a plane that faces a sheet. The rest is spread over the outline evenly.
+It follows from the charges of the two sheets, each at one potential, less those of straight fields:
+across the foam, and towards a plane in front of a sheet. The rest is spread uniformly along the
+outline.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def rim_densities(scene: Scene) -> RimDensities:
 
 
 def computed(scene: Scene) -> RimDensities:
-    """The same, whatever a scene says of its rim."""
+    """Computed densities, even if a scene gives its rim."""
     around, key = scene.surroundings, "surroundings.rim = true"
     bodies = around.body if around else ()
     if len(bodies) > 1:

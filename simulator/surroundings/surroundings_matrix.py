@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..sweeps import InputError
-from . import array_cache as kept
+from . import array_cache
 from .blocks import Shape, shape_of
 from .charges import influence, sigma
 from .panels import PanelBlock, quarter
@@ -60,10 +60,10 @@ class SurroundingsMatrix:
 
 
 def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
-    """That of a scene with `surroundings.solved`, kept on disk once it is solved for.
+    """Matrix of a scene with `surroundings.solved`, cached on disk.
 
-    Raises InputError for what is not solved for: skins that are no rectangles, two bodies, and a
-    body that is not at the potential of earth.
+    Raises InputError for unsupported scenes: skins that are not rectangles, two bodies, and a body
+    that is not at the potential of earth.
     """
     key, around, skin = "surroundings.solved", scene.surroundings, scene.skin
     if not skin.rectangular:
@@ -88,7 +88,7 @@ def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
 def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Array, float]:
     """The matrix, F, the sheet that faces a plane first, and its error; from disk where it is."""
     key = repr((shape, plane, basis, PANELS, EVEN))
-    found = kept.read(key)
+    found = array_cache.read(key)
     if found is None or found.shape != (len(PANELS), *2 * (2, basis.count)):
         sides = shape.length, shape.width, shape.thickness
         found = np.stack(
@@ -97,14 +97,14 @@ def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Arra
                 for count in PANELS
             ]
         )
-        kept.write(key, found)
+        array_cache.write(key, found)
     coarse, fine = found
     added = (fine - coarse) / ((PANELS[1] / PANELS[0]) ** 2 - 1)
     return fine + added, MARGIN * _relative(added, shape, basis)
 
 
 def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
-    """The largest change of charges of the smoothest potentials over those of straight fields."""
+    """Largest change of charges of the smoothest potentials over those of straight fields."""
     size = 2 * basis.count
     norms = np.tile(np.sqrt(basis.squared), 2)
     smooth = np.tile(basis.smooth, 2)

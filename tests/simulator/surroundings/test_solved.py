@@ -8,7 +8,7 @@ from rcskin.simulator.fem.low_rank import Bordered, LowRankMass
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.surroundings import array_cache as kept
+from rcskin.simulator.surroundings import array_cache
 from rcskin.simulator.surroundings import surroundings_matrix as solved
 from rcskin.simulator.surroundings.rim import rim_densities
 from rcskin.simulator.surroundings.surroundings_matrix import surroundings_matrix
@@ -22,7 +22,7 @@ PERIMETER = 2 * (0.1 + 0.02)
 def fresh(monkeypatch, tmp_path):
     """Coarse panels, which take a second; nothing is kept from before or for later."""
     monkeypatch.setattr(solved, "PANELS", (5, 8))
-    monkeypatch.setattr(kept, "folder", lambda: tmp_path / "kept")
+    monkeypatch.setattr(array_cache, "folder", lambda: tmp_path / "kept")
     solved._solved.cache_clear()
     yield
     solved._solved.cache_clear()
@@ -63,7 +63,7 @@ def test_above_is_below_upside_down(skin):
 
 def test_it_is_solved_for_once_and_kept(skin, monkeypatch):
     scene, first = around(skin), surroundings_matrix(around(skin)).matrix
-    (file,) = kept.folder().iterdir()
+    (file,) = array_cache.folder().iterdir()
     spoilt, calls = file.read_bytes()[:-100], []
     monkeypatch.setattr(solved, "excess", lambda *given: calls.append(given) or zeros(scene))
     solved._solved.cache_clear()
@@ -82,7 +82,7 @@ def zeros(scene):
 
 def test_a_folder_that_cannot_be_written_is_as_none(skin, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("no folder")
-    monkeypatch.setattr(kept, "folder", lambda: tmp_path / "file")
+    monkeypatch.setattr(array_cache, "folder", lambda: tmp_path / "file")
     assert surroundings_matrix(around(skin)).matrix.any()
 
 
