@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...report.page import TableGrid, Items, Picture, ReportSection
+from ...report.page import Items, Picture, ReportSection, TableGrid
 from ...scene.scene import Scene
 from ..evaluator import SearchSettings
 from ..picking import sweep_time
