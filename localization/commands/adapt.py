@@ -59,12 +59,12 @@ def adapt(
         files = ", ".join(map(str, touches))
         raise InputError(f"{files} for {model}: {error}") from error
     save(output, found.model.with_fingerprints(known.isel(sweep=samples.rows)))
-    for line in _told(found):
+    for line in _report_lines(found):
         say(line)
     say(f"model: adapted by {len(samples.X)} sweeps -> {output}")
 
 
-def _told(found: Adaptation) -> list[str]:
+def _report_lines(found: Adaptation) -> list[str]:
     """Lines with the figures before and after (on held-out sweeps), and notes."""
     from ..trust.rates import rate_text
 

@@ -58,7 +58,7 @@ def localize(
         header, rows = _followed(told, asked, resting, touching, pace)
     else:
         header, rows = _table(told, asked, resting)
-    _tell_unguarded(told, asked, resting)
+    _note_unguarded(told, asked, resting)
     note_known_sweeps(told, asked, model)
     if output is not None:
         write_rows(output, header, rows)
@@ -69,7 +69,7 @@ def localize(
         say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
 
 
-def _tell_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
+def _note_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
     """Print a note if two touches may pass for one because baseline sweeps are missing."""
     import numpy as np
 

@@ -57,12 +57,12 @@ def train(
         )
     save(output, model)
     note_features(quantities, model.quantities)
-    for line in [*_told(model), *_meaning(model, known), *_hints(model, known)]:
+    for line in [*_model_lines(model), *_meaning(model, known), *_hints(model, known)]:
         say(f"{output}: {line}")
     say(f"model: {_size(model)} -> {output}")
 
 
-def _told(model: Model) -> list[str]:
+def _model_lines(model: Model) -> list[str]:
     """Lines that describe a newly trained model."""
     seen = f"{', '.join(model.quantities)} at {', '.join(model.interfaces)}"
     lines = [

@@ -82,7 +82,7 @@ class CellGrid:
 
 
 def cell_grid_of(model: Model) -> CellGrid:
-    """Of a model of positions. Raises InputError as `Model.known_scene`."""
+    """Grid of a model of positions. Raises InputError as `Model.known_scene`."""
     assert isinstance(model.learned, Regressor)
     step = model.pipeline[-1]
     if isinstance(step, ModelBasedPosition | AdaptedPosition):

@@ -33,7 +33,7 @@ def reserved_for_calibration(
         rest = np.flatnonzero((row == 0) & (session == each))
         reserved[rest[: (rest.size + 1) // 2]] = True
     pressed = np.unique(np.stack([row, column], axis=1)[row > 0], axis=0)
-    for i, j in _far_apart(pressed, touches):
+    for i, j in _distant(pressed, touches):
         reserved[np.flatnonzero((row == i) & (column == j))[0]] = True
     return reserved
 
@@ -80,7 +80,7 @@ def _split(
     return Split(np.sort(np.concatenate(added)), np.sort(np.concatenate(tested)))
 
 
-def _far_apart(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _distant(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """`count` of the places, each as far as possible from the previous ones; the first is fixed."""
     if not len(places) or not count:
         return places[:0]

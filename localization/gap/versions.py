@@ -63,7 +63,7 @@ def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Vers
     except (InputError, ToleranceError) as error:
         return Versions({BEFORE: before}, (), [*told, f"No calibration: {error}."])
     after = Version(exact, read_by_meter(exact, pair.scene, seed))
-    notes = [*told, _calibration_told(pair, reserved)]
+    notes = [*told, _calibration_note(pair, reserved)]
     return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
 
 
@@ -85,7 +85,7 @@ def _hindrance(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 
 
-def _calibration_told(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
+def _calibration_note(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     pixel, skins = pixel_of(pair.other)[reserved], np.unique(pair.simulated["session"].values).size
     told = (
         f"Calibrated on {np.sum(pixel == 0)} unpressed and {np.sum(pixel > 0)} pressed "

@@ -1,7 +1,7 @@
-"""Inversion for the skin at hand: what it is like is told by its own curve at rest.
+"""Inversion adapted to the actual skin, which is identified by its baseline curve.
 
-The simulator makes tables for each curve at rest that is met, once. A sweep is told by its own
-curve, whatever other sweeps are asked about with it.
+The simulator computes tables once for each new baseline curve. The answer to a sweep depends on its
+own curve only, not on other sweeps in the same call.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class _Adapted(BaseEstimator):
 
     def novel(self, X):
         """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
-        return self._told(X, lambda inner, change: inner.novel(change)).astype(bool)
+        return self._by_skin(X, lambda inner, change: inner.novel(change)).astype(bool)
 
     def for_baseline(self, curve: NDArray[np.float64]):
         """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
@@ -83,7 +83,7 @@ class _Adapted(BaseEstimator):
         of_skin = partial(self.builder or simulated, rest=curve, averaged=inner.rest_sweeps)
         return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
-    def _told(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
+    def _by_skin(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
         """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
@@ -111,7 +111,7 @@ class _Adapted(BaseEstimator):
 
 
 class AdaptedClassifier(ClassifierMixin, _Adapted):
-    """Posterior probabilities of the touches of whatever skin is at hand."""
+    """Posterior probabilities of touches, adapted to the skin of each sweep."""
 
     kind = ModelBased
 
@@ -122,12 +122,12 @@ class AdaptedClassifier(ClassifierMixin, _Adapted):
         return self.mean_.classes_
 
     def predict_proba(self, X):
-        """Of each class, shape (sweep, class)."""
-        return self._told(X, lambda inner, change: inner.predict_proba(change))
+        """Probability of each class, shape (sweep, class)."""
+        return self._by_skin(X, lambda inner, change: inner.predict_proba(change))
 
     def log_densities(self, X, numbers: tuple[int, ...] | None = None):
-        """As of `ModelBased`, where numbers are those of changes, (sweep, class + 1)."""
-        return self._told(X, lambda inner, change: inner.log_densities(change, numbers))
+        """`ModelBased.log_densities`, where numbers count changes, (sweep, class + 1)."""
+        return self._by_skin(X, lambda inner, change: inner.log_densities(change, numbers))
 
     def predict(self, X):
         """The most probable class, shape (sweep,)."""
@@ -135,22 +135,24 @@ class AdaptedClassifier(ClassifierMixin, _Adapted):
 
 
 class AdaptedPosition(RegressorMixin, _Adapted):
-    """Place and strength of a touch on whatever skin is at hand."""
+    """Place and strength of a touch, adapted to the skin of each sweep."""
 
     kind = ModelBasedPosition
 
     def predict(self, X, return_std=False):
         """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
-        both = self._told(X, _place_and_deviation)
+        both = self._by_skin(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
 
     def places(self, X) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
-        return self._told(X, lambda inner, change: np.array(inner.places(change), object)).tolist()
+        return self._by_skin(
+            X, lambda inner, change: np.array(inner.places(change), object)
+        ).tolist()
 
     def cells(self, X):
-        """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep, cell, 7)."""
-        return self._told(X, lambda inner, change: inner.cells(change))
+        """`ModelBasedPosition.cells` for the skin of each sweep, shape (sweep, cell, 7)."""
+        return self._by_skin(X, lambda inner, change: inner.cells(change))
 
     @property
     def bounds_(self):
@@ -159,12 +161,12 @@ class AdaptedPosition(RegressorMixin, _Adapted):
 
     @property
     def mask(self):
-        """Where there is skin; None where it is a rectangle."""
+        """Mask of the skin; None for a rectangle."""
         return self.mean_.mask
 
     def share_within(self, X, radius):
-        """As of `ModelBasedPosition`, on whatever skin is at hand, shape (sweep,)."""
-        return self._told(X, lambda inner, change: inner.share_within(change, radius))
+        """`ModelBasedPosition.share_within` for the skin of each sweep, shape (sweep,)."""
+        return self._by_skin(X, lambda inner, change: inner.share_within(change, radius))
 
 
 def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> NDArray[np.float64]:

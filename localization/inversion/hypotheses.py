@@ -1,4 +1,4 @@
-"""What can have been touched, by a simulator's tables: its numbers, their spread, its chance."""
+"""Hypotheses about touches, from a simulator's tables: mean, spread and prior of each."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .mixture import Mixture, joined, mixture
 
 NONE = -1
 AT_ONCE = 500
-"""Entries whose spread is held in memory together."""
+"""Number of entries whose spread is computed at once, to limit memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Hypotheses:
         return np.concatenate([self.slope[entries], self._summed(self.skin, entries)], axis=2)
 
     def chances(self, entries: slice | NDArray) -> NDArray[np.float64]:
-        """Of place and strengths together, shape (entry,)."""
+        """Prior of place and strengths together, shape (entry,)."""
         strength = self.strength[entries]
         each = np.where(strength == NONE, 1.0, self.strengths[strength])
         return self.weight[entries] * each.prod(axis=1)
@@ -57,7 +57,7 @@ class Hypotheses:
         )
 
     def _summed(self, of_touch: NDArray, entries: slice | NDArray) -> NDArray[np.float64]:
-        """Over the touches of each entry."""
+        """Sum over the touches of each entry."""
         place, strength = self.place[entries], self.strength[entries]
         there = (place != NONE).reshape(*place.shape, *(1,) * (of_touch.ndim - 2))
         return np.where(there, of_touch[place, strength], 0.0).sum(axis=1)
@@ -88,7 +88,7 @@ def hypotheses(
 
 
 def _chances(told: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of 0, 1 (and 2) touches; none is ruled out."""
+    """Prior of 0, 1 (and 2) touches, each at least 0.01 before it is normalized."""
     chance = np.maximum(told, 0.01)
     return chance / chance.sum()
 

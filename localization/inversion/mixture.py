@@ -16,7 +16,7 @@ from scipy.special import softmax
 RANK = 8
 """Directions kept of each entry's spread."""
 AT_ONCE = 2**22
-"""Numbers held in memory together, about."""
+"""Approximate count of numbers in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Mixture:
         return self.log_weight + np.log1p(self.power).sum(axis=1) / 2
 
     def of(self, numbers: NDArray[np.intp]) -> Mixture:
-        """The same of some of the numbers only."""
+        """The mixture restricted to some of the numbers."""
         return mixture(self.mean[:, numbers], self.spread[:, numbers], np.exp(self.log_chance))
 
     def distances(self, X: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -32,8 +32,11 @@ BLUR = 3.0
 
 
 class Posterior(NamedTuple):
-    """Of one sweep. entry: numbers of those that matter. share: of each. mean, covariance: of x, y
-    [mm] and strength in each."""
+    """Posterior of one sweep.
+
+    entry: numbers of the relevant entries. share: probability of each. mean, covariance: of x, y
+    [mm] and strength in each.
+    """
 
     entry: NDArray[np.intp]
     share: NDArray[np.float64]
@@ -89,7 +92,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         same shape; where a touch elsewhere is as likely it is as large as that is far.
         """
         posteriors = [self._posterior(each) for each in self._scaled(X)]
-        best = np.array([self._told(each) for each in posteriors]).reshape(-1, 3)
+        best = np.array([self._best_estimate(each) for each in posteriors]).reshape(-1, 3)
         if not return_std:
             return best
         pairs = zip(posteriors, best, strict=True)
@@ -182,7 +185,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         mean = posterior.mean[:, :2]
         return PlaceDistribution(posterior.share, mean, covariance, self.bounds_[:2], self.mask)
 
-    def _told(self, posterior: Posterior) -> NDArray[np.float64]:
+    def _best_estimate(self, posterior: Posterior) -> NDArray[np.float64]:
         strength = posterior.share @ posterior.mean[:, 2]
         return np.append(self.places_of(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
 
@@ -202,7 +205,7 @@ def cells_of(posterior: Posterior) -> NDArray[np.float64]:
 
 
 def _shares(mask: SkinMask, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of each cell of GRID, y within x, the part that is skin, shape (cell,)."""
+    """Share of each cell of GRID (y varies fastest) that is skin, shape (cell,)."""
     x, y = (_middles(low, high, WITHIN * GRID[k]) for k, (low, high) in enumerate(bounds[:2]))
     there = mask.contains(*np.meshgrid(x, y, indexing="ij"))
     return there.reshape(GRID[0], WITHIN, GRID[1], WITHIN).mean(axis=(1, 3)).ravel()

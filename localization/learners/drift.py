@@ -57,10 +57,10 @@ class Drifting(TransformerMixin, BaseEstimator):
 
 
 def add_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Array:
-    """The same sweeps, moved by so much of how another skin at random differs from the mean.
+    """The sweeps shifted by a fraction of the difference of a random skin from the mean.
 
-    X: shape (sweep, feature). curve: features that show the skin at rest. moved: features that
-    move with them, as many each time. Only X itself is copied, for it may fill half the memory.
+    X: shape (sweep, feature). curve: features of the baseline curve. moved: features that shift
+    with them, as many each time. Only X itself is copied, as it may fill half the memory.
     """
     found, curve = X.copy(), np.asarray(curve, dtype=np.intp)
     order, mean = np.random.default_rng(0).permutation(len(X)), X.mean(axis=0)[curve]

@@ -39,9 +39,12 @@ Array = NDArray[np.float64]
 
 
 class ClassDensity(NamedTuple):
-    """Of one class. by_curve, bend: what gives m and b of a curve. strength: variance of t. axes,
-    own: directions of spread, shape (component, k), and variances; floor: of all others. prior: ln
-    of the share of all sweeps."""
+    """Density of one class.
+
+    by_curve, bend: coefficients of m and b as functions of the curve. strength: variance of t.
+    axes, own: directions of spread, shape (component, k), and variances; floor: variance of all
+    other directions. prior: ln of the share of all sweeps.
+    """
 
     by_curve: Array
     bend: Array
@@ -101,7 +104,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         change, curve = self._parts(X)
         self._of_change = _axes(change, self.components)
         self._of_curve = _axes(curve, self.of_curve, alike=True)
-        change, known = self._seen(X)
+        change, known = self._projected(X)
         fits = _fitted(change, known, index, self.spread)
         counts = np.bincount(index)
         pooled = float(np.average([fit.floor for fit in fits], weights=counts))
@@ -129,7 +132,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         """ln of the density of each class with its share, shape (sweep, K); (sweep,) of two."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
-        change, known = self._seen(np.asarray(X, np.float64))
+        change, known = self._projected(np.asarray(X, np.float64))
         normals = [ClassDensity._make(each) for each in self.normals_]
         told = np.stack([_log_density(each, change, known) for each in normals], axis=1)
         return told[:, 1] - told[:, 0] if len(self.classes_) == 2 else told
@@ -167,7 +170,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
             change = change + moved.settled(X[:, self.absolute] - change - X[:, curve])
         return change, X[:, curve]
 
-    def _seen(self, X: Array) -> tuple[Array, Array]:
+    def _projected(self, X: Array) -> tuple[Array, Array]:
         """Components of the change; 1, components of the curve and some of their products."""
         change, curve = self._parts(X)
         (_, turn), (at_rest, axes) = self._of_change, self._of_curve
@@ -260,7 +263,7 @@ def _regressed(terms: list[Array], changes: list[Array]) -> Array:
 
 
 def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
-    """By the lemma of Sherman and Morrison, as t spreads along m."""
+    """ln density by the Sherman-Morrison formula, as t spreads along m."""
     touch = known @ normal.by_curve
     along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
     wider = 1 + normal.strength * size

@@ -92,10 +92,10 @@ class _Network(BaseEstimator):
 
     def predict(self, X):
         """The likeliest class, or the numbers, of each row."""
-        X = self._asked(X)
+        X = self._validated(X)
         return self.network_.predict(X)
 
-    def _asked(self, X):
+    def _validated(self, X):
         check_is_fitted(self)
         return validate_data(self, X, reset=False, dtype=np.float32)
 
@@ -133,7 +133,7 @@ class NetworkClassifier(ClassifierMixin, _Network):
 
     def predict_proba(self, X):
         """Probability of each class, shape (n, K)."""
-        X = self._asked(X)
+        X = self._validated(X)
         return self.network_.predict_proba(X)
 
 

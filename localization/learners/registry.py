@@ -78,11 +78,11 @@ def learners() -> dict[str, Estimator]:
     few = tuple(target for target in CLASSES if target != "pair")
     made = [
         Estimator(REFERENCE, few, lambda each: reference(each.features), _reference_grid),
-        Estimator("ksvm-components", CLASSES, _alike(components_svm), SVM_GRID),
+        Estimator("ksvm-components", CLASSES, _scaled(components_svm), SVM_GRID),
         Estimator(
             "gaussian", CLASSES, lambda each: on_one_scale(gaussian(each), each), most=100_000
         ),
-        Estimator("kernel-ridge", ("position",), _alike(kernel_ridge), RIDGE_GRID, 6000),
+        Estimator("kernel-ridge", ("position",), _scaled(kernel_ridge), RIDGE_GRID, 6000),
         _network(),
     ]
     return {each.name: each for each in made}
@@ -100,7 +100,7 @@ def _network() -> Estimator:
     return Estimator("network", TARGETS, build, grid, most=500_000)
 
 
-def _alike(build: Callable[[], Pipeline]) -> Callable[[LocalizationProblem], Pipeline]:
+def _scaled(build: Callable[[], Pipeline]) -> Callable[[LocalizationProblem], Pipeline]:
     """A builder for features with equal noise, with scaling added if their noise differs."""
     return lambda problem: on_one_scale(build(), problem)
 

@@ -134,7 +134,7 @@ LEARNED: Mapping[type, Mapping[str, str | Inner]] = {
 Rule = Callable[[Any, Mapping[str, int]], bool]
 
 
-def _alike(one: Any, other: Any) -> bool:
+def _equal(one: Any, other: Any) -> bool:
     """True if equal up to rounding, relative to the largest value."""
     size = max(float(np.abs(other).max(initial=0.0)), np.finfo(float).tiny)
     return bool((np.abs(np.asarray(one) - other) <= CLOSE * size).all())
@@ -191,19 +191,19 @@ def _nearest(neighbours: Any, sizes: Mapping[str, int]) -> bool:
 
 
 def _products(mixture: Any, sizes: Mapping[str, int]) -> bool:
-    return _alike(mixture.along_, np.einsum("ern,en->er", mixture.directions_, mixture.mean_))
+    return _equal(mixture.along_, np.einsum("ern,en->er", mixture.directions_, mixture.mean_))
 
 
 MIXED: Mapping[str, Rule] = {"`along_` of its `directions_` and `mean_`": _products}
 RULES: Mapping[type, Mapping[str, Rule]] = {
     StandardScaler: {
-        "`scale_` of its `var_`": lambda scaler, sizes: _alike(
+        "`scale_` of its `var_`": lambda scaler, sizes: _equal(
             np.where(scaler.scale_ == 1, 1, scaler.scale_**2),
             np.where(scaler.scale_ == 1, 1, scaler.var_),
         )
     },
     PCA: {
-        "orthonormal `components_`": lambda pca, sizes: _alike(
+        "orthonormal `components_`": lambda pca, sizes: _equal(
             pca.components_ @ pca.components_.T, np.eye(sizes["out"])
         )
     },

@@ -118,7 +118,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
         "median_error": getattr(learned, "median_error", 0.0),
-        "problem": _told(model.problem),
+        "problem": _problem_fields(model.problem),
         **{name: getattr(model, name) for name in COPIED},
         "marks": model.fingerprints,
         "gate": None if model.gate is None else fields_of(model.gate),
@@ -141,7 +141,7 @@ def _guards(fields: dict[str, Any] | None) -> Guards | None:
     return Guards(**own, changes=_guards(fields["changes"]))
 
 
-def _told(problem: LocalizationProblem) -> dict[str, Any]:
+def _problem_fields(problem: LocalizationProblem) -> dict[str, Any]:
     told = asdict(problem)
     return {name: told[name] for name in told if name not in OWN_FREQUENCIES or told[name]}
 

@@ -116,7 +116,7 @@ def _check_array(value: Any, declared: str, name: str, sizes: Sizes) -> None:
         raise UnsoundError(f"`{name}` is of another type, {array.dtype}")
     _check_shape(array, words, name, sizes)
     if rule and not _kept(array, rule, sizes):
-        raise UnsoundError(f"`{name}` must be {_told(rule)} everywhere")
+        raise UnsoundError(f"`{name}` must be {_rule_text(rule)} everywhere")
 
 
 def _check_shape(array: np.ndarray, words: list[str], name: str, sizes: Sizes) -> None:
@@ -146,7 +146,7 @@ def _kept(array: np.ndarray, rule: str, sizes: Sizes) -> bool:
     return bool((array > 0).all() if rule == ">0" else (array >= 0).all())
 
 
-def _told(rule: str) -> str:
+def _rule_text(rule: str) -> str:
     if rule == "classes":
         return "distinct and ascending"
     return f"from 0 on and {rule}" if rule.startswith("<") else rule

@@ -67,9 +67,9 @@ class SeveralGuard(Guard):
         self.told_ = told
         unseen = []
         for (known, held_out), others in zip(splits, apart, strict=True):
-            self.parting_ = _parting(X[known][:, told], several[others][:, told])
+            self.parting_ = _separating_svm(X[known][:, told], several[others][:, told])
             unseen.append(self.away(X[held_out[touched[held_out]]]))
-        self.parting_ = _parting(X[:, told], several[:, told])
+        self.parting_ = _separating_svm(X[:, told], several[:, told])
         self.limit_ = float(np.quantile(np.concatenate(unseen), self.share, method="higher"))
         return self
 
@@ -106,8 +106,8 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     )
 
 
-def _parting(one: NDArray[np.float64], several: NDArray[np.float64]) -> Pipeline:
-    """Its decision is positive for several touches."""
+def _separating_svm(one: NDArray[np.float64], several: NDArray[np.float64]) -> Pipeline:
+    """Fit an SVM whose decision is positive for several touches."""
     parts = [_at_most(part) for part in (one, several)]
     is_several = np.repeat([False, True], [len(part) for part in parts])
     machine = make_pipeline(StandardScaler(), SVC(C=PENALTY, class_weight="balanced"))
