@@ -28,14 +28,14 @@ def adapt(
     most: options.Most = options.MOST_SWEEPS,
     anyway: options.Anyway = False,
 ) -> None:
-    """Teach a model the skin at hand by a few touches whose places are known.
+    """Adapt a model to your skin by a few touches whose places are known.
 
-    A learned model is corrected by a number for each class, or its places
-    are moved and stretched; one that inverts the simulator learns what its
-    curve at rest leaves open of the skin (of classes only). What is told
-    before and after is of the same sweeps, and after never of sweeps that
-    taught it: whole sessions are held out in turn where there are several.
-    The model that is written learned from all.
+    A model that learned from sweeps is corrected by an offset for each class,
+    or by an affine map of its positions. A model of classes that inverts the
+    simulator fits the parameters of the skin that the unpressed sweeps leave
+    open. The figures before and after are of the same held-out sweeps; whole
+    sessions are held out in turn if there are several. The model that is
+    written is fitted to all touches.
     """
     from ...simulator.sweeps import InputError, checked_output
     from ..adaptation.class_adaptation import adapted
@@ -74,7 +74,9 @@ def _report_lines(found: Adaptation) -> list[str]:
         rest = {each: f"{value:.2g}" for each, value in told.figures().items() if each in BESIDE}
         lines.append(f"{name}: " + "; ".join(f"{k} {v}" for k, v in (rates | rest).items()))
     if _worse(found):
-        lines.append("it is worse than before on touches that did not teach it: keep the old one")
+        lines.append(
+            "the adapted model is worse than the old one on held-out touches: keep the old one"
+        )
     return [*lines, *found.notes]
 
 

@@ -47,7 +47,7 @@ def gap(
     ] = None,
     own: Annotated[
         Path | None,
-        typer.Option("--model", help="Ask this one, MODEL.skops, in place of training one."),
+        typer.Option("--model", help="Test this model, MODEL.skops, instead of training one."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
     draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,

@@ -35,7 +35,7 @@ def localize(
         float, typer.Option(help="Seconds from sweep to sweep, where the file tells no times.")
     ] = 0.4,
 ) -> None:
-    """Tell where sweeps were pressed, each with its probability.
+    """Localize the press of each sweep, with its probability.
 
     A line for each sweep: the answer, or 'cannot tell'; how probable the best
     answer is; and of positions x and y in mm and the strength, with their

@@ -13,8 +13,8 @@ import typer
 
 MOST_SWEEPS = 20_000
 SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv; several are joined."
-MOST = "Take the first so many sweeps, of whole sessions."
-REST = "Sweeps of the skin at rest, where SWEEPS has none and the model is to be told them."
+MOST = "Use at most this many sweeps, in whole sessions."
+REST = "Sweeps of the unpressed skin, if SWEEPS has none and the model needs them."
 
 
 def _targets() -> list[str]:
@@ -49,7 +49,7 @@ Name = Annotated[
     str | None,
     typer.Option(
         "--estimator",
-        help="By name; another name tells those there are.",
+        help="Name of the estimator; an unknown name lists all.",
         autocompletion=complete_estimator,
     ),
 ]
@@ -64,7 +64,7 @@ Quantities = Annotated[
 ]
 Interfaces = Annotated[
     list[str] | None,
-    typer.Option("--interface", help="One to look at; may be repeated. Without it all."),
+    typer.Option("--interface", help="Interface to use; may be repeated. Default: all."),
 ]
 Certain = Annotated[
     float | None,
@@ -78,19 +78,17 @@ Most = Annotated[int, typer.Option(help=MOST)]
 Charts = Annotated[
     str,
     typer.Option(
-        help="What charts are: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
+        help="Format of charts: png, svg or pdf.", autocompletion=lambda: ["png", "svg", "pdf"]
     ),
 ]
 Rest = Annotated[list[Path] | None, typer.Option(help=REST)]
-Anyway = Annotated[
-    bool, typer.Option("--anyway", help="Ask even if the sweeps are of another skin.")
-]
+Anyway = Annotated[bool, typer.Option("--anyway", help="Accept sweeps of another skin.")]
 
 
 TOUCH_LASTS, TOUCH_EVERY, TOUCH_SPEED = 2.0, 5.0, 20.0
 """Defaults of `TouchDynamics`."""
 Filtered = Annotated[
-    bool, typer.Option("--filter", help="Let sweeps add up, of a hand that comes, moves and goes.")
+    bool, typer.Option("--filter", help="Combine sweeps over time: a touch comes, moves and goes.")
 ]
 TouchLasts = Annotated[float, typer.Option(help="Seconds that a touch lasts, with --filter.")]
 TouchEvery = Annotated[float, typer.Option(help="Seconds from a touch to the next, with --filter.")]

@@ -30,10 +30,10 @@ def train(
 ) -> None:
     """Train a localizer on sweeps whose presses are known.
 
-    Its probabilities, or standard deviations of positions, are found on
-    sweeps held out: whole sessions where there are three or more. Sweeps
-    that are like none of the training are answered 'cannot tell'; that
-    nothing is pressed, only where the training shows the skin at rest.
+    Probabilities, or standard deviations of positions, are calibrated on
+    held-out sweeps: whole sessions if there are several. The answer to sweeps
+    unlike the training is 'cannot tell'. "Nothing pressed" is a possible
+    answer only if the training has sweeps of the unpressed skin.
     """
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
@@ -68,7 +68,7 @@ def _model_lines(model: Model) -> list[str]:
     lines = [
         f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
         f"{model.trained_on} sweeps, {model.left_out}",
-        f"judged by {model.validation}: {model.learned.outcome}",
+        f"validated by {model.validation}: {model.learned.outcome}",
     ]
     if model.certain is not None:
         rate = f"answers only where it is right at a rate of {model.certain:g} or more"
