@@ -124,10 +124,10 @@ STEPS = {"body": 1e-4, "capacitance": 1e-4, "finger": 1e-14}
 MOVED = {"body": 0.1, "finger": 2e-12, "capacitance": 0.05}
 
 
-@pytest.mark.parametrize("cells", [[1], [1, 4], [0, 1, 2], [4, 7]], ids=str)
+@pytest.mark.parametrize("cells", [[], [1], [1, 4], [0, 1, 2], [4, 7]], ids=str)
 def test_slopes_are_differences(forward, cells):
     """Of one pixel, of neighbours that differ, and with a finger beside a press."""
-    cells = np.array(cells)
+    cells = np.array(cells, dtype=np.int64)
     rises = np.where(cells < 6, 0.5 + 0.2 * np.arange(len(cells)), 3e-12)
     found = forward.respond(cells, rises, MOVED)
     together = forward.respond_together(cells[None], rises[None], MOVED)

@@ -157,7 +157,8 @@ def _of_touched(
         followed = by_cell + across * parts.across_slope(factor)
         by_cell = np.where(on_foam, followed, by_cell)
     if walls is not None:
-        last = squares[:, :, -walls.parts[0].size :].reshape(*by_cell.shape, -1)
+        first = squares.shape[2] - walls.slopes[0].size
+        last = squares[:, :, first:].reshape(*by_cell.shape, walls.slopes.shape[2])
         by_cell = by_cell + (last * walls.slopes[:, None]).sum(axis=3)
     if not parts.fingers:
         return by_cell, beyond, none
