@@ -1,1 +1,1 @@
-"""Measured sweeps: brought in from other tools, and checked."""
+"""Commands on measured sweeps: import, join, check and plot."""

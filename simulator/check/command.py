@@ -1,4 +1,4 @@
-"""The commands on measured sweeps: bring them in from other tools, and check them."""
+"""The commands on measured sweeps: import from other tools, check and plot."""
 
 from __future__ import annotations
 
@@ -17,58 +17,62 @@ if TYPE_CHECKING:
     from ..sweeps.importing.grouping import Defaults
 
 TRANSFER = (
-    "the scene has an earth, and the meter's low terminal is a virtual one: what is read is a "
-    "transfer impedance, which the laws of passive networks do not bind; each reading is checked "
-    "by itself"
+    "the meter's low terminal is a virtual earth, so that readings are transfer impedances; the "
+    "laws of passive networks do not apply to them, and each reading is checked by itself"
 )
 CREEPS = (
-    "the scene's foam creeps while a sweep is read: every frequency sees another skin, and laws "
-    "between frequencies do not bind; each reading is checked by itself"
+    "the scene's foam creeps during a sweep, so that the skin differs between frequencies; laws "
+    "between frequencies do not apply, and each reading is checked by itself"
 )
 PERHAPS_EARTH = (
-    "a body or a finger that takes current to earth breaks these laws, too, where the meter's low "
+    "a body or a finger that takes current to earth also breaks these laws if the meter's low "
     "terminal is a virtual earth"
 )
 FLAGGED = 1
 
 
 def import_sweeps(
-    files: Annotated[list[Path], typer.Argument(help="Tables of other tools; joined in order.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Tables of other tools, joined in this order.")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
     press: Annotated[
         list[str] | None,
         typer.Option(
             help="The press of a file without a press column: 'none', ROW,COLUMN[:FACTOR] or any "
-            "text. Given once it holds for every file, else once for each."
+            "text. Give it once for all files, or once for each file."
         ),
     ] = None,
     interface: Annotated[
         list[str] | None,
-        typer.Option(help="The interface of a file without such a column, once or for each."),
+        typer.Option(
+            help="The interface of a file without such a column, given once or for each file."
+        ),
     ] = None,
     session: Annotated[
         list[int] | None,
-        typer.Option(help="The session of a file without such a column, once or for each."),
+        typer.Option(
+            help="The session of a file without such a column, given once or for each file."
+        ),
     ] = None,
     branch: Annotated[
         str,
         typer.Option(
-            help="Of X where Rs and Cp alone are given: followed, capacitive or resistive."
+            help="Branch of X if only Rs and Cp are given: followed, capacitive or resistive."
         ),
     ] = "followed",
 ) -> None:
-    """Bring in measured sweeps from tables of other tools.
+    """Import measured sweeps from tables of other tools.
 
     A table has named columns in any order, with units: a frequency, as
     `Frequency (kHz)` or `f/Hz`, and Rs and X (`Z'`, `-Z''`), |Z| and phase
     (`theta (deg)`), Rs and Cs, or Rs and Cp.
 
-    Rs and Cp leave two reactances open, X1 X2 = Rs^2. X begins with the
-    capacitive one, |X| >= Rs, at the lowest frequency, and is followed from
-    there, also past -45 degrees, as a sheet goes. Readings where that may be
-    wrong are named; `--branch capacitive` takes |X| >= Rs everywhere,
-    `--branch resistive` |X| <= Rs. The attribute `branch_rule` says what was
-    taken.
+    Rs and Cp alone leave two solutions for X, X1 X2 = Rs^2. X starts with the
+    capacitive one, |X| >= Rs, at the lowest frequency and is followed from
+    there, even past -45 degrees, as sheets behave. Readings where this may be
+    wrong are named. `--branch capacitive` uses |X| >= Rs everywhere,
+    `--branch resistive` |X| <= Rs. The attribute `branch_rule` states the rule.
 
     Separators are comma, semicolon or tab; decimal commas, comments (# % ;) and
     lines above the header are understood. Columns of a sweep, press, row,
@@ -123,8 +127,8 @@ def check(
     noise: Annotated[
         float | None,
         typer.Option(
-            help="Relative standard deviation of a reading, where it is known. Without it, it is "
-            "told from repeated sweeps of one press, or from the residuals."
+            help="Relative standard deviation of a reading, if known. Default: estimated from "
+            "repeated sweeps of one press, or from the residuals."
         ),
     ] = None,
     tolerance: Annotated[
@@ -137,10 +141,10 @@ def check(
     the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
     within the noise (Kramers-Kronig).
 
-    Where a meter's low terminal is a virtual earth and a body or a finger takes
-    current to earth, these laws need not hold, and neither do they of foam that
-    creeps while it is read. Of sweeps whose scene says so ([surroundings],
-    [skin.foam] relaxation) each reading is checked by itself alone.
+    These laws need not hold if the meter's low terminal is a virtual earth and a
+    body or a finger takes current to earth, nor if the foam creeps during a
+    sweep. If the scene of the sweeps says so ([surroundings], [skin.foam]
+    relaxation), each reading is checked by itself.
     """
 
     from ..requests.console import note, warn
@@ -155,10 +159,12 @@ def check(
     sweeps = join([_read(file) for file in files], files)
     try:
         scene = scene_of_sweeps(sweeps)
-        two_terminal = scene is None or scene.two_terminal or not _beside_the_meter(scene, sweeps)
+        two_terminal = (
+            scene is None or scene.two_terminal or not _current_bypasses_meter(scene, sweeps)
+        )
         creeps = scene is not None and _creeps(scene, sweeps)
         bound = two_terminal and not creeps
-        judgements = examine(sweeps, noise, tolerance, two_terminal=bound)
+        verdicts = examine(sweeps, noise, tolerance, two_terminal=bound)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in backward_times(sweeps):
@@ -167,13 +173,13 @@ def check(
         note(TRANSFER)
     if creeps:
         note(CREEPS)
-    terminal().print(verdict_table(judgements))
-    if told := explanations(judgements):
-        say(*told)
+    terminal().print(verdict_table(verdicts))
+    if lines := explanations(verdicts):
+        say(*lines)
     if report is not None:
-        write_report(judgements, report)
-    flagged = sum(bool(each.broken) for each in judgements)
-    say(f"{flagged} of {len(judgements)} spectra break a law")
+        write_report(verdicts, report)
+    flagged = sum(bool(each.broken) for each in verdicts)
+    say(f"{flagged} of {len(verdicts)} spectra break a law")
     if flagged and bound:
         say(PERHAPS_EARTH)
     if flagged:
@@ -181,16 +187,15 @@ def check(
 
 
 def _creeps(scene: Scene, sweeps: xr.Dataset) -> bool:
-    """Whether foam relaxes under any press of the sweeps, and so between their readings."""
+    """True if the foam creeps under any press of the sweeps, and thus between their readings."""
     from ..sweeps.schema import UNPRESSED
 
     pressed = any(str(press) != UNPRESSED for press in sweeps["press"].values)
     return pressed and bool(scene.skin.foam.relaxation)
 
 
-def _beside_the_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
-    """Whether anything around a skin may take current past the meter, or a finger that a press
-    names does."""
+def _current_bypasses_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
+    """True if surroundings, or a finger that a press names, may divert current from the meter."""
     from ..press.press import press_on
 
     around = scene.surroundings
@@ -210,18 +215,18 @@ def _read(file: Path) -> xr.Dataset:
 def plot(
     files: Annotated[
         list[Path],
-        typer.Argument(help="FILE.nc, FILE.zarr or a CSV of any tool; drawn over each other."),
+        typer.Argument(help="FILE.nc, FILE.zarr or a CSV of any tool; drawn in one chart."),
     ],
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", help="OUT.png, .svg or .pdf; OUT.html is a page to zoom."),
+        typer.Option("--output", "-o", help="OUT.png, .svg or .pdf; OUT.html is a page with zoom."),
     ],
     what: Annotated[
         list[str] | None,
-        typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be given often."),
+        typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be repeated."),
     ] = None,
 ) -> None:
-    """Draw sweeps, simulated or measured: Rs, Cp, changes from rest, phase, Nyquist."""
+    """Plot simulated or measured sweeps: Rs, Cp, changes from the baseline, phase, Nyquist."""
     from ..requests.console import note, report_written
     from ..sweeps import sizes_text
     from .curve_page import checked_drawing, draw
@@ -234,13 +239,13 @@ def plot(
     draw(recordings, output, what or (), names)
     for file, sweeps in zip(files, recordings, strict=True):
         if sweeps.sizes["sweep"] > MAX_DRAWN:
-            note(f"{file}: {MAX_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn, evenly spread")
+            note(f"{file}: {MAX_DRAWN} of {sweeps.sizes['sweep']} sweeps are drawn at even steps")
     drawn = [sizes_text(each.sizes) for each in recordings]
     report_written(drawn[0] if len(drawn) == 1 else f"{len(drawn)} recordings", output)
 
 
 def _names(files: Sequence[Path], recordings: Sequence[xr.Dataset]) -> list[str]:
-    """Of recordings in a legend: as far as they differ, and what they are."""
+    """Names of recordings in a legend, with their origin; file names if these are distinct."""
     from ..sweeps.schema import MEASURED, VIRTUAL
 
     short = [file.name for file in files]

@@ -1,4 +1,4 @@
-"""Sweeps as curves on a page to zoom in with any browser, offline: one file, drawn by plotly."""
+"""Plots of sweeps as a single offline HTML page with zoom, drawn by plotly."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ PANEL_HEIGHT = 380
 
 
 def checked_page(path: Path) -> Path:
-    """The same path, if a page can be written there; raises InputError where plotly is missing."""
+    """Returns the path if a page can be written there; raises InputError without plotly."""
     require_packages(path, "view", "plotly")
     return checked_output(path, (ENDING,))
 
 
 def checked_drawing(path: str | Path) -> Path:
-    """The same path, if a picture or a page can be written there. Raises InputError."""
+    """Returns the path if a picture or a page can be written there. Raises InputError."""
     path = Path(path)
     return checked_page(path) if path.suffix == ENDING else checked_chart(path, ENDING)
 
@@ -48,9 +48,9 @@ def draw(
     what: Sequence[str] = (),
     names: Sequence[str] = (),
 ) -> Path:
-    """Sweeps as a page if the path ends in .html, else as a picture; the path is given back.
+    """Plots sweeps as a page if the path ends in .html, else as a picture; returns the path.
 
-    Arguments and errors as of `draw_curves`.
+    Arguments and errors as in `draw_curves`.
     """
     path = checked_drawing(path)
     if path.suffix != ENDING:
@@ -65,7 +65,7 @@ def write_page(
     what: Sequence[str] = (),
     names: Sequence[str] = (),
 ) -> None:
-    """The panels of `curves.draw_curves` on a page that needs nothing else, written whole.
+    """Writes the panels of `draw_curves` as a self-contained page.
 
     A click on a press or a recording hides it. Raises InputError as `draw_curves`.
     """
@@ -88,7 +88,7 @@ def write_page(
 def _traces(
     recordings: Sequence[xr.Dataset], interface: str, shown: CurveQuantity, names: Sequence[str]
 ) -> list[go.Scatter]:
-    """A trace for each label of each recording: its curves, parted by gaps."""
+    """A trace for each label of each recording; its curves are separated by gaps."""
     import plotly.graph_objects as go
 
     labels = labels_of(recordings)
@@ -100,8 +100,8 @@ def _traces(
         kinds = [(labels[press], rows.get(press, 0)) for press, _, _ in drawn]
         for label, line in dict.fromkeys(kinds):
             own = [each for each, kind in zip(drawn, kinds, strict=True) if kind == (label, line)]
-            told = f"{label}, row {line}" if line else label
-            name = plotly_text(f"{told}, {names[number]}" if names else told)
+            text = f"{label}, row {line}" if line else label
+            name = plotly_text(f"{text}, {names[number]}" if names else text)
             traces.append(
                 go.Scatter(
                     x=[each for _, x, _ in own for each in (*x.tolist(), None)],

@@ -12,13 +12,13 @@ def join(
     files: Annotated[list[Path], typer.Argument(help="FILE.nc, FILE.zarr or FILE.csv.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc, .csv or .zarr.")],
     session: Annotated[
-        str | None, typer.Option(help="Name of the one mounting that all of them are of.")
+        str | None, typer.Option(help="Name of the single mounting to which all of them belong.")
     ] = None,
 ) -> None:
     """Join recordings of one skin into one file, each mounting its own session.
 
-    Sessions of one name (`record --session NAME`) are one session. Wherever
-    sweeps are asked for, several files may stand, too.
+    Sessions with the same name (`record --session NAME`) become one session.
+    Every command that reads sweeps also accepts several files.
     """
     from ..requests.console import report_written
     from ..sweeps import checked_output, sizes_text, write
@@ -30,5 +30,5 @@ def join(
         sweeps = one_session(sweeps, session)
     write(sweeps, output)
     sessions = len(set(sweeps["session"].values.tolist()))
-    told = f"{sessions} session{'' if sessions == 1 else 's'}"
-    report_written(f"{sizes_text(sweeps.sizes)}, {told}", output)
+    session_count = f"{sessions} session{'' if sessions == 1 else 's'}"
+    report_written(f"{sizes_text(sweeps.sizes)}, {session_count}", output)

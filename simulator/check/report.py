@@ -1,4 +1,4 @@
-"""What is to be said of measured or simulated sweeps: a table on the terminal, and files of it."""
+"""Report of a check: a table on the terminal, a chart, and CSV files."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ SUMMARY += ["inductance_H", "broken"]
 RESIDUALS = "sweep interface frequency_Hz residual_real residual_imag allowed fitted broken".split()
 
 WRITTEN = ("residuals.png", "verdicts.csv", "residuals.csv")
-"""Patterns of the names of what is written."""
+"""Names of the files of a report."""
 
 
 def checked_report(path: Path) -> Path:
-    """The same path, if a report can be written there: a chart's name, or that of a folder.
+    """Returns the path if a report can be written there: a chart or a folder.
 
-    Raises InputError where it has another ending or its folder does not exist.
+    Raises InputError for another ending or a missing folder.
     """
     if path.is_dir() or not path.suffix:
         return checked_folder(path, *WRITTEN)
@@ -39,20 +39,20 @@ def checked_report(path: Path) -> Path:
     return checked_output(path, ENDINGS)
 
 
-def write_report(judgements: Sequence[Verdict], path: Path) -> None:
-    """The residual chart as `path`; in a folder, tables of all verdicts and residuals beside it."""
+def write_report(verdicts: Sequence[Verdict], path: Path) -> None:
+    """Writes the residual chart; in a folder also tables of all verdicts and residuals."""
     if path.suffix in ENDINGS and not path.is_dir():
-        draw_residuals(judgements, path)
+        draw_residuals(verdicts, path)
         return
-    rows = (row for judgement in judgements for row in _readings(judgement))
+    rows = (row for verdict in verdicts for row in _readings(verdict))
     with filled_at_once(path) as folder:
-        draw_residuals(judgements, folder / "residuals.png")
-        write_rows(folder / "verdicts.csv", SUMMARY, map(_summary, judgements))
+        draw_residuals(verdicts, folder / "residuals.png")
+        write_rows(folder / "verdicts.csv", SUMMARY, map(_summary, verdicts))
         write_rows(folder / "residuals.csv", RESIDUALS, rows)
 
 
-def verdict_table(judgements: Sequence[Verdict]) -> Table:
-    """One line for every sweep at every interface."""
+def verdict_table(verdicts: Sequence[Verdict]) -> Table:
+    """Table with one line for every sweep at every interface."""
     heads = ["sweep", "press", "interface", "phase (deg)", "noise", "misfit", "verdict"]
     rows = (
         [
@@ -64,7 +64,7 @@ def verdict_table(judgements: Sequence[Verdict]) -> Table:
             f"{100 * each.spectrum.misfit:.2g} %",
             _verdict(len(each.broken)),
         ]
-        for each in judgements
+        for each in verdicts
     )
     return table(heads, rows, (3, 4, 5))
 
@@ -73,47 +73,49 @@ def _verdict(broken: int) -> str:
     return f"{broken} law{'s' if broken > 1 else ''} broken" if broken else "pass"
 
 
-def explanations(judgements: Iterable[Verdict]) -> list[str]:
-    """One line for every broken law, and for every inductance that was set aside."""
-    return [line for each in judgements for line in [*map(str, each.broken), *_set_aside(each)]]
+def explanations(verdicts: Iterable[Verdict]) -> list[str]:
+    """One line for every broken law, and for every inductance that was excluded."""
+    return [
+        line for each in verdicts for line in [*map(str, each.broken), *_excluded_inductance(each)]
+    ]
 
 
-def _set_aside(judgement: Verdict) -> list[str]:
-    spectrum = judgement.spectrum
+def _excluded_inductance(verdict: Verdict) -> list[str]:
+    spectrum = verdict.spectrum
     if not spectrum.inductive.any():
         return []
     onset, inductance = spectrum.frequency[spectrum.inductive][0], spectrum.inductance
     behind = f"behind {inductance:.2g} H in series" if inductance else "by themselves"
     return [
-        f"sweep {judgement.sweep}, interface {judgement.interface}: inductive from {onset:.6g} Hz "
-        f"on; the readings below were judged {behind}"
+        f"sweep {verdict.sweep}, interface {verdict.interface}: inductive from {onset:.6g} Hz "
+        f"on; the readings below were checked {behind}"
     ]
 
 
-def _summary(judgement: Verdict) -> list[object]:
-    spectrum = judgement.spectrum
+def _summary(verdict: Verdict) -> list[object]:
+    spectrum = verdict.spectrum
     return [
-        judgement.sweep,
-        judgement.press,
-        judgement.interface,
-        *judgement.phase,
-        float(np.median(judgement.noise)),
-        judgement.noise_from,
+        verdict.sweep,
+        verdict.press,
+        verdict.interface,
+        *verdict.phase,
+        float(np.median(verdict.noise)),
+        verdict.noise_from,
         spectrum.misfit,
         spectrum.inductance,
-        "; ".join(each.law for each in judgement.broken),
+        "; ".join(each.law for each in verdict.broken),
     ]
 
 
-def _readings(judgement: Verdict) -> Iterable[list[object]]:
-    spectrum = judgement.spectrum
+def _readings(verdict: Verdict) -> Iterable[list[object]]:
+    spectrum = verdict.spectrum
     columns = (
         spectrum.frequency,
         spectrum.residual.real,
         spectrum.residual.imag,
-        judgement.allowed,
+        verdict.allowed,
         (~spectrum.inductive).astype(int),
     )
     for row in zip(*(column.tolist() for column in columns), strict=True):
-        laws = [each.law for each in judgement.broken if row[0] in each.frequency]
-        yield [judgement.sweep, judgement.interface, *row, "; ".join(laws)]
+        laws = [each.law for each in verdict.broken if row[0] in each.frequency]
+        yield [verdict.sweep, verdict.interface, *row, "; ".join(laws)]

@@ -1,4 +1,4 @@
-"""The chart of a check: residuals beside what is allowed of them, and every broken law."""
+"""Chart of a check: residuals with their limits, and every broken law."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ PARTS = {"real": "Real part", "imag": "Imaginary part"}
 
 
 class ColouredVerdict(NamedTuple):
-    """A judgement and the colour it is drawn in."""
+    """A verdict and the colour in which it is drawn."""
 
-    judgement: Verdict
+    verdict: Verdict
     colour: str
 
 
-def draw_residuals(judgements: Sequence[Verdict], path: Path) -> None:
-    """Residual of the nearest passive network against frequency, and where laws are broken.
+def draw_residuals(verdicts: Sequence[Verdict], path: Path) -> None:
+    """Draws residuals from the nearest passive network over frequency, and broken laws.
 
     A row for each interface: real and imaginary part. Grey: sweeps that pass. Coloured: sweeps that
-    break a law. Shaded: what is allowed; crosses: what is beyond. Inductive readings have no
-    residual. Below them a mark for each law at each frequency where a sweep breaks it.
+    break a law. Shaded: the limits; crosses: residuals beyond them. Inductive readings have no
+    residual. Below: a cross for each law at each frequency where a sweep breaks it.
     """
-    interfaces = list(dict.fromkeys(each.interface for each in judgements))
-    laws = list(dict.fromkeys(law.law for each in judgements for law in each.broken))
-    drawn = _coloured(judgements)
+    interfaces = list(dict.fromkeys(each.interface for each in verdicts))
+    laws = list(dict.fromkeys(law.law for each in verdicts for law in each.broken))
+    drawn = _coloured(verdicts)
     heights = [3.4 * len(interfaces), *([0.9 + 0.3 * len(laws)] if laws else [])]
     with chart(path, 9, 0.9 + sum(heights)) as figure:
         parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -46,16 +46,16 @@ def draw_residuals(judgements: Sequence[Verdict], path: Path) -> None:
             _draw_laws(parts[1], laws, drawn)
         handles, labels = _legend(parts[0].axes[0], drawn)
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
-        flagged = sum(bool(each.broken) for each in judgements)
-        figure.suptitle(f"{flagged} of {len(judgements)} spectra break a law")
+        flagged = sum(bool(each.broken) for each in verdicts)
+        figure.suptitle(f"{flagged} of {len(verdicts)} spectra break a law")
 
 
-def _coloured(judgements: Sequence[Verdict]) -> list[ColouredVerdict]:
-    """Those that break a law in colours of their own, as far as there are such."""
+def _coloured(verdicts: Sequence[Verdict]) -> list[ColouredVerdict]:
+    """Assigns a colour to each verdict that breaks a law, as long as colours last."""
     shades = iter(COLOURS)
     return [
         ColouredVerdict(each, next(shades, UNNAMED) if each.broken else PASSING)
-        for each in judgements
+        for each in verdicts
     ]
 
 
@@ -64,7 +64,7 @@ def _draw_rows(
 ) -> None:
     rows = figure.subplots(len(interfaces), 2, squeeze=False, sharex=True, sharey="row")
     for row, interface in zip(rows, interfaces, strict=True):
-        own = [each for each in drawn if each.judgement.interface == interface]
+        own = [each for each in drawn if each.verdict.interface == interface]
         for axes, part in zip(row, PARTS, strict=True):
             axes.set_title(f"{PARTS[part]}, {interface}")
             _draw_bands(axes, own)
@@ -76,33 +76,33 @@ def _draw_rows(
 
 
 def _draw_bands(axes: Axes, own: Sequence[ColouredVerdict]) -> None:
-    """What is allowed: alike for a whole interface, but less where the misfit is too large."""
-    kHz = own[0].judgement.spectrum.frequency / 1e3
-    bands = {each.judgement.allowed.tobytes(): 100 * each.judgement.allowed for each in own}
+    """Shades the limits: equal for a whole interface, narrower if the misfit is too large."""
+    kHz = own[0].verdict.spectrum.frequency / 1e3
+    bands = {each.verdict.allowed.tobytes(): 100 * each.verdict.allowed for each in own}
     widest_first = sorted(bands.values(), key=np.sum, reverse=True)
     for (name, shade), band in zip(BANDS.items(), widest_first, strict=False):
         axes.fill_between(kHz, -band, band, color=shade, zorder=0, label=name)
 
 
 def _draw_residual(axes: Axes, part: str, drawn: ColouredVerdict) -> None:
-    judgement, colour = drawn
-    kept, kHz = ~judgement.spectrum.inductive, judgement.spectrum.frequency / 1e3
-    residual = 100 * getattr(judgement.spectrum.residual, part)
-    beyond = kept & (np.abs(residual) > 100 * judgement.allowed)
+    verdict, colour = drawn
+    kept, kHz = ~verdict.spectrum.inductive, verdict.spectrum.frequency / 1e3
+    residual = 100 * getattr(verdict.spectrum.residual, part)
+    beyond = kept & (np.abs(residual) > 100 * verdict.allowed)
     axes.plot(kHz[kept], residual[kept], marker=".", color=colour)
     axes.plot(kHz[beyond], residual[beyond], "x", color=colour, markersize=8)
 
 
 def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[ColouredVerdict]) -> None:
-    """A line for each law; sweeps that break it stand a little above each other."""
-    broken = [each for each in drawn if each.judgement.broken]
+    """Draws a line for each law; sweeps that break it are offset vertically."""
+    broken = [each for each in drawn if each.verdict.broken]
     axes = figure.subplots()
-    for number, (judgement, colour) in enumerate(broken):
+    for number, (verdict, colour) in enumerate(broken):
         offset = 0.5 * (number + 0.5) / len(broken) - 0.25
-        for law in judgement.broken:
+        for law in verdict.broken:
             height = np.full(len(law.frequency), laws.index(law.law) + offset)
             axes.plot(np.array(law.frequency) / 1e3, height, "x", color=colour)
-    kHz = np.concatenate([each.judgement.spectrum.frequency for each in drawn]) / 1e3
+    kHz = np.concatenate([each.verdict.spectrum.frequency for each in drawn]) / 1e3
     frequency_axis(axes)
     axes.set_xlim(kHz.min() / 1.1, kHz.max() * 1.1)
     axes.set_yticks(range(len(laws)), laws)
@@ -111,18 +111,18 @@ def _draw_laws(figure: SubFigure, laws: Sequence[str], drawn: Sequence[ColouredV
 
 
 def _legend(axes: Axes, drawn: Sequence[ColouredVerdict]) -> tuple[list[Artist], list[str]]:
-    """The bands, sweeps that pass, those that break a law by name, and how many have no colour."""
+    """Legend: the limits, passing sweeps, sweeps that break a law, and uncoloured ones."""
     from matplotlib.lines import Line2D
 
     handles, labels = axes.get_legend_handles_labels()
     named = {
-        f"sweep {each.judgement.sweep}, {each.judgement.interface}": each.colour
+        f"sweep {each.verdict.sweep}, {each.verdict.interface}": each.colour
         for each in drawn
-        if each.judgement.broken and each.colour != UNNAMED
+        if each.verdict.broken and each.colour != UNNAMED
     }
     unnamed = sum(each.colour == UNNAMED for each in drawn)
-    passing = {"passes": PASSING} if not all(each.judgement.broken for each in drawn) else {}
+    passing = {"passes": PASSING} if not all(each.verdict.broken for each in drawn) else {}
     further = {f"{unnamed} more that break a law": UNNAMED} if unnamed else {}
-    told = passing | named | further
-    lines = [Line2D([], [], color=colour, marker=".") for colour in told.values()]
-    return [*handles, *lines], [*labels, *told]
+    entries = passing | named | further
+    lines = [Line2D([], [], color=colour, marker=".") for colour in entries.values()]
+    return [*handles, *lines], [*labels, *entries]

@@ -1,4 +1,4 @@
-"""Sweeps as curves: Rs, Cp and their changes from rest, phase, and the Nyquist plot."""
+"""Plots of sweeps: Rs, Cp and their changes from the baseline, phase, and Nyquist plot."""
 
 from __future__ import annotations
 
@@ -27,17 +27,20 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 WIDTH = 1.4
-"""Of lines of the first rows, points."""
+"""Width of the lines of the first rows, points."""
 FEW = 40
-"""Sweeps whose curves are drawn opaque."""
+"""Largest number of sweeps with opaque curves."""
 MAX_DRAWN = 400
-"""Sweeps of a recording that are drawn; of more, so many evenly spread."""
+"""Largest number of drawn sweeps of a recording, chosen at even intervals."""
 MAX_NAMED = len(COLOURS)
-"""Presses with a colour and a name of their own; more are coloured by their column."""
+"""Largest number of presses with individual colours; more are coloured by column."""
 
 
 class CurveQuantity(NamedTuple):
-    """A quantity of a sweep: its name, its unit, and how it follows from Z and the frequency."""
+    """A quantity of a sweep: name, unit, and function of Z and frequency.
+
+    change: True if the relative change from the baseline is plotted.
+    """
 
     name: str
     unit: str
@@ -58,12 +61,12 @@ QUANTITIES = {
     "nyquist": CurveQuantity("-X", "ohm", lambda Z, f: -Z.imag),
 }
 Quantity = Literal["Rs", "Cp", "change-Rs", "change-Cp", "phase", "nyquist"]
-"""Of QUANTITIES."""
+"""A key of QUANTITIES."""
 DEFAULT = ("Rs", "Cp", "change-Rs", "change-Cp")
 
 
 def checked_quantities(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names; raises InputError for one that is no quantity."""
+    """Returns the names, or DEFAULT; raises InputError for a name that is no quantity."""
     for name in names:
         if name not in QUANTITIES:
             raise InputError(f"--what must be of {', '.join(QUANTITIES)}, got {name!r}")
@@ -76,12 +79,12 @@ def draw_curves(
     what: Sequence[str] = (),
     names: Sequence[str] = (),
 ) -> Path:
-    """A picture of sweeps; a panel for each quantity, at each interface of the first.
+    """Plots sweeps: a panel for each quantity at each interface of the first recording.
 
-    recordings: drawn over each other, each in a line style of its own. what: of QUANTITIES, by
-    default those that can be had; changes are from the mean of the sweeps at rest of the same
-    session. names: of the recordings. path: .png, .svg or .pdf; given back. Raises InputError for
-    another ending, an absent folder or another quantity, and for changes without rest.
+    recordings: drawn in the same panels, each with its own line style. what: keys of QUANTITIES; by
+    default those available; changes refer to the mean baseline sweep of the same session. names: of
+    the recordings. path: .png, .svg or .pdf; returned. Raises InputError for another ending, a
+    missing folder, an unknown quantity, and for changes without a baseline sweep.
     """
     path = checked_chart(path)
     panels, across = panels_of(recordings, what)
@@ -102,17 +105,17 @@ def draw_curves(
             _dress(axes, shown, interface if several else "")
         for axes in each[len(panels) :]:
             axes.remove()
-        told = names or [f"row {row}" for row in range(1, max(rows.values(), default=0) + 1)]
-        figure.legend(*_legend(colours, labels.values(), told), loc="outside right upper")
+        line_names = names or [f"row {row}" for row in range(1, max(rows.values(), default=0) + 1)]
+        figure.legend(*_legend(colours, labels.values(), line_names), loc="outside right upper")
     return path
 
 
 def panels_of(
     recordings: Sequence[xr.Dataset], what: Sequence[str]
 ) -> tuple[list[tuple[CurveQuantity, str]], int]:
-    """Quantity and interface of each panel, and how many stand side by side."""
+    """Quantity and interface of each panel, and the number of panels per row."""
     chosen = checked_quantities(what)
-    if not what and not all(_has_rest(each) for each in recordings):
+    if not what and not all(_has_baseline(each) for each in recordings):
         chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
     interfaces = [str(name) for name in recordings[0]["interface"].values]
     panels = [(QUANTITIES[name], interface) for interface in interfaces for name in chosen]
@@ -130,7 +133,7 @@ def curves_of(
     Z = own["Rs"].values.astype(np.float64) + 1j * own["X"].values
     values = shown.of(Z, f)
     if shown.change:
-        values = 100 * (values / _at_rest(values, own) - 1)
+        values = 100 * (values / _baseline(values, own) - 1)
     x = Z.real if shown is QUANTITIES["nyquist"] else np.broadcast_to(f / 1e3, Z.shape)
     presses = own["press"].values.astype(str)
     drawn = min(len(Z), MAX_DRAWN)
@@ -138,34 +141,36 @@ def curves_of(
         yield str(presses[k]), x[k], values[k]
 
 
-def _at_rest(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
-    """Mean at rest of each sweep's session, of the shape of values."""
-    sessions, resting = sweeps["session"].values, sweeps["press"].values == UNPRESSED
+def _baseline(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
+    """Mean baseline of each sweep's session, in the shape of `values`."""
+    sessions, unpressed = sweeps["session"].values, sweeps["press"].values == UNPRESSED
     rest = np.full(values.shape, np.nan)
     for session in np.unique(sessions):
         own = sessions == session
-        if not (own & resting).any():
-            raise InputError(f"session {session} has no sweep at rest, which changes are from")
-        rest[own] = values[own & resting].mean(axis=0)
+        if not (own & unpressed).any():
+            raise InputError(
+                f"session {session} has no baseline sweep (press `none`), which changes need"
+            )
+        rest[own] = values[own & unpressed].mean(axis=0)
     return rest
 
 
-def _has_rest(sweeps: xr.Dataset) -> bool:
-    resting = sweeps["press"].values == UNPRESSED
+def _has_baseline(sweeps: xr.Dataset) -> bool:
+    unpressed = sweeps["press"].values == UNPRESSED
     sessions = sweeps["session"].values
-    return set(sessions[resting]) == set(sessions) and not resting.all()
+    return set(sessions[unpressed]) == set(sessions) and not unpressed.all()
 
 
 def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
-    """What each press is told by: itself or, where presses are many, the column it is in.
+    """Label of each press: the press itself or, if there are many, its column.
 
-    A pixel that is pressed with one strength alone is told without it: `2,3` and `2,3:2.0` are one.
+    The strength is omitted if a pixel has only one: `2,3` and `2,3:2.0` have the same label.
     """
     columns: dict[str, int] = {}
     for each in recordings:
         texts, numbers = each["press"].values.astype(str), each["column"].values
         columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
-    resting = {UNPRESSED: "at rest"} if columns.pop(UNPRESSED, None) is not None else {}
+    unpressed = {UNPRESSED: "unpressed"} if columns.pop(UNPRESSED, None) is not None else {}
     strengths: dict[str, set[str]] = {}
     for pixel, _, strength in (press.partition(":") for press in columns):
         strengths.setdefault(pixel, set()).update({strength} - {""})
@@ -176,18 +181,18 @@ def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
         for press in columns
     }
     if len(set(names.values())) <= MAX_NAMED:
-        return resting | names
+        return unpressed | names
     ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))
-    return resting | {
+    return unpressed | {
         press: f"column {columns[press]}" if columns[press] > 0 else "elsewhere"
         for press in ordered
     }
 
 
 def rows_of(recordings: Sequence[xr.Dataset], labels: Mapping[str, str]) -> dict[str, int]:
-    """The row of each press that only its column names, so that lines of a column differ.
+    """Rows of presses that are labelled by column only, so that their line styles differ.
 
-    Empty for several recordings, whose lines differ by recording, and for a single row.
+    Empty for several recordings, whose line styles differ by recording, and for a single row.
     """
     if len(recordings) > 1:
         return {}
@@ -198,16 +203,16 @@ def rows_of(recordings: Sequence[xr.Dataset], labels: Mapping[str, str]) -> dict
 
 
 def colours_of(labels: Iterable[str]) -> dict[str, str]:
-    """A colour for each label, at rest apart."""
+    """A colour for each label, with a special one for the baseline."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
-    told = [label for label in dict.fromkeys(labels) if label != "at rest"]
-    if len(told) <= len(COLOURS):
-        shades = list(COLOURS[: len(told)])
+    pressed = [label for label in dict.fromkeys(labels) if label != "unpressed"]
+    if len(pressed) <= len(COLOURS):
+        shades = list(COLOURS[: len(pressed)])
     else:
-        shades = [to_hex(each) for each in colormaps["viridis"](np.linspace(0, 0.95, len(told)))]
-    return {"at rest": UNPRESSED_COLOUR} | dict(zip(told, shades, strict=True))
+        shades = [to_hex(each) for each in colormaps["viridis"](np.linspace(0, 0.95, len(pressed)))]
+    return {"unpressed": UNPRESSED_COLOUR} | dict(zip(pressed, shades, strict=True))
 
 
 def _dress(axes: Axes, shown: CurveQuantity, title: str) -> None:
@@ -232,13 +237,13 @@ def _legend(
 ) -> tuple[list[Line2D], list[str]]:
     from matplotlib.lines import Line2D
 
-    told = list(dict.fromkeys(labels))
-    handles = [Line2D([], [], color=colours[label]) for label in told]
+    distinct = list(dict.fromkeys(labels))
+    handles = [Line2D([], [], color=colours[label]) for label in distinct]
     styles = [Line2D([], [], color="0.4", **_look(k)) for k in range(1, len(names) + 1)]
-    return handles + styles, [*told, *names]
+    return handles + styles, [*distinct, *names]
 
 
 def _look(number: int) -> dict[str, Any]:
-    """Style of the lines of a row, or of a recording, counted from 1; beyond the styles thinner."""
+    """Line style of row or recording number `number` (from 1); thinner beyond the styles."""
     thinner, style = divmod(number - 1, len(LINE_STYLES))
     return {"linestyle": LINE_STYLES[style], "linewidth": WIDTH / (1 + thinner)}

@@ -1,4 +1,4 @@
-"""How far touches laid on cells are from touches with their own edges."""
+"""Errors by rasterizing touches on cells, estimated with a sample of presses."""
 
 from __future__ import annotations
 
@@ -24,33 +24,33 @@ SAMPLE = 16
 
 
 def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float) -> float:
-    """Largest relative error of Rs and Cp by laying touches on cells, of a sample of presses.
+    """Largest relative error of Rs and Cp by rasterizing touches on cells, for a sample of presses.
 
-    On the scene's own skin; foam that creeps is compared as a sweep ends. Where a tension spreads
-    presses it includes what `lattice_error` tells, and SAMPLED.
+    The skin is the scene's nominal one; creeping foam is compared at the end of a sweep. If a
+    tension spreads presses, the error includes `lattice_error` and the safety factor SAMPLED.
     """
     presses = _sample(scene, family, seed)
     creeps = bool(scene.skin.foam.in_time)
     batch = at_sweep_end(scene, presses.batch) if creeps else presses.batch
-    laid = _answers(scene, family, batch)
+    on_cells = _answers(scene, family, batch)
     texts = (parse_press(text, np.nan) for text in presses.text)
     if creeps:
         _, whole = reading_moments(scene)
         texts = (FoamState(scene).then(press, 0.0).after(whole) for press in texts)
-    return (SAMPLED if spreading(scene) else 1.0) * off_the_solver(scene, texts, laid, rtol)
+    return (SAMPLED if spreading(scene) else 1.0) * off_the_solver(scene, texts, on_cells, rtol)
 
 
 def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:
-    """What deflections on a lattice change of Rs and Cp, relatively, by a sample of presses.
+    """Relative error of Rs and Cp by solving deflections on a lattice, for a sample of presses.
 
-    Against the membrane on triangles, laid on the same cells.
+    The reference is the membrane on triangles, rasterized on the same cells.
     """
     presses = _sample(scene, family, seed)
     assert presses.placed is not None
-    laid = _answers(scene, family, presses.batch)
+    on_cells = _answers(scene, family, presses.batch)
     traced = cell_presses_by_triangles(scene, presses.touches, presses.placed, family.grid)
     exact = _answers(scene, family, traced)
-    return SAMPLED * float(relative_difference(laid, exact).max())
+    return SAMPLED * float(relative_difference(on_cells, exact).max())
 
 
 def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
@@ -58,7 +58,6 @@ def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
 
 
 def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> NDArray[np.complex128]:
-    """Z in ohm of presses on the scene's own skin, behind its leads, shape (press, interface,
-    frequency)."""
+    """Z in ohm of presses on the nominal skin including leads, (press, interface, frequency)."""
     Z = nominal_skin(scene, family).sweeps(batch)
     return scene.leads.at_meter(Z, scene.frequencies)

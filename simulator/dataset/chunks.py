@@ -1,6 +1,6 @@
-"""Chunks of a Zarr array, encoded and put in place without Zarr, which takes longer to begin.
+"""Writes chunks of a Zarr array without Zarr, which takes longer to start.
 
-The bytes are those that Zarr writes. Chunks appear whole or not at all.
+The bytes equal those that Zarr writes. Chunks appear whole or not at all.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 Part = tuple[str, int, int]
-"""Of a chunk: the name of its file, its length in bytes and its CRC-32."""
+"""Fingerprint of a chunk: the name of its file, its length in bytes and its CRC-32."""
 LEFT_OVER = "*.partial"
 SEPARATOR = "."
-"""In a chunk's name: all chunks of an array are in one folder, as folders take time to make."""
+"""Separator in chunk names: all chunks of an array are in one folder, because folders are slow."""
 CODECS = {
     "numbers": {"cname": "lz4", "clevel": 5, "shuffle": "bitshuffle"},
     "whole numbers": {"cname": "zstd", "clevel": 1, "shuffle": "bitshuffle"},
     "texts": {"cname": "zstd", "clevel": 1, "shuffle": "noshuffle"},
 }
-"""What readings lose by quicker codecs is little, for most of their digits are noise."""
+"""Fast codecs suffice for readings, because most of their digits are noise."""
 
 
 def put(folder: Path, number: int, values: NDArray, size: int) -> Part:
-    """Write chunk `number` along the first dimension, of all that there is along the others.
+    """Writes chunk `number` along the first dimension; it spans all other dimensions.
 
     folder: of the array. values: of the array's type, or texts. size: of a chunk along the first
-    dimension; a last chunk that holds less is filled up with zeros or empty texts. Returns what
-    `is_whole` knows it by.
+    dimension; a shorter last chunk is padded with zeros or empty texts. Returns the fingerprint
+    that `is_whole` checks.
     """
     place = f"{folder}/{SEPARATOR.join(['c', str(number), *['0'] * (values.ndim - 1)])}"
     unfinished = f"{place}.{os.getpid()}.partial"
@@ -48,7 +48,7 @@ def put(folder: Path, number: int, values: NDArray, size: int) -> Part:
 
 
 def is_whole(folder: Path, part: Sequence[Any]) -> bool:
-    """Whether a chunk that was put into the folder of an array is there as it was put."""
+    """True if a chunk in the folder of an array is as it was written."""
     name, length, checksum = part
     try:
         path = folder / name
@@ -63,7 +63,7 @@ def _write(path: str, content: bytes) -> None:
 
 
 def compression(dtype: str) -> Mapping[str, Any]:
-    """Settings of Blosc for texts ("str") or numbers of a type."""
+    """Blosc settings for texts ("str") or numbers of a type."""
     if dtype == "str":
         return CODECS["texts"]
     return CODECS["numbers" if np.issubdtype(dtype, np.floating) else "whole numbers"]
@@ -78,7 +78,7 @@ def _filled_up(values: NDArray, size: int) -> NDArray:
 
 
 def _encoded(values: NDArray) -> bytes:
-    """With the checksum that Zarr compares before it decodes: spoilt bytes end Blosc's process."""
+    """Encodes with the checksum that Zarr checks before decoding: corrupt bytes crash Blosc."""
     from numcodecs.checksum32 import CRC32C
     from numcodecs.vlen import VLenUTF8
 
@@ -92,10 +92,12 @@ def _encoded(values: NDArray) -> bytes:
 
 @lru_cache
 def _blosc(dtype: str) -> Any:
-    """Of one thread: several would write parts in the order in which they finish."""
+    """A Blosc codec with one thread: several would order the bytes by finishing time."""
     import numcodecs.blosc
 
     numcodecs.blosc.use_threads = False
-    asked = compression(dtype)
+    settings = compression(dtype)
     shuffle = {"noshuffle": numcodecs.blosc.NOSHUFFLE, "bitshuffle": numcodecs.blosc.BITSHUFFLE}
-    return numcodecs.blosc.Blosc(asked["cname"], asked["clevel"], shuffle[asked["shuffle"]])
+    return numcodecs.blosc.Blosc(
+        settings["cname"], settings["clevel"], shuffle[settings["shuffle"]]
+    )

@@ -12,20 +12,20 @@ from ..requests.options import SceneName
 from ..safe_text import say
 
 READINGS_A_SECOND = 6e5
-"""About, of one process: sweeps of 20 frequencies, 32 800 a second."""
+"""Approximate speed of one process: 32 800 sweeps of 20 frequencies per second."""
 
 
 def dataset(
     scene: SceneName,
-    sweeps: Annotated[int, typer.Option(help="How many sweeps.")],
+    sweeps: Annotated[int, typer.Option(help="Number of sweeps.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.zarr.")],
-    seed: Annotated[int, typer.Option(help="Decides every draw.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of all random draws.")] = 1,
     rtol: Annotated[
         float,
         typer.Option(help="Largest relative error of exact Rs and of Cp, 1e-8 to 1e-2."),
     ] = 1e-4,
     workers: Annotated[
-        int | None, typer.Option(help="Processes on this machine; all cores without it.")
+        int | None, typer.Option(help="Number of processes on this machine; default: one per core.")
     ] = None,
     scheduler: Annotated[
         str | None,
@@ -34,10 +34,10 @@ def dataset(
 ) -> None:
     """Make a data set of randomised skins and presses, as the meter would show them.
 
-    What is drawn, and how, stands in the scene's tables `dataset.press` and
-    `dataset.session`; the meter's errors in `readout`. Killed at any point, the
-    same command goes on. The bytes depend on the scene, SWEEPS, SEED, RTOL and
-    the version only, and sweep k on neither SWEEPS nor who computes it.
+    The scene's tables `dataset.press` and `dataset.session` define what is
+    drawn, `readout` the meter's errors. If the command is killed, running it
+    again continues. The bytes depend only on the scene, SWEEPS, SEED, RTOL and
+    the version; sweep k depends neither on SWEEPS nor on the number of workers.
     """
     from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
@@ -49,45 +49,45 @@ def dataset(
     from .dataset_plan import Plan, readings
     from .generation import generate
     from .layout import readings_along
-    from .store import finished_attributes as told_of
+    from .store import finished_attributes
 
     loaded = requested_scene(scene)
     plan = Plan(foldable(loaded, "a data set", creeps=True), sweeps, seed, rtol)
     note_if_noise_free(scene, loaded)
-    processes = workers or _cores()
+    processes = workers or _cpu_count()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
     note_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
     try:
         with on_terminal("sweeps") as progress:
             generate(plan, output, processes=processes, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
-        raise InterruptedWorkError("the same command goes on from here") from None
-    told = told_of(output) or {}
+        raise InterruptedWorkError("the same command continues from here") from None
+    attributes = finished_attributes(output) or {}
     say(
-        f"{output}: certified {told['audit_sample']} of the "
+        f"{output}: certified {attributes['audit_sample']} of the "
         f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions, largest bound on the "
-        f"relative error {told['audit_bound']:.1e}; {told['fallbacks']} solved in full"
+        f"relative error {attributes['audit_bound']:.1e}; {attributes['fallbacks']} solved in full"
     )
-    if "cells_error" in told:
+    if "cells_error" in attributes:
         say(
-            f"{output}: touches are laid on cells, which changes Rs and Cp by up to "
-            f"{told['cells_error']:.1e}; more cells_per_pixel change less"
+            f"{output}: rasterizing touches on cells changes Rs and Cp by up to "
+            f"{attributes['cells_error']:.1e}; a larger cells_per_pixel reduces it"
         )
-    if "deflection_error" in told:
+    if "deflection_error" in attributes:
         say(
-            f"{output}: how the foam gives way is solved on a lattice; of that change it makes up "
-            f"to {told['deflection_error']:.1e}"
+            f"{output}: of that change, solving the foam's deflection on a lattice causes up to "
+            f"{attributes['deflection_error']:.1e}"
         )
     if plan.sessions == 1:
         say(
-            f"{output}: all of one skin, for a session is {plan.session_sweeps} sweeps; "
+            f"{output}: all sweeps are of one skin, because a session has {plan.session_sweeps}; "
             f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
         )
     report_written(sizes_text(readings_along(plan)), output)
 
 
-def _cores() -> int:
-    """Processors that this process may use."""
+def _cpu_count() -> int:
+    """Number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

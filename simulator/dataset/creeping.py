@@ -1,6 +1,6 @@
-"""Presses of a data set on foam that creeps: how they leave its cells while they are read.
+"""Presses of a data set on creeping foam: the state of its cells during readings.
 
-As `measure.foam_state` has single touches, for all cells of a session at once.
+This is `measure.foam_state` for all cells of a session at once.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from ..sweeps import InputError
 
 
 def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> PressBatch:
-    """Presses of a session, one after the other, in several states of the foam each.
+    """Consecutive presses of a session, each in several states of the foam.
 
-    decays: of each state since the press, as of `Creep.decay`. Press k in state n is number
-    k len(decays) + n.
+    decays: decay since the press in each state, from `Creep.decay`. Press k in state n has the
+    number k len(decays) + n.
     """
     grid = scene.divided(scene.dataset.press.cells).pixels.shape
     foam, creep, cells = scene.skin.foam, Creep.of(scene.skin.foam), foam_parts(scene, grid)
@@ -30,7 +30,7 @@ def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> 
     factor = _factors(batch.where(on_foam), cells)
     strain = foam.strain_at(factor)
     beyond = factor / foam.factor_at(strain)
-    at_once, y = _remembered(scene, strain)
+    at_once, y = _strain_histories(scene, strain)
     rises = []
     for decay in decays:
         now = at_once + creep.loaded(y, at_once, decay).sum(axis=0)
@@ -41,7 +41,7 @@ def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> 
 
 
 def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
-    """Each press alone, on foam that was at rest, as it is when its sweep ends."""
+    """Each press alone on relaxed foam, in the state at the end of its sweep."""
     _, whole = reading_moments(scene)
     decays = [Creep.of(scene.skin.foam).decay(whole)]
     each = (in_foam_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
@@ -49,46 +49,45 @@ def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
 
 
 def _factors(batch: PressBatch, cells: int) -> Array:
-    """On c of each cell under each press, shape (press, cell)."""
+    """Factor on the capacitance of each cell under each press, shape (press, cell)."""
     factor = np.ones((batch.count, cells))
     np.add.at(factor, (batch.press, batch.cells), batch.rises)
     return factor
 
 
-def _remembered(scene: Scene, strain: Array) -> tuple[Array, Array]:
-    """Strain that loads cause at once, shape (press, cell), and what the foam remembers as each
-    comes, shape (solid, press, cell).
+def _strain_histories(scene: Scene, strain: Array) -> tuple[Array, Array]:
+    """Instantaneous strain, shape (press, cell), and creep strain when each press begins.
 
-    strain: of each load alone, shape (press, cell).
+    The latter has the shape (solid, press, cell). strain: of each load alone, (press, cell).
     """
     foam, creep, pause = scene.skin.foam, Creep.of(scene.skin.foam), scene.experiment.timed.pause
     _, whole = reading_moments(scene)
     at_once, y = np.array(strain), np.zeros((len(creep.share), *strain.shape))
-    now, most = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
-    held, apart = creep.decay(whole), creep.decay(pause)[:, None]
+    now, largest = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
+    while_pressed, between = creep.decay(whole), creep.decay(pause)[:, None]
     for press, x in enumerate(strain):
-        most = x if pause else np.where(x > 0, np.maximum(x, most), 0.0)
-        y[:, press], at_once[press] = now, let_off(x, most, foam.hysteresis or 0.0)
-        now = creep.loaded(now, at_once[press], held) * apart
+        largest = x if pause else np.where(x > 0, np.maximum(x, largest), 0.0)
+        y[:, press], at_once[press] = now, let_off(x, largest, foam.hysteresis or 0.0)
+        now = creep.loaded(now, at_once[press], while_pressed) * between
     return at_once, y
 
 
 def _repeated(batch: PressBatch, times: int) -> PressBatch:
-    """Each press so many times."""
+    """Each press repeated `times` times."""
     return PressBatch.of([batch.one(k) for k in range(batch.count) for _ in range(times)])
 
 
 def check_creep(scene: Scene) -> None:
-    """Raises InputError where foam that creeps is pressed by depth, or would creep too far."""
+    """Raises InputError if creeping foam is pressed by depth or would creep too far."""
     foam, drawn = scene.skin.foam, scene.dataset.press
     if not foam.in_time:
         return
-    over_each_other = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
-    x = foam.strain_at(np.array(drawn.factor.high**over_each_other))
+    overlapping = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
+    x = foam.strain_at(np.array(drawn.factor.high**overlapping))
     creep = Creep.of(foam)
     strain = float(creep.greatest(creep.nothing(), x))
     if strain > foam.greatest_strain:
-        twice = ", where two of them meet" if over_each_other > 1 else ""
+        twice = ", where two of them meet" if overlapping > 1 else ""
         raise InputError(
             f"{scene.name}: `dataset.press.factor` must leave foam that creeps compressed by at "
             f"most {foam.greatest_strain:.3g} of its thickness in every draw, got "

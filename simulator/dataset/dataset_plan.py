@@ -1,4 +1,4 @@
-"""What a data set will hold, and how it is cut into blocks: nothing else decides its bytes."""
+"""Plan of a data set: its content and its blocks; nothing else determines its bytes."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from .creeping import check_creep
 from .drawn_fingers import check_surroundings
 
 LAYOUT = 6
-"""To be raised whenever the same plan would give other bytes."""
+"""Version of the layout: increase it whenever the same plan gives other bytes."""
 MAX_VALUES = 2**22
-"""Readings of one quantity in a session."""
+"""Largest number of readings of one quantity in a session."""
 MAX_CELLS = 100
 MAX_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A data set: the scene, how many sweeps, from which seed, to which relative tolerance.
+    """A data set: scene, number of sweeps, seed and relative tolerance.
 
-    block_values: readings of one quantity that are computed and written together, about.
+    block_values: approximate number of readings of one quantity in a block.
     """
 
     scene: Scene
@@ -44,7 +44,7 @@ class Plan:
     block_values: int = 2**18
 
     def __post_init__(self) -> None:
-        """Raises InputError where a number is out of range or a press does not fit the scene."""
+        """Raises InputError if a number is out of range or a press does not fit the scene."""
         if self.sweeps < 1:
             raise InputError(f"`sweeps` must be >= 1, got {self.sweeps}")
         if not 0 <= self.seed <= MAX_SEED:
@@ -59,22 +59,22 @@ class Plan:
 
     @property
     def session_sweeps(self) -> int:
-        """Sweeps in a session."""
+        """Number of sweeps in a session."""
         return self.scene.dataset.session.sweeps_per_session
 
     @property
     def sessions(self) -> int:
-        """Sessions in all; the last may be cut short."""
+        """Total number of sessions; the last may be incomplete."""
         return -(-self.sweeps // self.session_sweeps)
 
     @cached_property
     def block_sessions(self) -> int:
-        """Sessions that are computed, written and finished together."""
+        """Number of sessions in a block."""
         return max(1, self.block_values // (self.session_sweeps * readings(self.scene)))
 
     @property
     def blocks(self) -> int:
-        """Blocks in all."""
+        """Total number of blocks."""
         return -(-self.sessions // self.block_sessions)
 
     def sessions_of(self, block: int) -> range:
@@ -89,12 +89,13 @@ class Plan:
 
     @property
     def software(self) -> str:
-        """Name and version of what makes it."""
+        """Name and version of this software."""
         return f"rcskin {version('rcskin')}"
 
     @property
-    def told(self) -> dict[str, str | int | float]:
-        """All that decides the bytes: the plan, and the versions of what carries it out."""
+    def record(self) -> dict[str, str | int | float]:
+        """Everything that determines the bytes: the plan and the versions of software and
+        layout."""
         return {
             "software": self.software,
             "layout": LAYOUT,
@@ -107,33 +108,33 @@ class Plan:
 
     def text(self) -> str:
         """The plan as JSON."""
-        return json.dumps(self.told, indent=1)
+        return json.dumps(self.record, indent=1)
 
     @property
     def digest(self) -> str:
-        """Equal for plans of equal bytes."""
+        """Digest that is equal for plans that give equal bytes."""
         return sha256(self.text().encode()).hexdigest()
 
 
 def readings(scene: Scene) -> int:
-    """Readings of one quantity in a sweep."""
+    """Number of readings of one quantity in a sweep."""
     return len(scene.interfaces) * len(scene.frequencies)
 
 
 def parse_plan(text: str) -> Plan:
-    """The plan of which this is the `text`."""
-    told = objects(text)
-    scene = parse_scene(told["scene"], source="plan")
-    return Plan(scene, told["sweeps"], told["seed"], told["rtol"], told["block_values"])
+    """The plan with this `text`."""
+    record = objects(text)
+    scene = parse_scene(record["scene"], source="plan")
+    return Plan(scene, record["sweeps"], record["seed"], record["rtol"], record["block_values"])
 
 
-def first_difference(asked: Mapping[str, object], there: Mapping[str, object]) -> str | None:
-    """The first item in which two plans, as `told`, differ, in one line; None where equal."""
-    for name in asked:
-        if asked[name] != there.get(name):
+def first_difference(requested: Mapping[str, object], existing: Mapping[str, object]) -> str | None:
+    """The first difference between two plans' records, in one line; None if equal."""
+    for name in requested:
+        if requested[name] != existing.get(name):
             if name == "scene":
                 return "another scene"
-            return f"{name} {there.get(name)} where {asked[name]} is asked"
+            return f"{name} {existing.get(name)} where {requested[name]} is requested"
     return None
 
 
@@ -147,7 +148,7 @@ def _check_size(scene: Scene) -> None:
 
 
 def _check_depths(scene: Scene) -> None:
-    """Raises InputError where presses by depth are drawn that the foam does not take."""
+    """Raises InputError if presses by depth are drawn that the foam does not permit."""
     drawn = scene.dataset.press
     if scene.press.by_factor:
         if drawn.depth is not None:
@@ -158,18 +159,18 @@ def _check_depths(scene: Scene) -> None:
         return
     if drawn.rasterized and spreading(scene):
         check_plane(scene.skin)
-    most = deepest(scene)
+    max_depth = deepest(scene)
     if drawn.depth is not None:
         named, depth = "depth", drawn.depth.high
-        told = f"<= {most:.4g} m"
+        allowed = f"<= {max_depth:.4g} m"
     else:
-        named, high = "factor", float(scene.pressed_factors(np.array(most)))
-        told = f"from 1 to {high:.4g}"
-        depth = np.inf if drawn.factor.high > high or drawn.factor.low < 1 else most
-    if depth > most:
+        named, high = "factor", float(scene.pressed_factors(np.array(max_depth)))
+        allowed = f"from 1 to {high:.4g}"
+        depth = np.inf if drawn.factor.high > high or drawn.factor.low < 1 else max_depth
+    if depth > max_depth:
         raise InputError(
-            f"{scene.name}: `dataset.press.{named}` must be {told} in every draw, which is how "
-            "deep applicators are known"
+            f"{scene.name}: `dataset.press.{named}` must be {allowed} in every draw: the models "
+            "cover no deeper applicators"
         )
 
 
@@ -195,7 +196,7 @@ def _check_presses(scene: Scene) -> None:
 
 
 def check_cells(scene: Scene) -> None:
-    """Raises InputError where presses would be laid on more cells than a model is trained for."""
+    """Raises InputError if presses need more cells than a model can be trained for."""
     cells, most = scene.dataset.press.cells, max(scene.pixels.shape)
     if cells * most > MAX_CELLS:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Fingers of a data set's touches: what they hold to earth, and which touches have nothing else."""
+"""Fingers of a data set's touches: capacitance to earth, and touches without pressure."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from .strengths import FINGER_DECIMALS
 
 
 class DrawnFingers(NamedTuple):
-    """What is drawn of the touches of many presses, shape (press, touch).
+    """Random properties of the fingers of many presses, shape (press, touch).
 
-    drawn: capacitance to earth, F; None where fingers are as the scene's `press` has them. alone:
-    touches that do not press.
+    drawn: capacitance to earth, F; None if fingers are those of the scene's `press`. alone: mask of
+    touches without pressure.
     """
 
     drawn: NDArray[np.float64] | None
@@ -31,27 +31,27 @@ class DrawnFingers(NamedTuple):
     def over(
         self, scene: Scene, area: NDArray[np.float64], there: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
-        """Capacitance to earth in F of touches of these areas in m², 0 where there is none."""
+        """Capacitance to earth in F of touches with these areas in m²; 0 without a touch."""
         how = scene.press.finger
-        return self._told(finger_over(scene, area, how) if self.drawn is None else None, there)
+        return self._rounded(finger_over(scene, area, how) if self.drawn is None else None, there)
 
     def of_pixels(
         self, scene: Scene, pixel: NDArray[np.int64], there: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
-        """The same of whole pixels by number."""
+        """Capacitance to earth in F of touches of whole pixels, by pixel number."""
         own = self.drawn is None and scene.press.finger
-        return self._told(_on_pixels(scene)[pixel] if own else None, there)
+        return self._rounded(_on_pixels(scene)[pixel] if own else None, there)
 
-    def _told(
+    def _rounded(
         self, own: NDArray[np.float64] | None, there: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
-        """own: as the scene's `press` has them, F; None where they are drawn, or rods."""
+        """Rounded capacitance. own: of the scene's fingers, F; None if drawn, or for rods."""
         finger = (0.0 if self.drawn is None else self.drawn) if own is None else own
         return np.where(there, np.round(finger, FINGER_DECIMALS), 0.0)
 
 
 def _on_pixels(scene: Scene) -> NDArray[np.float64]:
-    """Of the finger of the scene's `press` on each pixel, F; 0 where there is no skin."""
+    """Capacitance of the scene's finger on each pixel, F; 0 where there is no skin."""
     how, found = scene.press.finger, np.zeros(scene.pixels.rows * scene.pixels.columns)
     assert how is not None
     for row, column in pixels_with_skin(scene):
@@ -63,7 +63,7 @@ def _on_pixels(scene: Scene) -> NDArray[np.float64]:
 def drawn_fingers(
     scene: Scene, random: np.random.Generator, shape: tuple[int, ...]
 ) -> DrawnFingers:
-    """Of touches of a shape (press, touch); what is not drawn takes no random number."""
+    """Draws the fingers of touches, shape (press, touch); fixed values use no random numbers."""
     drawn = scene.dataset.press
     finger = None if drawn.finger is None else drawn.finger.at(random.random(shape))
     share = drawn.without_press
@@ -72,12 +72,12 @@ def drawn_fingers(
 
 
 OWN_FINGERS = DrawnFingers(None, np.zeros((1, 1), dtype=bool))
-"""As the scene's `press` has them, and every touch presses."""
+"""The fingers of the scene's `press`; every touch presses."""
 
 
 def check_surroundings(scene: Scene) -> None:
-    """Raises InputError where fingers, bodies or rims are drawn that the scene does not have, and
-    where touches with walls are no whole pixels."""
+    """Raises InputError if fingers, bodies or rims are drawn that the scene lacks, or if touches
+    with walls are no whole pixels."""
     press, session, around = scene.dataset.press, scene.dataset.session, scene.surroundings
     drawn = {
         "press.finger": press.finger,

@@ -1,4 +1,4 @@
-"""Presses drawn for a data set: on pixels, beside them, or anywhere."""
+"""Random presses of a data set: on pixels, next to them, or anywhere."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from .strengths import drawn_strengths, pixel_texts, written_strength
 
 MAX_TOUCHES = 2
 FIRST_BASELINES = 3
-"""Sweeps at rest that a session begins with where it promises any."""
+"""Number of baseline sweeps at the beginning of a session, if it has any."""
 TRIES = 64
-"""Places that are drawn for a touch until its middle is on the skin."""
+"""Largest number of places drawn until the middle of a touch is on the skin."""
 
 
 @dataclass(frozen=True)
 class Presses:
-    """Presses as a model takes them, as labels, and as numbers to learn.
+    """Presses as input of a model, as labels, and as numbers to learn.
 
-    batch: on cells. text, row, column: as in the schema of sweeps.
-    touches: how many, shape (press,). x, y [m], factor, finger [F]: centre, strength and
-    capacitance to earth of each touch, shape (press, MOST_TOUCHES); 0, 0, 1 and 0 where there is
-    none. placed: where touches that are no whole pixels came to lie.
+    batch: presses on cells. text, row, column: as in the schema of sweeps.
+    touches: number of touches, shape (press,). x, y [m], factor, finger [F]: centre, strength and
+    capacitance to earth of each touch, shape (press, MAX_TOUCHES); 0, 0, 1 and 0 without a
+    touch. placed: footprints of touches that are no whole pixels.
     """
 
     batch: PressBatch
@@ -52,27 +52,27 @@ class Presses:
 def session_presses(
     scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
 ) -> Presses:
-    """As `drawn_presses`, with the sweeps at rest that a session promises."""
-    promised = _at_rest(scene.dataset.session.rest_every, count)
-    return _drawn(scene, random, promised, grid)
+    """Random presses of a session, including its baseline sweeps."""
+    baselines = _baseline_mask(scene.dataset.session.rest_every, count)
+    return _drawn(scene, random, baselines, grid)
 
 
 def drawn_presses(
     scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
 ) -> Presses:
-    """So many presses of a scene's data set, on cells of a grid of so many rows and columns."""
+    """Random presses of a scene's data set on the cells of a grid (rows, columns)."""
     return _drawn(scene, random, np.zeros(count, dtype=bool), grid)
 
 
 def _drawn(
     scene: Scene,
     random: np.random.Generator,
-    at_rest: NDArray[np.bool_],
+    unpressed: NDArray[np.bool_],
     grid: tuple[int, int],
 ) -> Presses:
-    """A press for each sweep, none for those at rest."""
-    drawn, count = scene.dataset.press, len(at_rest)
-    touches = np.where(at_rest, 0, _counts(drawn, random.random(count)))
+    """A press for each sweep; no touch where the mask `unpressed` is True."""
+    drawn, count = scene.dataset.press, len(unpressed)
+    touches = np.where(unpressed, 0, _counts(drawn, random.random(count)))
     chances = random.random((4, count, MAX_TOUCHES))
     factor = drawn_strengths(scene, random.random((count, MAX_TOUCHES)))
     if drawn.place == "anywhere" and not scene.skin.rectangular:
@@ -85,8 +85,8 @@ def _drawn(
     return _on_pixels(scene, touches, chances, factor, grid, fingers)
 
 
-def _at_rest(every: int, count: int) -> NDArray[np.bool_]:
-    """Sweeps that are promised to be at rest, shape (sweep,)."""
+def _baseline_mask(every: int, count: int) -> NDArray[np.bool_]:
+    """Mask of the baseline sweeps of a session, shape (sweep,)."""
     if not every:
         return np.zeros(count, dtype=bool)
     since = np.arange(count) - FIRST_BASELINES
@@ -106,7 +106,7 @@ def _on_pixels(
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
-    """Touches of whole pixels, two never on one; in the order of pixels, as texts have it."""
+    """Touches of distinct whole pixels, in the order of pixels as in the texts."""
     pixels = pixel_coverage(scene).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
     aside = truncated_normal(chances[2:], CUT)
@@ -119,8 +119,10 @@ def pressed_pixels(
     factor: NDArray[np.float64],
     grid: tuple[int, int],
 ) -> Presses:
-    """One pixel in each press, in its middle, with the finger of the scene's `press`: row and
-    column from 0, negative for none, shape (press, 2). factor: shape (press,)."""
+    """Presses of one pixel each, in its middle, with the finger of the scene's `press`.
+
+    pixels: row and column from 0, negative for none, shape (press, 2). factor: shape (press,).
+    """
     row, column = pixels.T
     touches = (row >= 0).astype(np.int64)
     number = np.maximum(row * scene.pixels.columns + column, 0)
@@ -138,7 +140,7 @@ def _on(
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
-    """Touches of pixels by number, shape (press, MOST_TOUCHES). aside: as of `with_offset`."""
+    """Presses of pixels by number, shape (press, MAX_TOUCHES). aside: as in `with_offset`."""
     columns = scene.pixels.columns
     there = np.arange(MAX_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
@@ -170,7 +172,7 @@ def _on(
 def _centres(
     scene: Scene, row: NDArray[np.int64], column: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """x and y in m of pixels counted from 0, shape (2, ...)."""
+    """Centres (x, y) in m of pixels counted from 0, shape (2, ...)."""
     skin, pixels = scene.skin, scene.pixels
     x = (column + 0.5) * skin.length / pixels.columns
     return np.stack([x, (row + 0.5) * skin.width / pixels.rows])
@@ -179,7 +181,7 @@ def _centres(
 def _distinct_pixels(
     touches: NDArray[np.int64], chances: NDArray[np.float64], count: int
 ) -> NDArray[np.int64]:
-    """Pixels counted from 0, shape (press, MOST_TOUCHES), ascending where both are touched."""
+    """Distinct pixel numbers from 0, shape (press, MAX_TOUCHES); ascending for two touches."""
     first = np.floor(chances[:, 0] * count).astype(np.int64)
     second = np.floor(chances[:, 1] * (count - 1)).astype(np.int64)
     second += second >= first
@@ -189,7 +191,7 @@ def _distinct_pixels(
 
 
 def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
-    """Cells of each pixel, counted row by row, shape (pixel, cell)."""
+    """Numbers of the cells of each pixel, row by row, shape (pixel, cell)."""
     rows, columns = scene.pixels.rows, scene.pixels.columns
     high, wide = grid[0] // rows, grid[1] // columns
     cells = np.arange(grid[0] * grid[1]).reshape(rows, high, columns, wide)
@@ -197,7 +199,7 @@ def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
 
 
 def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Row or column of a single touch, 0 at rest, -1 where it is no single pixel."""
+    """Row or column of a single touch; 0 if unpressed, -1 for several touches."""
     return np.where(touches == 1, index, np.where(touches == 0, 0, -1))
 
 
@@ -209,9 +211,9 @@ def presses_anywhere(
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
-    """Presses of so many touches; factors multiply where two of them overlap, and fingers add.
+    """Presses at random places; where two touches overlap, factors multiply and fingers add.
 
-    chances, factor: as of `drawn_places`.
+    chances, factor: as in `drawn_places`.
     """
     placed = drawn_places(scene, touches, chances, factor, grid, fingers)
     there = np.arange(MAX_TOUCHES) < touches[:, None]
@@ -232,25 +234,25 @@ def presses_anywhere(
 
 
 def with_offset(
-    scene: Scene, meant: Presses, aside: NDArray[np.float64], grid: tuple[int, int]
+    scene: Scene, nominal: Presses, aside: NDArray[np.float64], grid: tuple[int, int]
 ) -> Presses:
-    """The presses, told as they were meant, with their touches where they came to lie.
+    """Presses with touches displaced from their pixels; labels stay those of the pixels.
 
-    aside: of each touch along x and y, in standard deviations, shape (2, press, MOST_TOUCHES). What
-    would lie beyond the skin is cut off, with its part of a finger.
+    aside: displacement along x and y in standard deviations, shape (2, press, MAX_TOUCHES). Parts
+    beyond the skin are cut off, also from the finger.
     """
     skin, pixels = scene.skin, scene.pixels
     sides = np.array([skin.length / pixels.columns, skin.width / pixels.rows])
     off = scene.dataset.press.offset * sides[:, None, None] * aside
-    centres = np.stack([meant.x, meant.y]) + off
+    centres = np.stack([nominal.x, nominal.y]) + off
     half = sides[:, None, None] / 2
     ends = np.array([skin.length, skin.width])[:, None, None]
     low, high = np.maximum(centres - half, 0.0), np.minimum(centres + half, ends)
-    there = np.arange(meant.x.shape[1]) < meant.touches[:, None]
+    there = np.arange(nominal.x.shape[1]) < nominal.touches[:, None]
     x, y = np.where(there, (low + high) / 2, 0.0)
     width, height = high - low
     left = width * height / np.prod(sides)
-    placed = Footprints.rectangles(x, y, width, height, meant.factor, meant.finger * left)
-    batch = cell_presses(scene, meant.touches, placed, grid)
-    batch = with_fingers_at(scene, batch, meant.touches, placed, grid)
-    return replace(meant, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)
+    placed = Footprints.rectangles(x, y, width, height, nominal.factor, nominal.finger * left)
+    batch = cell_presses(scene, nominal.touches, placed, grid)
+    batch = with_fingers_at(scene, batch, nominal.touches, placed, grid)
+    return replace(nominal, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

@@ -1,4 +1,4 @@
-"""A session of a data set: one drawn skin, its presses, and how far each is vouched for."""
+"""A session of a data set: one drawn skin, its presses, and their certified errors."""
 
 from __future__ import annotations
 
@@ -23,13 +23,15 @@ from .skin_model import SkinFamily, SkinModel
 ONE_IN = 1000
 
 FIRST_SESSION, FIRST_SESSIONS = 32, 32
-"""Least sample of the first session, and sessions in which at least one sweep is certified."""
+"""Minimum sample of the first session, and number of sessions with at least one certified sweep."""
 
 
 @dataclass(frozen=True)
 class Audit:
-    """How many sweeps were certified, how many of these solved again by the full system, and the
-    largest bound on the relative error of Rs and of Cp among those that were not."""
+    """Numbers of certified sweeps and of those solved by the full system, and the largest bound.
+
+    bound: on the relative error of Rs and Cp, over the certified sweeps of the reduced model.
+    """
 
     sample: int
     fallbacks: int
@@ -42,7 +44,7 @@ Audited = Callable[
 
 
 def combined_audit(audits: Iterable[Audit]) -> Audit:
-    """The audit of several parts."""
+    """Combines the audits of several parts."""
     parts = list(audits)
     return Audit(
         sum(part.sample for part in parts),
@@ -54,9 +56,9 @@ def combined_audit(audits: Iterable[Audit]) -> Audit:
 def audited(
     model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
 ) -> tuple[NDArray[np.complex128], Audit]:
-    """Z in ohm of all presses, shape (press, interface, frequency), and how far it is vouched for.
+    """Z in ohm of all presses, shape (press, interface, frequency), and the audit.
 
-    Raises ToleranceError where a value is not finite even by the full system.
+    Raises ToleranceError if a value is not finite even by the full system.
     """
     Z = model.sweeps(presses.batch)
     bounds = _bounds(model, presses, {*_sample(random, len(Z), session), *_not_finite(Z)})
@@ -72,7 +74,7 @@ def audited(
 
 
 def audited_in_time(scene: Scene) -> Audited:
-    """As `audited`, of foam that creeps while each sweep is read, and from one to the next."""
+    """Like `audited`, for foam that creeps during and between sweeps."""
 
     def read(
         model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
@@ -93,7 +95,7 @@ def audited_in_time(scene: Scene) -> Audited:
             finer = between.finer(int(np.argmax(off)))
             if finer is None:
                 raise ToleranceError(
-                    f"session {session}: read while foam creeps, Rs or Cp is off by {bound:.1e}",
+                    f"session {session}: interpolating creep changes Rs or Cp by {bound:.1e}",
                     bound / rtol,
                 )
             between = finer
@@ -104,7 +106,7 @@ def audited_in_time(scene: Scene) -> Audited:
 def _interpolated(
     Z: NDArray[np.complex128], between: Interpolation
 ) -> tuple[NDArray[np.complex128], list[float]]:
-    """At the moments of readings, from all states, and what each solid's coarser nodes change."""
+    """Z at the moments of readings, and the change by a coarser time grid for each solid."""
     states = Z.reshape(-1, len(between.nodes), *Z.shape[1:])
     found = between.of(states, between.weights())
     coarser = [between.of(states, between.weights(s)) for s in range(len(between.counts))]
@@ -112,7 +114,7 @@ def _interpolated(
 
 
 def _sample(random: np.random.Generator, count: int, session: int) -> list[int]:
-    """Presses to certify: one in ONE_IN, and more in the first sessions, as sets may be small."""
+    """Presses to certify: one in ONE_IN, more in the first sessions because sets may be small."""
     least = FIRST_SESSION if session == 0 else int(session < FIRST_SESSIONS)
     size = min(count, max(least, int(count / ONE_IN + random.random())))
     return random.choice(count, size, replace=False).tolist()
@@ -123,7 +125,7 @@ def _not_finite(Z: NDArray[np.complex128]) -> list[int]:
 
 
 def _bounds(model: SkinModel, presses: Presses, which: Iterable[int]) -> dict[int, float]:
-    """The largest bound of each press; infinite where it is not a number."""
+    """The largest bound of each press; infinite if it is not a number."""
     largest = {press: _bound(model, *presses.batch.one(press)) for press in which}
     return {press: b if np.isfinite(b) else np.inf for press, b in largest.items()}
 
@@ -134,7 +136,7 @@ def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64
 
 @dataclass(frozen=True)
 class DrawnSession:
-    """A session: its number, skin, meter and presses, what is shown of them, and the audit.
+    """A session: its number, skin, meter, presses, displayed readings, and audit.
 
     shown: Rs [ohm], X [ohm], Cp [F], each of shape (press, interface, frequency).
     """
@@ -148,9 +150,9 @@ class DrawnSession:
 
 
 def drawn_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -> list[DrawnSession]:
-    """Whole sessions, also where the data set ends within the last.
+    """Draws whole sessions, also if the data set ends within the last one.
 
-    Step by step for all of them, so that the processor's caches keep what a step needs.
+    Each step runs for all sessions at once, so that processor caches are used well.
     """
     scene, seed, size = plan.scene, plan.seed, plan.session_sweeps
     randoms = [stream(seed, number, PRESSES) for number in numbers]
@@ -172,7 +174,7 @@ def _measured(
     presses: Presses,
     answer: tuple[NDArray[np.complex128], Audit],
 ) -> DrawnSession:
-    """A session as its meter shows it. answer: Z in ohm at the skin, and its audit."""
+    """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
     scene, (Z, audit) = plan.scene, answer
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
     measured = meter.measure(skin.leads.at_meter(Z, scene.frequencies))

@@ -1,4 +1,4 @@
-"""Data sets in other forms, block by block, so that memory stays bounded."""
+"""Exports data sets to other formats block by block, in bounded memory."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Part = TypeVar("Part", "xr.Dataset", "xr.Variable")
 
 
 def export(data: Path, output: Path) -> Mapping[str, int]:
-    """Write a data set, or sweeps of any kind, as `.nc`, `.csv` or `.parquet`; whole or not at all.
+    """Writes a data set or sweeps as `.nc`, `.csv` or `.parquet`, whole or not at all.
 
-    Returns how many sweeps, interfaces and frequencies it has, by dimension.
+    Returns the numbers of sweeps, interfaces and frequencies by dimension.
 
-    Raises InputError where the data set is absent or damaged, or the ending is another.
+    Raises InputError if the data set is absent or damaged, or if the ending is not supported.
     """
     writers = {".nc": _write_netcdf, ".csv": _write_csv, ".parquet": _write_parquet}
     output = checked_output(output, tuple(writers))
@@ -42,7 +42,7 @@ def export(data: Path, output: Path) -> Mapping[str, int]:
 
 
 def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
-    """One row a sweep: what is known of the press, then every quantity of every reading."""
+    """Table with one row per sweep: labels of the press, then all quantities of all readings."""
     import pandas as pd
 
     known = [name for name in sweeps.variables if sweeps[name].dims in (("sweep",), LONG)]
@@ -74,24 +74,24 @@ def _spectrum(name: str, quantity: xr.DataArray, taken: np.ndarray | None) -> di
 
 
 def _in_memory(part: Part, data: Path) -> Part:
-    """A part of a data set, read. Raises InputError naming the data set where it is spoilt."""
+    """Loads a part of a data set. Raises InputError naming the data set if it is corrupt."""
     try:
         return part.load()
     except netcdf.DAMAGED as error:
-        told = " ".join(str(error).split())
-        raise InputError(f"{data}: damaged, cannot be read: {told}; use another copy") from error
+        reason = " ".join(str(error).split())
+        raise InputError(f"{data}: damaged, cannot be read: {reason}; use another copy") from error
 
 
 def _parts(sweeps: xr.Dataset, data: Path) -> Iterator[tuple[int, xr.Dataset]]:
-    """The number of the first sweep of each part, and the part, in memory."""
+    """Yields the number of the first sweep of each part, and the part in memory."""
     chunk = sweeps["Rs"].encoding.get("preferred_chunks", {}).get("sweep", VALUES_AT_ONCE)
     for first in range(0, sweeps.sizes["sweep"], chunk):
         yield first, _in_memory(sweeps.isel(sweep=slice(first, first + chunk)), data)
 
 
 def _write_csv(sweeps: xr.Dataset, path: Path, data: Path) -> None:
-    told = (*QUANTITIES, TAKEN)
-    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in told])
+    written = (*QUANTITIES, TAKEN)
+    kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in written])
     for first, part in _parts(kept, data):
         append_csv(part, path, first)
     seal_text(path)
@@ -102,12 +102,12 @@ def _write_parquet(sweeps: xr.Dataset, path: Path, data: Path) -> None:
     import pyarrow.parquet as pq
 
     kept = sweeps.drop_dims("drawn_session", errors="ignore")
-    told = {key: str(value) for key, value in sweeps.attrs.items()}
+    attributes = {key: str(value) for key, value in sweeps.attrs.items()}
     writer = None
     try:
         for _, part in _parts(kept, data):
             table = pa.Table.from_pandas(wide_table(part), preserve_index=False)
-            table = table.replace_schema_metadata({**(table.schema.metadata or {}), **told})
+            table = table.replace_schema_metadata({**(table.schema.metadata or {}), **attributes})
             writer = writer or pq.ParquetWriter(path, table.schema, compression="zstd")
             writer.write_table(table)
     finally:
@@ -116,7 +116,7 @@ def _write_parquet(sweeps: xr.Dataset, path: Path, data: Path) -> None:
 
 
 def _write_netcdf(sweeps: xr.Dataset, path: Path, data: Path) -> None:
-    """Variable by variable and chunk by chunk."""
+    """Writes NetCDF variable by variable and chunk by chunk."""
     import netCDF4
 
     with netcdf.LOCK, netCDF4.Dataset(path, "w", format="NETCDF4") as file:
@@ -139,7 +139,7 @@ def _copy(file: Any, name: str, variable: xr.Variable, labels: str, data: Path) 
 
 
 def _labels(sweeps: xr.Dataset, name: str) -> str:
-    """The coordinates of a variable that are not dimensions of their own."""
+    """Names of a variable's coordinates that are not dimensions."""
     if name in sweeps.coords or "sweep" not in sweeps[name].dims:
         return ""
     return " ".join(sorted(str(c) for c in sweeps[name].coords if c not in sweeps.dims))

@@ -1,6 +1,6 @@
-"""Making a data set: begin or go on, hand out the blocks that are missing, finish.
+"""Generates a data set: starts or resumes it, distributes the missing blocks, finishes it.
 
-All work happens in a hidden folder beside the output, which becomes the output when it is whole.
+All work happens in a hidden folder next to the output, which becomes the output when complete.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ def generate(
     progress: ProgressCallback = silent,
     training: Training = REDUCED,
 ) -> None:
-    """Make the data set, or go on where an earlier run of the same plan ended.
+    """Makes the data set, or resumes an earlier run of the same plan.
 
-    processes: on this machine, unless `scheduler` is the address of a Dask cluster, whose workers
-    must see the output's folder under the same path. progress: of sweeps. Raises
-    InputError where the output holds another plan, or another process is at work on it.
+    processes: number on this machine, unless `scheduler` is the address of a Dask cluster, whose
+    workers must see the output's folder under the same path. progress: counts sweeps. Raises
+    InputError if the output holds another plan, or if another process is writing it.
     """
     output = checked_place(output, (ENDING,)).absolute()
     with named_failures(output), _locked(output) as folder:
@@ -53,14 +53,16 @@ def generate(
             f"{plan.sweeps} sweeps of {readings(plan.scene)} readings",
             "give fewer --sweeps, or another disk",
         )
-        hands = min(processes, missing) if scheduler is None else 0
-        with worker_pool(hands, workers.NEEDED, workers.RESUME_ADVICE) as pool:
+        workforce = min(processes, missing) if scheduler is None else 0
+        with worker_pool(workforce, workers.NEEDED, workers.RESUME_ADVICE) as pool:
             family = _prepared(plan, workshop, training)
             finished = workshop.finished(plan)
             done = sum(_size(plan, block) for block in finished)
             progress(plan.scene.name, done, plan.sweeps)
             blocks = [block for block in range(plan.blocks) if block not in finished]
-            made = _at_work(workshop, blocks, pool and workers.Processes(pool, hands), scheduler)
+            made = _made_blocks(
+                workshop, blocks, pool and workers.Processes(pool, workforce), scheduler
+            )
             store.create(workshop.data, plan, family.grid, family.modes)  # while others work
             for block in made:
                 done += _size(plan, block)
@@ -68,16 +70,18 @@ def generate(
         _finish(workshop, plan, output)
 
 
-def _at_work(
+def _made_blocks(
     workshop: WorkFolder,
     blocks: Sequence[int],
-    hands: workers.Processes | None,
+    workforce: workers.Processes | None,
     scheduler: str | None,
 ) -> Iterator[int]:
     if scheduler is not None:
         return workers.cluster(workshop, blocks, scheduler)
     return (
-        workers.in_this_process(workshop, blocks) if hands is None else hands.make(workshop, blocks)
+        workers.in_this_process(workshop, blocks)
+        if workforce is None
+        else workforce.make(workshop, blocks)
     )
 
 
@@ -86,20 +90,20 @@ def _size(plan: Plan, block: int) -> int:
 
 
 def _locked(output: Path) -> AbstractContextManager[Path]:
-    """The folder of work, kept for this process alone, and removed where nothing is left to do."""
+    """Locks the work folder for this process; removes it if no work is left."""
     folder = output.with_name(f".{output.name}.unfinished")
     return locked(folder, PLAN_FILE, f"{output}: another process is writing it")
 
 
 def _complete(plan: Plan, output: Path) -> bool:
-    """Whether the output is there already, of this plan.
+    """True if the output of this plan exists already.
 
-    Raises InputError where something else is there: even of this command, it may be days of work.
+    Raises InputError if something else exists: even a data set of this command may be days of work.
     """
     if not output.exists():
         return False
-    told = store.finished_attributes(output)
-    different = "no data set" if told is None else first_difference(plan.told, told)
+    existing = store.finished_attributes(output)
+    different = "no data set" if existing is None else first_difference(plan.record, existing)
     if different is None:
         return True
     check_replaceable(output)
@@ -111,9 +115,9 @@ def _complete(plan: Plan, output: Path) -> bool:
 
 
 def _prepared(plan: Plan, workshop: WorkFolder, training: Training) -> SkinFamily:
-    """Begin the folder of work, or take up what an earlier run left of it; the model."""
+    """Starts the work folder or resumes an earlier one; returns the model."""
     if workshop.plan_file.exists():
-        _take_up(workshop, plan)
+        _resume(workshop, plan)
         return _loaded(workshop)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
@@ -128,20 +132,21 @@ def _loaded(workshop: WorkFolder) -> SkinFamily:
     try:
         return workshop.load(workshop.model_file)
     except InputError as error:
-        raise InputError(f"{error}; {_anew(workshop)}") from error
+        raise InputError(f"{error}; {_restart_advice(workshop)}") from error
 
 
-def _anew(workshop: WorkFolder) -> str:
-    return f"remove the folder {workshop.folder} to begin the data set anew"
+def _restart_advice(workshop: WorkFolder) -> str:
+    return f"remove the folder {workshop.folder} to start the data set again"
 
 
-def _take_up(workshop: WorkFolder, plan: Plan) -> None:
+def _resume(workshop: WorkFolder, plan: Plan) -> None:
     try:
-        told = inputs.objects(inputs.text(workshop.plan_file, inputs.JOURNAL))
-        different = first_difference(plan.told, dict(told))
+        existing = inputs.objects(inputs.text(workshop.plan_file, inputs.JOURNAL))
+        different = first_difference(plan.record, dict(existing))
     except (OSError, ValueError, TypeError) as error:
         raise InputError(
-            f"{workshop.plan_file}: cannot be read as the plan of a data set; {_anew(workshop)}"
+            f"{workshop.plan_file}: cannot be read as the plan of a data set; "
+            f"{_restart_advice(workshop)}"
         ) from error
     if different is not None:
         raise InputError(
@@ -158,13 +163,13 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
     store.finish(
         workshop.data,
         {
-            **{name: value for name, value in plan.told.items() if name != "sweeps"},
+            **{name: value for name, value in plan.record.items() if name != "sweeps"},
             "model": "reduced",
             "readout": plan.scene.readout.model_dump_json(),
             "audit_bound": audit.bound,
             "audit_sample": audit.sample,
             "fallbacks": audit.fallbacks,
-            **_of_cells(workshop, plan),
+            **_cell_errors(workshop, plan),
         },
     )
     sync(workshop.data)
@@ -173,16 +178,16 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
     workshop.plan_file.unlink()
 
 
-def _of_cells(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
-    """What is told of a data set whose touches are laid on cells."""
-    scene, told = plan.scene, dict[str, float]()
+def _cell_errors(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
+    """Error attributes of a data set whose touches are rasterized on cells."""
+    scene, errors = plan.scene, dict[str, float]()
     if not scene.dataset.press.rasterized:
-        return told
+        return errors
     from .cell_errors import lattice_error, rasterization_error
 
     family = workshop.load(workshop.model_file)
     if scene.dataset.press.place == "anywhere":
-        told["cells_error"] = rasterization_error(scene, family, plan.seed, plan.rtol)
+        errors["cells_error"] = rasterization_error(scene, family, plan.seed, plan.rtol)
     if spreading(scene):
-        told["deflection_error"] = lattice_error(scene, family, plan.seed)
-    return told
+        errors["deflection_error"] = lattice_error(scene, family, plan.seed)
+    return errors

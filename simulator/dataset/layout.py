@@ -1,4 +1,4 @@
-"""Which arrays a data set holds: the schema of sweeps, the touches, and what was drawn."""
+"""Arrays of a data set: the schema of sweeps, the touches, and the random draws."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .drawn_presses import MAX_TOUCHES
 from .drawn_session import DrawnSession
 
 SINGLE_DIGITS = 6
-"""Decimal digits that float32 keeps."""
+"""Number of decimal digits that float32 keeps."""
 SWEEP, SESSION = "sweep", "drawn_session"
 
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """An array of the data set. The first dimension is that of sweeps or sessions, or it is whole.
+    """Specification of an array; arrays that grow have sweeps or sessions as first dimension.
 
-    dtype: as numpy names it, or `str`.
+    dtype: name of a numpy type, or `str`.
     """
 
     name: str
@@ -35,13 +35,13 @@ class ArraySpec:
 
     @property
     def attributes(self) -> Mapping[str, str]:
-        """Attributes as xarray reads them."""
-        told = {"long_name": self.meaning, "units": self.units, "coordinates": self.coordinates}
-        return {name: text for name, text in told.items() if text}
+        """Attributes in the convention of xarray."""
+        texts = {"long_name": self.meaning, "units": self.units, "coordinates": self.coordinates}
+        return {name: text for name, text in texts.items() if text}
 
 
 def variables(plan: Plan) -> list[ArraySpec]:
-    """Every array that grows with the data set."""
+    """Specifications of all arrays that grow with the data set."""
     quantity = "float32" if plan.scene.readout.display_digits <= SINGLE_DIGITS else "float64"
     labels = " ".join(LABELS)
     return [
@@ -90,19 +90,19 @@ DRAWN = [
 
 
 def touch_variables(scene: Scene) -> list[ArraySpec]:
-    """Of touches, with their fingers where a scene has earth."""
+    """Arrays of touches, with their fingers if the scene has surroundings."""
     return TOUCHES if scene.surroundings is None else [*TOUCHES, FINGER]
 
 
 def drawn_variables(scene: Scene) -> list[ArraySpec]:
-    """What is drawn for each session, of the surroundings where a scene has them."""
+    """Arrays of the draws of a session, with surroundings if the scene has them."""
     if scene.surroundings is not None:
         return DRAWN
     return [each for each in DRAWN if each.name not in ("drawn_body", "drawn_rim")]
 
 
 def readings_along(plan: Plan) -> dict[str, int]:
-    """The size of each dimension of the readings."""
+    """Sizes of the dimensions of the readings."""
     return {
         SWEEP: plan.sweeps,
         "interface": len(plan.scene.interfaces),
@@ -111,18 +111,18 @@ def readings_along(plan: Plan) -> dict[str, int]:
 
 
 def min_size(plan: Plan) -> float:
-    """Bytes that the readings of a data set take at least: noise leaves half after compression."""
+    """Smallest size of the readings in bytes: compression halves noisy values at most."""
     of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in QUANTITIES]
     return 0.5 * sum(of_each) * plan.sweeps * readings(plan.scene)
 
 
-def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
-    """The size of every dimension."""
+def sizes(plan: Plan, grid: tuple[int, int], modes: int) -> dict[str, int]:
+    """Sizes of all dimensions. grid: cells by row and column. modes: of a sheet's conductance."""
     return {
         **readings_along(plan),
         "touch": MAX_TOUCHES,
         SESSION: plan.sessions,
-        "wave": waves,
+        "wave": modes,
         "contact": len(plan.scene.contacts),
         "foam_row": grid[0],
         "foam_column": grid[1],
@@ -130,7 +130,7 @@ def sizes(plan: Plan, grid: tuple[int, int], waves: int) -> dict[str, int]:
 
 
 def values(session: DrawnSession) -> dict[str, NDArray]:
-    """Every array of one whole session, by the name of its variable."""
+    """All arrays of one whole session by name."""
     presses, skin = session.presses, session.skin
     drawn = {
         "top": skin.variation.top,
@@ -161,6 +161,6 @@ def values(session: DrawnSession) -> dict[str, NDArray]:
 
 
 def joined_sessions(sessions: Sequence[dict[str, NDArray]], sweeps: int) -> dict[str, NDArray]:
-    """Several sessions one after the other, cut to so many sweeps."""
+    """Consecutive sessions joined, cut to `sweeps` sweeps."""
     whole = {name: np.concatenate([part[name] for part in sessions]) for name in sessions[0]}
     return {name: a if name.startswith("drawn_") else a[:sweeps] for name, a in whole.items()}

@@ -1,4 +1,4 @@
-"""A data set in memory: for studies, and for scripts whose sweeps need no disk."""
+"""Data sets in memory, for studies and scripts."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
-    """The sweeps that `rcskin dataset` writes by this plan, with the numbers of their touches.
+    """The sweeps that `rcskin dataset` writes for this plan, with the arrays of their touches.
 
-    family: the skins that the plan draws from, trained here where it is absent. Raises
-    ToleranceError where the plan's tolerance is not reached.
+    family: the skins that the plan draws from; trained here if absent. Raises ToleranceError if the
+    plan's tolerance is not reached.
     """
     family = reduced(plan.scene, plan.rtol) if family is None else family
     with one_blas_thread():
@@ -43,6 +43,6 @@ def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
             "software": plan.software,
         },
     )
-    told = touch_variables(plan.scene)
-    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in told}
+    arrays_of_touches = touch_variables(plan.scene)
+    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in arrays_of_touches}
     return sweeps.assign(numbers)

@@ -1,6 +1,6 @@
-"""All that a block needs, imported and with its kernels loaded, by making a small reduced model.
+"""Imports everything that a block needs and loads its kernels by making a small reduced model.
 
-For the process that workers are copies of, which has nothing else to do.
+The server from which workers are forked imports this module.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from .work_block import make_block
 
 SCENE, RTOL = "sheet-3x3", 1e-2
 READY = make_block
-"""What workers are then asked for."""
+"""The function that workers will run."""
 
 
 def preload_kernels() -> None:
-    """Load what the first block would load."""
+    """Loads what the first block would load."""
     skin = reduce(load_scene(SCENE), RTOL).skin(None)
     cell, rise = np.zeros(1, dtype=np.int64), np.ones(1)
     skin.sweep(cell, rise)

@@ -1,4 +1,4 @@
-"""What a data set asks of the physics: a family of skins, and many presses on one of them."""
+"""Physics interface of data sets: a family of skins, and many presses on one of them."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .creeping import in_foam_states
 from .drawn_presses import drawn_presses
 
 TRAINING_SHARE = 0.5
-"""Of the tolerance: a press that training has not met is then still within it."""
+"""Fraction of the tolerance to which models are trained, as a margin for unseen presses."""
 
 EARLIER_PRESSES = 3
-"""Presses of foam that creeps whose traces training meets beside the one that is read."""
+"""Number of earlier presses whose creep traces training includes."""
 
 
 class SkinModel(Protocol):
-    """One skin. Presses raise the capacitance of cells, counted row by row, by rises times that."""
+    """One skin. Presses multiply the capacitance of cells, numbered row by row, by 1 + rises."""
 
     def sweeps(self, batch: PressBatch, /) -> NDArray[np.complex128]:
         """Z in ohm of many presses, shape (press, interface, frequency)."""
@@ -45,7 +45,8 @@ class SkinModel(Protocol):
         ...
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64], /) -> float:
-        """Estimated error of the discretisation beside it, of one press, relatively."""
+        """Estimated relative error of the discretisation for one press, in addition to the
+        bound."""
         ...
 
     def exact(
@@ -56,16 +57,16 @@ class SkinModel(Protocol):
 
 
 class SkinFamily(Protocol):
-    """All skins that a scene's data set may draw."""
+    """All skins that the data set of a scene may draw."""
 
     @property
     def grid(self) -> tuple[int, int]:
-        """Rows and columns of cells, multiples of the pixels'."""
+        """Rows and columns of cells: multiples of those of the pixels."""
         ...
 
     @property
     def modes(self) -> int:
-        """How many slow waves of a sheet's conductance it knows, with the mean."""
+        """Number of cosine modes of a sheet's conductance, including the mean."""
         ...
 
     def skin(self, variation: Variation | None, /) -> SkinModel:
@@ -75,9 +76,9 @@ class SkinFamily(Protocol):
 
 @dataclass(frozen=True)
 class Training:
-    """How a family comes about, and how it is kept on disk for other processes.
+    """Functions that train a family, and store and load it for other processes.
 
-    train: from a scene and the tolerance of Rs and Cp.
+    train: takes a scene and the tolerance of Rs and Cp.
     """
 
     train: Callable[[Scene, float], SkinFamily]
@@ -88,7 +89,7 @@ class Training:
 def reduced(scene: Scene, rtol: float) -> Reduced:
     """The reduced model of a scene, trained on draws like those of its data set.
 
-    Raises ToleranceError where it does not get there.
+    Raises ToleranceError if the tolerance is not reached.
     """
     divided = _divided(scene)
     grid = divided.pixels.rows, divided.pixels.columns
@@ -98,13 +99,13 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
         return Case(skin.variation, *_press(scene, random, grid))
 
-    alike, creeps = _alike(scene.dataset.session), scene.skin.foam.in_time
+    alike, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
     return reduced_for(divided, trained_to, draw, modes=modes, alike=alike)
 
 
 def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
-    """A press of a data set, of foam that creeps with what those before have left."""
+    """A random press of a data set; on creeping foam with the traces of earlier presses."""
     if not scene.skin.foam.in_time:
         return drawn_presses(scene, random, 1, grid).batch.one(0)
     nodes, presses = (
@@ -116,7 +117,7 @@ def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> 
 
 
 def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
-    """The scene's own skin."""
+    """The nominal skin of the scene in its family."""
     return family.skin(replace(nominal(scene, family.modes), capacitance=np.ones(family.grid)))
 
 
@@ -136,8 +137,8 @@ def _divided(scene: Scene) -> Scene:
     )
 
 
-def _alike(session: Session) -> bool:
-    """Whether both sheets vary in the same way, in every draw."""
+def _equal_sheets(session: Session) -> bool:
+    """True if both sheets have the same variation in every draw."""
     own, films = session.sheet_mismatch, session.contact_resistance
     return session.unevenness == 0 and own.low == own.high and films.low == films.high
 

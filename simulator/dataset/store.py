@@ -1,6 +1,6 @@
-"""The Zarr store of a data set: made empty, filled block by block, finished with its audit.
+"""The Zarr store of a data set: created empty, filled block by block, finished with its audit.
 
-Chunks are whole blocks and appear whole or not at all. Nothing of time, place or order of work is
+Each block is a chunk that appears whole or not at all. Time, place and order of work are not
 written, so that the same plan gives the same bytes.
 """
 
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     import zarr
 
 
-def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
-    """An empty store in `folder`, or what lacks of one; nothing happens to chunks already there."""
+def create(folder: Path, plan: Plan, grid: tuple[int, int], modes: int) -> None:
+    """Creates an empty store in `folder`, or its missing parts; existing chunks are untouched."""
     group = _open(folder, "a")
-    extent = sizes(plan, grid, waves)
+    extent = sizes(plan, grid, modes)
     chunks = {**extent, **_chunks(plan)}
     for variable in (*variables(plan), *(axis for axis, _ in _axes(plan))):
         if variable.name not in group:
@@ -37,7 +37,7 @@ def create(folder: Path, plan: Plan, grid: tuple[int, int], waves: int) -> None:
 
 
 def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> dict[str, Part]:
-    """Write the arrays of one block; returns what `are_whole` knows them by."""
+    """Writes the arrays of one block; returns the fingerprints that `are_whole` checks."""
     parts = {}
     extent, chunks = {SWEEP: plan.sweeps, SESSION: plan.sessions}, _chunks(plan)
     for variable in variables(plan):
@@ -49,13 +49,13 @@ def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -
 
 
 def are_whole(folder: Path, plan: Plan, parts: Mapping[str, Sequence[Any]]) -> bool:
-    """Whether all arrays of a block are there as they were written."""
+    """True if all arrays of a block are as they were written."""
     names = {variable.name for variable in variables(plan)}
     return parts.keys() == names and all(is_whole(folder / k, parts[k]) for k in names)
 
 
 def _chunks(plan: Plan) -> dict[str, int]:
-    """A block is a chunk of every array."""
+    """Chunk sizes: one block is one chunk of every array."""
     return {
         SWEEP: plan.block_sessions * plan.session_sweeps,
         SESSION: plan.block_sessions,
@@ -63,10 +63,10 @@ def _chunks(plan: Plan) -> dict[str, int]:
 
 
 def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
-    """Write the attributes and gather all metadata in one file, by which readers open faster."""
+    """Writes the attributes and consolidates the metadata, which lets readers open faster."""
     import zarr
 
-    (folder / OF_STORE).unlink(missing_ok=True)  # of a process that ended here
+    (folder / OF_STORE).unlink(missing_ok=True)  # left by a killed process
     _open(folder, "r+").attrs.put(dict(attributes))
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
@@ -75,9 +75,9 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
 
 
 def finished_attributes(folder: Path) -> dict[str, Any] | None:
-    """Attributes of a finished data set, and how many `sweeps` it has; None where it is none.
+    """Attributes of a finished data set with its number of `sweeps`; None if it is no data set.
 
-    Raises InputError where its metadata are spoilt.
+    Raises InputError if its metadata are corrupt.
     """
     import zarr
 
@@ -90,13 +90,13 @@ def finished_attributes(folder: Path) -> dict[str, Any] | None:
 
 
 def clear_left_overs(folder: Path) -> None:
-    """Remove what killed processes and workers had begun to write."""
+    """Removes unfinished files of killed processes and workers."""
     for unfinished in folder.rglob(LEFT_OVER):
         unfinished.unlink(missing_ok=True)
 
 
 def clear_metadata(folder: Path) -> None:
-    """Remove what `create` makes anew: it may have been spoilt since."""
+    """Removes the metadata, which `create` makes again: they may be corrupt."""
     for metadata in folder.rglob("zarr.json"):
         metadata.unlink(missing_ok=True)
 
@@ -110,7 +110,7 @@ def _open(folder: Path, mode: Any) -> zarr.Group:
 
 
 def array(group: zarr.Group, name: str) -> Any:
-    """An array of the store; raises KeyError where it is not there."""
+    """An array of the store; raises KeyError if it does not exist."""
     return group[name]
 
 
@@ -119,12 +119,12 @@ def _axes(plan: Plan) -> list[tuple[ArraySpec, NDArray]]:
     interfaces = np.array([interface.name for interface in scene.interfaces], dtype=object)
     contacts = np.array([contact.name for contact in scene.contacts], dtype=object)
     taken = scene.taken
-    finished_attributes = ArraySpec(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
+    taken_spec = ArraySpec(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
     return [
         (ArraySpec("interface", ("interface",), "str", "how the meter is connected"), interfaces),
         (ArraySpec("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
         (ArraySpec("contact", ("contact",), "str", "foil on a sheet"), contacts),
-        *([] if taken is None else [(finished_attributes, taken)]),
+        *([] if taken is None else [(taken_spec, taken)]),
     ]
 
 

@@ -1,4 +1,4 @@
-"""How strongly presses of a data set are, and how their texts say it."""
+"""Strengths of the presses of a data set, and the texts of presses."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ..scene.scene import Scene
 from ..sweeps import UNPRESSED
 
 FACTOR_DECIMALS = 6
-"""Factors are drawn to so many decimals, so that a press as text is the press that was solved."""
+"""Decimals of drawn factors, so that the text of a press is exactly the press solved."""
 DEPTH_DECIMALS = 9
-"""Depths in m are drawn to the nanometre, for the same reason."""
+"""Decimals of drawn depths in m, for the same reason."""
 FINGER_DECIMALS = 16
-"""Capacitances of fingers in F are drawn to a tenth of a femtofarad, for the same reason."""
+"""Decimals of fingers' capacitances in F, for the same reason."""
 
 
 def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factors of c under touches, as they are told in decimals of factors or depths."""
+    """Random factors on c under touches, rounded as in the texts of factors or depths."""
     drawn = scene.dataset.press
     if scene.press.by_factor:
         return np.round(drawn.factor.at(chances), FACTOR_DECIMALS)
@@ -41,8 +41,10 @@ def pixel_texts(
     finger: NDArray[np.float64],
     rod: str = "",
 ) -> list[str]:
-    """Each press as `label_of` writes it. finger: capacitance to earth of each touch, F. rod: as of
-    `rod_text`."""
+    """The text of each press, in the format of `label_of`.
+
+    finger: capacitance to earth of each touch, F. rod: suffix from `rod_text`.
+    """
     there = np.arange(row.shape[1]) < touches[:, None]
     rows, columns, strengths = (each[there].tolist() for each in (row, column, strength))
     numbers = repr(strengths)[1:-1].split(", ")  # all at once takes half the time
@@ -51,14 +53,14 @@ def pixel_texts(
 
 
 def finger_texts(finger: NDArray[np.float64], rod: str) -> Iterable[str]:
-    """What the text of each touch ends with: the capacitance to earth in F, `rod` for 0 F."""
+    """Suffix of the text of each touch: the capacitance to earth in F, or `rod` for 0 F."""
     if not finger.any():
         return repeat(rod)
     return [f":{each!r}F" if each else rod for each in finger.tolist()]
 
 
 def joined_texts(touches: NDArray[np.int64], parts: Iterable[str]) -> list[str]:
-    """Texts of presses of so many touches, each of which is told in turn."""
+    """Joins the texts of single touches into texts of presses with `touches` touches each."""
     each, first = np.array([*parts], dtype=object), np.cumsum(touches) - touches
     text = np.where(touches > 0, "", UNPRESSED).astype(object)
     for number in range(touches.max(initial=0)):
@@ -73,7 +75,7 @@ def _place(row: int, column: int) -> str:
 
 
 def written_strength(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
-    """How strongly touches press, as their texts say it, and the unit of that."""
+    """Strengths of touches as written in their texts, and the unit."""
     if scene.press.by_factor:
         return factor, ""
     return np.round(scene.pressed_depths(factor), DEPTH_DECIMALS), "m"

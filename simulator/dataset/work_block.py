@@ -1,4 +1,4 @@
-"""The unit of work: one block computed, written, and then noted as finished."""
+"""The unit of work: a block of sessions is computed, written, and then marked as finished."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ PLAN_FILE = "plan.json"
 
 @dataclass(frozen=True)
 class WorkFolder:
-    """The folder in which a data set is made, on a disk that every worker sees.
+    """Folder in which a data set is made, on a disk that every worker sees.
 
-    digest: of the plan, so that a worker never mistakes another plan at the same place for it.
-    load: the model from its file.
+    digest: of the plan, so that a worker never confuses it with another plan in the same folder.
+    load: reads the model from its file.
     """
 
     folder: Path
@@ -39,39 +39,39 @@ class WorkFolder:
 
     @property
     def plan_file(self) -> Path:
-        """The plan's text."""
+        """File with the text of the plan."""
         return self.folder / PLAN_FILE
 
     @property
     def model_file(self) -> Path:
-        """The model, trained once."""
+        """File with the model, which is trained once."""
         return self.folder / "model.npz"
 
     def note(self, block: int) -> Path:
-        """The file that says a block is finished, with its audit."""
+        """File that marks a block as finished and holds its audit."""
         return self.folder / "finished" / f"{block}.json"
 
     def finished(self, plan: Plan) -> set[int]:
-        """The blocks that are noted as finished, and are there as they were written."""
+        """Numbers of the blocks that are marked as finished and whose chunks are intact."""
         return {block for block in self.noted(plan) if self._is_whole(plan, block)}
 
     def _is_whole(self, plan: Plan, block: int) -> bool:
         try:
             parts = unsealed_json(inputs.text(self.note(block), inputs.JOURNAL))["parts"]
             return store.are_whole(self.data, plan, parts)
-        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a spoilt note
+        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a corrupt mark
             return False
 
     def noted(self, plan: Plan) -> set[int]:
-        """The blocks that are noted as finished."""
+        """Numbers of the blocks that are marked as finished."""
         numbers = {int(note.stem) for note in (self.folder / "finished").glob("[0-9]*.json")}
         return {number for number in numbers if number < plan.blocks}
 
 
 def make_block(workshop: WorkFolder, block: int) -> int:
-    """Compute a block, write it, note it as finished; returns its number. Runs in any process.
+    """Computes a block, writes it, marks it as finished, and returns its number; in any process.
 
-    On one thread: several would round differently, and other blocks have the other cores.
+    It uses one thread: several would round differently, and other blocks use the other cores.
     """
     plan, family = _loaded(workshop)
     with one_blas_thread():
@@ -86,11 +86,11 @@ def make_block(workshop: WorkFolder, block: int) -> int:
 
 
 def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
-    """The audit of the whole data set, once all its blocks are finished."""
+    """The audit of the whole data set, after all its blocks are finished."""
     notes = (workshop.note(block).read_text(encoding="utf-8") for block in range(plan.blocks))
     names = [each.name for each in fields(Audit)]
-    told = ({name: json.loads(note)[name] for name in names} for note in notes)
-    return combined_audit(Audit(**each) for each in told)
+    stored = ({name: json.loads(note)[name] for name in names} for note in notes)
+    return combined_audit(Audit(**each) for each in stored)
 
 
 @lru_cache(maxsize=1)

@@ -1,4 +1,4 @@
-"""Who makes the blocks: this process, several on this machine, or a Dask cluster."""
+"""Makes blocks in this process, in several processes on this machine, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ NEEDED = (
     "rcskin.simulator.dataset.work_block",
     "rcskin.simulator.dataset.preload",
 )
-"""What every block needs, and what starts the command: imported once, by the process that all
-workers are copies of."""
-RESUME_ADVICE = "the same command goes on from here"
+"""Modules that every block and the command need; the server from which workers are forked imports
+them once."""
+RESUME_ADVICE = "the same command continues from here"
 AHEAD = 4
-"""Blocks handed out beforehand, for each worker."""
+"""Number of blocks submitted in advance for each worker."""
 RETRIES = 10
 MAX_TASK_BLOCKS, TASKS_EACH = 16, 20
-"""Blocks in one task of a cluster at most; tasks for each of its workers at least, where blocks
-suffice: a scheduler takes as long for a small task as for a large one."""
+"""Largest number of blocks in a cluster task, and desired number of tasks per worker: a scheduler
+takes as long for a small task as for a large one."""
 SECONDS_TO_CONNECT = 10
 
 
 def in_this_process(workshop: WorkFolder, blocks: Sequence[int]) -> Iterator[int]:
-    """Make the blocks one after the other in this process; yields each when it is finished."""
+    """Makes the blocks one after the other in this process; yields each when it is finished."""
     return map(partial(make_block, workshop), blocks)
 
 
 @dataclass(frozen=True)
 class Processes:
-    """Processes on this machine, and how many."""
+    """Pool of worker processes on this machine, and their number."""
 
     pool: ProcessPoolExecutor
     workers: int
 
     def make(self, workshop: WorkFolder, blocks: Sequence[int]) -> Iterator[int]:
-        """Make the blocks, of which the first are begun now; yields each when it is finished."""
+        """Makes the blocks and starts the first ones now; yields each when it is finished."""
         waiting = iter(blocks)
 
         def begin(block: int) -> Future[int]:
@@ -60,7 +60,7 @@ Begin = Callable[[int], Future[int]]
 
 
 def _finished(running: set[Future[int]], begin: Begin, waiting: Iterator[int]) -> Iterator[int]:
-    """Each block when it is finished, another one begun for it."""
+    """Yields each finished block and starts another one in its place."""
     while running:
         done, running = wait(running, return_when=FIRST_COMPLETED)
         running |= {begin(block) for block in islice(waiting, len(done))}
@@ -73,10 +73,10 @@ def cluster(
     address: str,
     make: Callable[[WorkFolder, int], int] = make_block,
 ) -> Iterator[int]:
-    """Make the blocks on a Dask cluster whose workers see the same disk; yields each when finished.
+    """Makes the blocks on a Dask cluster whose workers see the same disk; yields finished ones.
 
-    Blocks of workers that die are made again by others. make: makes one of them. Raises InputError
-    where the scheduler cannot be reached, WorkerError where blocks are lost again and again.
+    Blocks of workers that die are made again by others. make: makes one block. Raises InputError if
+    the scheduler cannot be reached, WorkerError if blocks are lost repeatedly.
     """
     require_packages(f"--scheduler {address}", "scale", "distributed")
     from distributed import Client, KilledWorker, as_completed
@@ -99,7 +99,7 @@ def cluster(
 
 
 def tasks_of(blocks: Sequence[int], workers: int) -> list[Sequence[int]]:
-    """The blocks in tasks of equally many, fewer where workers would have too few tasks."""
+    """Divides the blocks into equal tasks, smaller ones if workers would have too few tasks."""
     together = min(MAX_TASK_BLOCKS, max(1, len(blocks) // (TASKS_EACH * workers)))
     return [blocks[first : first + together] for first in range(0, len(blocks), together)]
 

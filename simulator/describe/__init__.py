@@ -1,1 +1,1 @@
-"""What a scene is, in words and as a drawing."""
+"""Describes a scene in words and as a drawing."""

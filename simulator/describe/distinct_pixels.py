@@ -1,4 +1,4 @@
-"""Which pixels can be told apart at all: those that no symmetry of the skin makes look alike."""
+"""Pixels that a symmetry of the skin makes indistinguishable for any meter."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ..scene.scene import Scene
 from ..scene.skin import on_skin
 
 LOOKED_AT = 24
-"""Places along each side of a pixel at which it is asked whether there is skin."""
+"""Number of places along each side of a pixel at which the skin is sampled."""
 NAME_SHAPE = 1.8
-"""Of a name of a pixel: its width over its height."""
+"""Width of a pixel's label over its height."""
 
 
 def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
-    """In words, what even a meter without noise cannot tell; pixels: those that can be pressed."""
+    """Describes pixels with equal sweeps. pixels: those that can be pressed."""
     if scene.skin.mesh is not None:
         return "not looked into on a mesh"
     groups = equal_sweep_groups(scene, pixels)
@@ -36,9 +36,9 @@ def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
 
 
 def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
-    """Where a pixel's name may stand: on its skin, (x, y) in m, and how wide it may be, m.
+    """Position (x, y) of a pixel's label on its skin, and the largest width of the label, in m.
 
-    In the middle of the largest ellipse of a name's shape in the pixel's part of the skin.
+    The position is the centre of the largest label-shaped ellipse within the pixel's skin.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -54,7 +54,7 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], flo
 
 
 def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Places in a pixel, evenly spread, m, (2, place); which are on the skin: of a mesh, all."""
+    """Evenly spaced places in a pixel, m, shape (2, place), and a mask of those on the skin."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     (row, column), parts = pixel, (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
     x, y = (column - 1 + parts) * length / columns, (row - 1 + parts) * width / rows
@@ -64,7 +64,7 @@ def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
-    """Groups of pixels that show the same sweeps, whatever the meter."""
+    """Groups of pixels with equal sweeps for any meter."""
     of, groups = representative(scene), defaultdict(list)
     for pixel in pixels:
         groups[of(pixel)].append(pixel)
@@ -72,7 +72,7 @@ def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel
 
 
 def _lines(groups: Sequence[Sequence[Pixel]], axis: int) -> list[list[int]]:
-    """Rows or columns that hold pixels of the same groups alone, by those that do so."""
+    """Rows or columns with pixels of exactly the same groups, grouped."""
     held = defaultdict(set)
     for number, group in enumerate(groups):
         for pixel in group:

@@ -1,4 +1,4 @@
-"""What a scene is, in words: sizes, sheets, foam, foils, frequencies, and what is assumed."""
+"""Facts about a scene in words: sizes, sheets, foam, foils, frequencies, assumed defaults."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from .distinct_pixels import indistinguishable_pixels
 from .secondary_effects import secondary_effects
 
 LINES = 64
-"""Along each side of the skin, at which maps are averaged."""
+"""Number of points along each side of the skin at which maps are averaged."""
 
 
 class Fact(NamedTuple):
-    """One thing about a scene: what it is about, and what it is."""
+    """One fact about a scene: its topic and its text."""
 
     about: str
     told: str
 
 
 def facts(scene: Scene) -> list[Fact]:
-    """All that is told of a scene, in the order it is told."""
+    """All facts about a scene, in order of presentation."""
     return [Fact(*each) for each in _facts(scene)]
 
 
@@ -71,7 +71,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def one_sheet(scene: Scene, interface: Interface) -> bool:
-    """Whether both sides of an interface have contacts of the same sheet."""
+    """True if both sides of an interface have contacts on the same sheet."""
     high, low = (
         {scene.contact(name).electrode for name in side} for side in (interface.high, interface.low)
     )
@@ -152,7 +152,7 @@ def _capacitance(scene: Scene) -> str:
 
 
 def _mean(skin: Skin) -> float:
-    """Of the foam's map over the rectangle around the skin."""
+    """Mean of the foam's map over the rectangle around the skin."""
     if skin.foam.map is None:
         return 1.0
     lines = ((np.arange(LINES) + 0.5) / LINES * side for side in skin.sides)
@@ -205,7 +205,7 @@ def _frequencies(scene: Scene) -> str:
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
-    """Of one interface: how far its field reaches is a matter of the foils that it drives."""
+    """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
     f, cut_off = scene.reading.frequency_at(interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
     seen = f"{above} of {len(f)} frequencies lie above it and see less than the whole skin"
@@ -232,7 +232,7 @@ def _noise(scene: Scene) -> str:
 
 
 def assumed(scene: Scene) -> list[str]:
-    """The keys that the file does not set, with their defaults; tables that it lacks by name."""
+    """Keys that the file does not set, with their defaults; missing tables by name."""
     unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
     return [told for told in _unset(scene, "") if not told.startswith(unused)]
 

@@ -1,4 +1,4 @@
-"""A scene drawn from above: its outline, foils with their names, and pixels with their numbers."""
+"""Draws a scene from above: outline, foils with names, and pixels with numbers."""
 
 from __future__ import annotations
 
@@ -34,33 +34,33 @@ if TYPE_CHECKING:
 
 ENDINGS = (".png", ".svg", ".pdf")
 WIDTH = 6.4
-"""Of the picture, inches."""
+"""Width of the picture, inches."""
 TALLEST, FLATTEST = 1.5, 0.45
-"""Height of the picture over its width."""
-BESIDE = {-1.0: "right", 0.0: "center", 1.0: "left"}
-ABOVE = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
+"""Limits of the picture's height over its width."""
+HORIZONTAL = {-1.0: "right", 0.0: "center", 1.0: "left"}
+VERTICAL = {-1.0: "top", 0.0: "center", 1.0: "bottom"}
 NAME_AT, NUMBERS, MARGIN = 0.07, 0.06, 0.03
-"""Of the longer side: from the edge to a foil's name, for numbers of rows and columns, and around
-all."""
+"""Fractions of the longer side: distance of a foil's name from the edge, space for row and column
+numbers, and margin."""
 LINE = 11.0
-"""From the name of one foil to that of another at the same place, points."""
+"""Distance between names of foils at the same place, points."""
 UPRIGHT, SLANTED = 0.9, 0.35
-"""Parts of the way off the skin: from where on names stand upright, and beside, not above."""
-MOST_NAMED = 12
-"""Pixels along a side up to which each is named; beyond, rows and columns are numbered alone."""
+"""Components of the outward direction beyond which names are upright, or next to the skin."""
+MAX_NAMED = 12
+"""Largest number of pixels along a side with single names; beyond, only rows and columns."""
 LETTERS = 120.0
-"""Points of a pixel's name, for a pixel as wide as the skin."""
+"""Font size of a pixel's name for a pixel as wide as the skin, points."""
 TITLE = 72
-"""Letters of a line of the title."""
+"""Number of letters in a line of the title."""
 
 Span = tuple[float, float]
 
 
 def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
-    """Draw a scene as a picture, .png, .svg or .pdf, whose path is given back.
+    """Draws a scene as .png, .svg or .pdf, and returns the path.
 
-    pixels: those that have skin. Raises InputError for another ending or an absent folder, and
-    where a mesh file does not serve.
+    pixels: those with skin. Raises InputError for another ending, a missing folder, and an unusable
+    mesh file.
     """
     path = checked_output(path, ENDINGS)
     ribbons = [ribbon(foil, scene) for foil in scene.contacts]
@@ -76,19 +76,19 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
 
 
 def _frame(scene: Scene, ribbons: Sequence[Ribbon]) -> tuple[Span, Span]:
-    """What is drawn from where to where, along x and y, m: the skin with names and numbers."""
+    """Limits of the drawing along x and y, m: the skin with names and numbers."""
     length, width = scene.skin.sides
     unit = max(length, width)
     ways = [out for ribbon in ribbons for _, out in [_named_at(ribbon, 0.0)]]
 
-    def beside(axis: int, sign: float) -> float:
+    def room(axis: int, sign: float) -> float:
         beyond = sum(sign * out[axis] > SLANTED for out in ways)
         return unit * (MARGIN + (NAME_AT + 0.02 + 0.03 * (beyond - 1) if beyond else 0.0))
 
     numbers = NUMBERS * unit
     return (
-        (-beside(0, -1), length + beside(0, 1) + numbers),
-        (-beside(1, -1), width + beside(1, 1) + numbers),
+        (-room(0, -1), length + room(0, 1) + numbers),
+        (-room(1, -1), width + room(1, 1) + numbers),
     )
 
 
@@ -99,12 +99,12 @@ def _dress(axes: Axes, scene: Scene, x: Span, y: Span) -> None:
     axes.set_ylim(MM * y[0], MM * y[1])
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
-    told = f"{scene.name}: {scene.description}" if scene.description else scene.name
-    axes.set_title(fill(told, TITLE))
+    title = f"{scene.name}: {scene.description}" if scene.description else scene.name
+    axes.set_title(fill(title, TITLE))
 
 
 def _skin(axes: Axes, scene: Scene) -> None:
-    """The skin in grey within its outline; of a mesh its triangles."""
+    """Draws the skin in grey within its outline, or the triangles of its mesh."""
     if scene.skin.mesh is not None:
         mesh = domain(scene, Press(), max(scene.skin.sides))
         axes.triplot(*(MM * mesh.p[:2]), mesh.t.T, color="0.8", linewidth=0.4)
@@ -117,10 +117,10 @@ def _skin(axes: Axes, scene: Scene) -> None:
 
 
 def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], far: tuple[float, float]) -> None:
-    """Lines and names of pixels; numbers of rows and columns stand before `far` (x, y), m."""
+    """Draws lines and names of pixels, and row and column numbers near `far` (x, y), m."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     draw_pixels(axes, scene, color="0.6", linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
-    if max(rows, columns) <= MOST_NAMED:
+    if max(rows, columns) <= MAX_NAMED:
         for row, column in pixels:
             (x, y), size = label_position((row, column), scene)
             points = float(np.clip(size / max(length, width) * LETTERS, 3, 9))
@@ -128,24 +128,24 @@ def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], far: tuple[float, flo
             axes.text(MM * x, MM * y, f"{row},{column}", size=points, **centred)
     before = MARGIN * max(length, width)
     grey = {"color": "0.5", "size": 8}
-    for name, number, x in _shown("column", length, columns):
+    for name, number, x in _numbered("column", length, columns):
         at = MM * x, MM * (far[1] - before)
         axes.text(*at, f"{name}{number}", ha="center", va="center", **grey)
-    for name, number, y in _shown("row", width, rows):
+    for name, number, y in _numbered("row", width, rows):
         at = MM * (far[0] - before), MM * y
         axes.text(*at, f"{name}{number}", ha="center", va="center", rotation=90, **grey)
 
 
-def _shown(name: str, side: float, count: int) -> Iterator[tuple[str, int, float]]:
-    """Rows or columns that are numbered, with their middles, m; the first is called by name."""
-    for k in range(0, count, -(-count // MOST_NAMED)):
+def _numbered(name: str, side: float, count: int) -> Iterator[tuple[str, int, float]]:
+    """Yields the numbered rows or columns: prefix (for the first one), number, and middle in m."""
+    for k in range(0, count, -(-count // MAX_NAMED)):
         yield f"{name} " if k == 0 else "", k + 1, side * (k + 0.5) / count
 
 
 def _named_at(foil: Ribbon, gap: float) -> tuple[Places, Places]:
-    """Where a foil's name stands, m, and the way off the skin there: that far off its middle.
+    """Position of a foil's name at distance `gap` from its middle, m, and the outward direction.
 
-    Of a foil that goes all around a curve it is below the skin.
+    The name of a foil that goes around a whole curve is below the skin.
     """
     if foil.closed:
         x = float(foil.path[0].min() + foil.path[0].max()) / 2
@@ -179,8 +179,8 @@ def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, befo
         xytext=away,
         textcoords="offset points",
         rotation=90 if upright else 0,
-        ha="center" if upright else BESIDE[right],
-        va="center" if upright else ABOVE[up],
+        ha="center" if upright else HORIZONTAL[right],
+        va="center" if upright else VERTICAL[up],
         color=FOIL_COLOURS[foil.electrode],
         size=8,
         annotation_clip=False,
@@ -190,7 +190,7 @@ def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, befo
 
 
 def _role(foil: Contact, scene: Scene) -> str:
-    """At which interfaces it is which side."""
+    """The side of a foil at each interface, as text."""
     several = len(scene.interfaces) > 1
     roles = [
         f"{side} at {each.name}" if several else side

@@ -1,4 +1,4 @@
-"""What a scene has beyond two sheets and a foam, or leaves out, and how large that is."""
+"""Secondary effects: their estimated size, and whether the scene includes them."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from ..sweeps.units import prefixed
 
 LEFT_OUT = "left out"
 USUAL = Relaxation(share=0.1, time_constant=1.0)
-"""What an open foam may do, for the size of what is left out."""
+"""Typical creep of an open foam, for the size of the neglected effect."""
 
 
 def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Each effect: what it is called, and its size with whether the scene has it.
+    """Yields the name of each effect, and its size with whether the scene includes it.
 
-    Sizes are those of `models.stray`.
+    Sizes are estimated by `models.stray`.
     """
     even, around = equivalent_scene(scene), scene.surroundings
     yield "earth", _earth(even, around)
@@ -114,7 +114,7 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
 
 
 def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str]]:
-    """Of presses that have walls: by a factor that compresses the foam."""
+    """Walls of presses by a factor that compresses the foam."""
     factor = scene.press.capacitance_factor
     if scene.press.by_factor and factor > 1:
         share = _percent(wall_share(scene, factor))

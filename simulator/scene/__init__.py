@@ -1,1 +1,1 @@
-"""What is there: skin, contacts, shape and meter; reading and checking scene files."""
+"""Scenes: skin, contacts, shape and meter; reading and checking of scene files."""

@@ -25,17 +25,17 @@ from .skin import Electrode, Name, Skin, curves, on_skin
 from .validation import Number, Table, whole_within_rounding
 
 MAX_CONTACTS = 200
-"""Every two are compared, and a mesh has rings around the ends of each."""
+"""Limit: all pairs are compared, and a mesh has rings around the ends of each contact."""
 MAX_INTERFACES = 1000
-"""Each is read at every frequency, and a scanner has tens of channels."""
+"""Limit: each interface is read at every frequency; a scanner has tens of channels."""
 EDGES = ("left", "right", "bottom", "top")
 LINES = 33
-"""Along each side of the skin, at whose crossings it is looked at."""
+"""Number of sample points along each side of the skin."""
 EDGE = re.compile(r"(?P<curve>outline|hole(?P<hole>[1-9]\d*))(?:\.(?P<side>[1-9]\d*))?")
 
 
 class CurveSection(NamedTuple):
-    """A part of a closed curve: the curve's number, and from where to where along it, m."""
+    """A part of a closed curve: number of the curve, start and stop along it in m."""
 
     curve: int
     start: float
@@ -43,7 +43,7 @@ class CurveSection(NamedTuple):
 
 
 def curve_section(contact: Contact, skin: Skin) -> CurveSection:
-    """The part of the curves of a skin without mesh that a foil lies along."""
+    """The part of a boundary curve that a foil covers, for a skin without mesh."""
     low, high = contact.span
     if skin.outline is None:
         return _along_rectangle(contact.edge, low, high, skin)
@@ -54,14 +54,14 @@ def curve_section(contact: Contact, skin: Skin) -> CurveSection:
 
 
 def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
-    """A foil's line along a skin without mesh, cut into so many pieces: m, shape (2, point)."""
+    """Points along a foil on a skin without mesh, in m, shape (2, pieces + 1)."""
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
 
 def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
-    """Unit vectors off the skin along a path on its edge, both of shape (2, point)."""
+    """Outward unit vectors along a path on the skin's edge, both of shape (2, point)."""
     x, y = np.gradient(path, axis=1)
     across = np.stack([y, -x]) / np.hypot(x, y)
     step = 1e-4 * max(skin.sides)
@@ -72,9 +72,9 @@ def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
 def max_foil_distance(
     skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]
 ) -> float:
-    """The largest distance of a place of the skin from all driven foils, m.
+    """The largest distance of a point of the skin from its nearest driven foil, m.
 
-    Of a mesh that a file brings, the longer side of its grid of pixels.
+    For a mesh from a file, the longer side of the grid of pixels.
     """
     if skin.mesh is not None:
         return max(skin.sides)
@@ -86,7 +86,7 @@ def max_foil_distance(
 
 
 def _places(skin: Skin) -> NDArray[np.float64]:
-    """Places of a skin, those on its outline with it, m, shape (2, place)."""
+    """Sample points of a skin, including its outline, m, shape (2, point)."""
     x, y = np.meshgrid(*(np.linspace(0, side, LINES) for side in skin.sides))
     everywhere = np.stack([x.ravel(), y.ravel()])
     if skin.outline is None:
@@ -97,7 +97,8 @@ def _places(skin: Skin) -> NDArray[np.float64]:
 
 
 def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> CurveSection:
-    """Anticlockwise from the corner (0, 0); spans run from an edge's low-coordinate end."""
+    """Section along a rectangle, anticlockwise from (0, 0); spans start at the low-coordinate
+    end."""
     x, y = skin.length, skin.width
     start, run = {
         "bottom": (0.0, x),
@@ -116,7 +117,7 @@ def _parsed(edge: str) -> tuple[int, int | None]:
 
 
 def check_edge(edge: str, skin: Skin) -> str | None:
-    """What an edge of a skin without mesh must be, where it is something else."""
+    """Message with the allowed edges of a skin without mesh; None if the edge is allowed."""
     if skin.outline is None:
         return None if edge in EDGES else "must be 'left', 'right', 'bottom' or 'top'"
     allowed = _edges(skin.outline)
@@ -132,7 +133,7 @@ def check_edge(edge: str, skin: Skin) -> str | None:
 
 
 def _edges(outline: Outline) -> dict[str, int]:
-    """The curves by name, and how many sides each has that a foil can be named after."""
+    """Boundary curves by name, with the number of sides that foils can refer to."""
     named = {"outline": outline, **{f"hole{i + 1}": hole for i, hole in enumerate(outline.holes)}}
     return {name: len(curve.points or ()) for name, curve in named.items()}
 
@@ -157,13 +158,13 @@ class Contact(Table):
 
     @property
     def ideal(self) -> bool:
-        """Whether it holds its part of the edge at one potential."""
+        """True if the contact has no resistance, so that its part of the edge has one potential."""
         return self.resistance == 0
 
     def ends(self, skin: Skin) -> tuple[tuple[float, float], tuple[float, float]]:
         """Both end points (x, y) in m, the low-coordinate end first; on outlines in their order.
 
-        Foils on meshes are told by their facets instead.
+        Foils on meshes are defined by their facets instead.
         """
         if skin.outline is not None:
             along = curve_section(self, skin)
@@ -201,7 +202,7 @@ class Contact(Table):
 class Interface(Table):
     """One way of connecting the meter; contacts in neither list float.
 
-    frequencies: those of [sweep] at which it is read [Hz], all of them unless given.
+    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them.
     """
 
     name: Name
@@ -215,19 +216,21 @@ class Interface(Table):
 def taken(
     interfaces: Sequence[Interface], frequency: NDArray[np.float64]
 ) -> NDArray[np.bool_] | None:
-    """Which interface is read at which of the frequencies in Hz, shape (interface, frequency).
+    """Mask of the readings taken, shape (interface, frequency); None if all are taken.
 
-    None where all are read at all.
+    frequency: Hz.
     """
     if all(each.frequencies is None for each in interfaces):
         return None
-    told = [frequency if each.frequencies is None else each.frequencies for each in interfaces]
-    found = np.stack([np.isin(frequency, own) for own in told])
+    own_frequencies = [
+        frequency if each.frequencies is None else each.frequencies for each in interfaces
+    ]
+    found = np.stack([np.isin(frequency, own) for own in own_frequencies])
     return None if found.all() else found
 
 
 def check_frequencies(interfaces: Sequence[Interface], frequency: Sequence[float]) -> None:
-    """Raises ValueError unless frequencies of interfaces are among these and take all of them."""
+    """Raises ValueError unless interfaces use only these frequencies, and every one of them."""
     for each in interfaces:
         foreign = sorted(set(each.frequencies or ()) - set(frequency))
         if foreign:
@@ -246,11 +249,11 @@ def _listed(given: object) -> object:
 
 
 class Readings(Table):
-    """Interfaces in brief; they follow those of [[interface]], which may then be left out.
+    """Short form of interfaces; they are added to those of [[interface]], which may be omitted.
 
-    all: "pairs", every contact of the top sheet with every one of the bottom; "tied", all of the
-    top with all of the bottom; "sheets", every two contacts of one sheet, whose Cp is no
-    capacitance; or a list of these. named: each as "A to B", with contacts that are tied as "A+B".
+    all: "pairs", every contact of the top sheet with every one of the bottom; "tied", all contacts
+    of the top with all of the bottom; "sheets", all pairs of contacts of one sheet, whose Cp is no
+    capacitance; or a list of these. named: each as "A to B"; contacts tied together are "A+B".
     """
 
     all: Annotated[tuple[Literal["pairs", "tied", "sheets"], ...], BeforeValidator(_listed)] = ()
@@ -262,9 +265,9 @@ class Readings(Table):
 def expanded_readings(
     readings: Readings, contacts: Sequence[tuple[str, str]]
 ) -> list[dict[str, Any]]:
-    """Interfaces as a scene file has them. contacts: name and electrode of each.
+    """Interfaces in the form of a scene file. contacts: name and electrode of each.
 
-    Raises ValueError for a name that is no reading, and where there is none.
+    Raises ValueError for a malformed name, and if there is no interface.
     """
     top, bottom = ([n for n, own in contacts if own == e] for e in ("top", "bottom"))
     kinds = {
@@ -276,14 +279,14 @@ def expanded_readings(
             for one, other in itertools.combinations(sheet, 2)
         ],
     }
-    found = {_told(*sides): sides for kind in readings.all for sides in kinds[kind]}
+    found = {_interface_name(*sides): sides for kind in readings.all for sides in kinds[kind]}
     found |= {name: _parsed_reading(name) for name in readings.named}
     if not found:
-        raise ValueError("`readings` must name some that the contacts have, got none")
+        raise ValueError("`readings` must give at least one interface of the contacts, got none")
     return [{"name": name, "high": high, "low": low} for name, (high, low) in found.items()]
 
 
-def _told(high: Sequence[str], low: Sequence[str]) -> str:
+def _interface_name(high: Sequence[str], low: Sequence[str]) -> str:
     return f"{'+'.join(high)} to {'+'.join(low)}"
 
 

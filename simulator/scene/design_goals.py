@@ -1,4 +1,4 @@
-"""What a designer of a skin must keep, what may change, and what is wanted."""
+"""Goals and limits of `rcskin design`: the table [design] of a scene."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from .validation import Number, Table, Whole
 Target = Literal["pixel", "column", "row", "pair", "position"]
 POSITION = "position"
 Part = Annotated[Number, Field(ge=1e-3, le=1)]
-"""A foil shorter than a thousandth of its edge is none."""
+"""Length of a foil over that of its edge, at least a thousandth."""
 
 
 class Design(Table):
-    """What `rcskin design` keeps to, and what it looks for; everything else stays as it is.
+    """Goals and limits of `rcskin design`; everything else of the scene stays unchanged.
 
-    target, want: what is to be told, and for what share of sweeps; within: of positions, to how
-    many m half of the time. wires, readings, frequencies: at
-    most so many foils are wired, so many pairs of sets of them read, at so many frequencies each;
-    as many as the scene has unless given. seconds: that a sweep may take on the meter, at most.
-    band: of the frequencies [Hz], else the scene's own. sheet_resistance: bounds of both sheets
-    [ohm/sq]; sheet_ratio: one over the other at most. foam_thickness: bounds [m] of a foam whose
-    thickness is given. grading: sheet resistance at one edge over that at the opposite one, at
-    most. own_frequencies: whether each reading may have frequencies of its own, as many in all.
-    foils: whether places and lengths of foils may change; foil_length: bounds of their
-    lengths over that of their edge. against_rest: sweeps at rest that each sweep is compared with.
-    casts: skins drawn as [dataset.session] says; the tenth that is worst off counts.
+    target, want: what sweeps shall identify, and the fraction of sweeps for which they shall;
+    within: for positions, the error [m] that half of the sweeps shall keep. wires, readings,
+    frequencies: largest numbers of wired foils, of readings between sets of them, and of
+    frequencies of each reading; by default those of the scene. seconds: longest duration of a sweep
+    on the meter. band: range of frequencies [Hz]; by default that of the scene. sheet_resistance:
+    bounds of both sheets [ohm/sq]; sheet_ratio: largest ratio between them. foam_thickness: bounds
+    [m] if the foam's thickness is given. grading: largest ratio of a sheet's resistance at opposite
+    edges. own_frequencies: true lets each reading have its own frequencies, with the same total
+    number. foils: true lets positions and lengths of foils change; foil_length: bounds of their
+    length over that of their edge. against_rest: number of baseline sweeps that each sweep is
+    compared with. casts: number of skins drawn by [dataset.session]; the worst tenth counts.
     """
 
     target: Target = "pixel"
@@ -50,15 +50,17 @@ class Design(Table):
     casts: Annotated[Whole, Field(ge=1, le=100)] = 10
 
     @model_validator(mode="after")
-    def _wish_suits(self) -> Self:
+    def _goal_fits_target(self) -> Self:
         if self.want is not None and self.target == POSITION:
-            raise ValueError("want is a share of sweeps; positions have `within`, in m")
+            raise ValueError("want is a fraction of sweeps; use `within`, in m, for positions")
         if self.within is not None and self.target != POSITION:
-            raise ValueError(f"within is of the target {POSITION}; a {self.target} has `want`")
+            raise ValueError(
+                f"within belongs to the target {POSITION}; use `want` for a {self.target}"
+            )
         return self
 
     @model_validator(mode="after")
-    def _own_frequencies_add_up(self) -> Self:
+    def _own_frequencies_need_baseline(self) -> Self:
         if self.own_frequencies and not self.against_rest:
             raise ValueError("own_frequencies needs against_rest >= 1, got 0")
         return self

@@ -1,4 +1,4 @@
-"""How large a skin is: its area and the length of its outline."""
+"""Area of a skin and length of its outline."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .skin import Skin, curves
 
 
 def surface(skin: Skin) -> float:
-    """Area of a skin at rest, without its holes, m²; of a mesh that of its triangles."""
+    """Area of an unstretched skin without its holes, m²; for a mesh the area of its triangles."""
     if skin.mesh is not None:
         return skin.mesh.surface.area()
     around, *holes = (_enclosed(curve.shape) for curve in curves(skin))
@@ -19,7 +19,7 @@ def surface(skin: Skin) -> float:
 
 
 def perimeter(skin: Skin) -> float:
-    """Length of all curves around a skin at rest and around its holes, m."""
+    """Length of the outline of an unstretched skin and of its holes, m."""
     if skin.mesh is not None:
         found = skin.mesh.surface
         ends = found.p[:, found.boundary]

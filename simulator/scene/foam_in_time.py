@@ -1,4 +1,4 @@
-"""How a foam changes: it creeps under a press and recovers after it, and follows the weather."""
+"""Changes of a foam: creep and recovery under presses, dependence on temperature and humidity."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Creep = Annotated[
 Hysteresis = Annotated[
     Number,
     within(
-        0.0, 1 / 3, "of the work of loading", "beyond a third, foam would sink as it is let off"
+        0.0, 1 / 3, "of the work of loading", "beyond a third, foam would sink while it is released"
     ),
 ]
 
@@ -30,14 +30,14 @@ PerKelvin = Annotated[Number, within(-0.1, 0.1, "1/K", "a tenth a kelvin is a th
 PerPercent = Annotated[Number, within(-0.1, 0.1, "1/%RH", "a tenth a percent is a hygrometer")]
 
 MIN_CHANGE, MAX_CHANGE = 0.1, 10.0
-"""Factors between which a straight line in temperature or humidity is taken at all."""
+"""Limits of the factor for which a linear law in temperature or humidity is accepted."""
 
 
 class Relaxation(Table):
-    """One standard linear solid: strain that comes and goes with a time constant.
+    """One standard linear solid: strain that creeps and recovers with a time constant.
 
-    share: of the strain that a load causes at once, what creep adds to it in the end.
-    time_constant [s]: of that creep, and of the recovery after the load.
+    share: final creep strain over the instantaneous strain of a load. time_constant [s]: of creep
+    and of recovery after the load.
     """
 
     share: Creep
@@ -47,8 +47,8 @@ class Relaxation(Table):
 class Temperature(Table):
     """Relative changes of capacitance and sheet resistance per kelvin away from a reference.
 
-    The scene's numbers are those at the reference. The temperature is that of `experiment`, and
-    what `dataset.session` draws.
+    The scene's numbers hold at the reference. The temperature is that of `experiment`, or drawn by
+    `dataset.session`.
     """
 
     reference: Celsius = 23.0
@@ -57,7 +57,7 @@ class Temperature(Table):
 
 
 class Humidity(Table):
-    """The same per percent of relative humidity."""
+    """Relative changes of capacitance and sheet resistance per percent of relative humidity."""
 
     reference: Humid = 50.0
     capacitance: PerPercent = 0.0
@@ -67,16 +67,16 @@ class Humidity(Table):
 Relaxations = Annotated[tuple[Relaxation, ...], Field(min_length=1, max_length=2)]
 
 AMBIENT = ("temperature", "humidity")
-"""Tables of the foam, and keys of `experiment` and `dataset.session` that hold their state."""
+"""Tables of the foam; `experiment` and `dataset.session` have keys of the same names."""
 
 IN_TIME = ("relaxation", "hysteresis", *AMBIENT)
-"""Keys of the foam that say how it changes."""
+"""Keys of the foam that describe its changes."""
 
 
 def ambient_factors(table: Temperature | Humidity, state: float, key: str) -> tuple[float, float]:
     """Factors on capacitance and on sheet resistance away from the reference.
 
-    Raises ValueError, naming the key of the state, where one is no small change.
+    Raises ValueError naming the key if a factor is outside MIN_CHANGE to MAX_CHANGE.
     """
     away = state - table.reference
     factors = 1 + table.capacitance * away, 1 + table.sheet_resistance * away
@@ -90,11 +90,11 @@ def ambient_factors(table: Temperature | Humidity, state: float, key: str) -> tu
 
 
 def in_ambient(skin: Skin, experiment: Experiment) -> Skin:
-    """The skin at the temperature and humidity of an experiment, which are its references then.
+    """The skin at the temperature and humidity of an experiment, which become its references.
 
-    Capacitance, sheet resistances and coefficients are those there, so that the same line in
-    temperature or humidity is written about another reference. Raises ValueError where `experiment`
-    names a state of which the foam has no table, as `ambient_factors`, and for a permittivity < 1.
+    Capacitance, sheet resistances and coefficients are converted, so that the linear law in
+    temperature or humidity is unchanged. Raises ValueError if `experiment` names a state for which
+    the foam has no table, as `ambient_factors`, and for a permittivity < 1.
     """
     for name in AMBIENT:
         state, table = getattr(experiment, name), getattr(skin.foam, name)
@@ -128,9 +128,9 @@ def _referred(
 
 
 def with_capacitance(foam: Foam, factor: float, key: str) -> Foam:
-    """A foam of so many times the capacitance and the same thickness.
+    """A foam with a multiple of the capacitance and the same thickness.
 
-    Raises ValueError naming the key that asks for it where the permittivity would be below 1.
+    Raises ValueError naming the key that requires it if the permittivity would be below 1.
     """
     if foam.relative_permittivity is None:
         c = foam.unpressed_capacitance_per_area * factor

@@ -1,4 +1,4 @@
-"""What a foam does when pressed: how its stress rises with strain, and its permittivity."""
+"""Mechanics of a compressed foam: stress-strain laws and permittivity."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DENSIFICATION = 2.3
 """D of Maiti, Gibson and Ashby for elastomeric foams."""
 
 REACH = 0.999
-"""Of the densification strain, up to where the law is used; straight on from there."""
+"""Fraction of the densification strain up to which the law is used; linear beyond it."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class Elastomer:
     with modulus E and plateau stress P in Pa. Young's modulus at small strain, cell walls that
     buckle at P (L. J. Gibson and M. F. Ashby, Cellular Solids, 2nd ed. 1997, 5.2 and 5.3), and a
     stress that diverges as the cells close, P / D / (1 - r) with D = 2.3 (S. K. Maiti, L. J.
-    Gibson and M. F. Ashby, Acta Metallurgica 32 (1984) 1963), less its value and slope at rest.
+    Gibson and M. F. Ashby, Acta Metallurgica 32 (1984) 1963), less its value and slope at zero
+    strain.
     """
 
     modulus: float
@@ -38,7 +39,7 @@ class Elastomer:
 
     @property
     def greatest_strain(self) -> float:
-        """Up to which the law is meant."""
+        """Largest strain for which the law is used."""
         return REACH * self.densification_strain
 
     def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -58,7 +59,7 @@ class Elastomer:
         return buckling + closing / DENSIFICATION
 
     def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Integral of p from rest, J per m³ of foam at rest."""
+        """Integral of p from zero strain, J per m³ of uncompressed foam."""
         known, beyond = np.clip(strain, 0.0, self.greatest_strain), 0.0
         r = known / self.densification_strain
         buckled = known + np.expm1(-self.modulus * known / self.plateau_stress) * (
@@ -72,7 +73,7 @@ class Elastomer:
 
 @dataclass(frozen=True)
 class Hookean:
-    """p = E e, the law of closed forms; stress, stiffness and energy as of an Elastomer."""
+    """Hooke's law p = E e, for closed forms; same methods as Elastomer."""
 
     modulus: float
     greatest_strain: float
@@ -93,25 +94,30 @@ Law = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
 
 
 def looyenga(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
-    """eps^(1/3) mixes by volume: H. Looyenga, Physica 31 (1965) 401."""
+    """Looyenga's law, eps^(1/3) averaged by volume: H. Looyenga, Physica 31 (1965) 401."""
     return ((1 - porosity) * np.cbrt(solid) + porosity) ** 3
 
 
 def bruggeman(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
-    """Spheres of both in the mixture itself, (1-p)(s-e)/(s+2e) + p(1-e)/(1+2e) = 0: D. A. G.
-    Bruggeman, Annalen der Physik 416 (1935) 636."""
+    """Bruggeman's law, (1-p)(s-e)/(s+2e) + p(1-e)/(1+2e) = 0, for spheres of both in the mixture.
+
+    Source: D. A. G. Bruggeman, Annalen der Physik 416 (1935) 636.
+    """
     half = (2 - 3 * porosity) * solid + 3 * porosity - 1
     return (half + np.sqrt(half**2 + 8 * solid)) / 4
 
 
 def lichtenecker(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
-    """ln eps mixes by volume: K. Lichtenecker, Physikalische Zeitschrift 27 (1926) 115."""
+    """Lichtenecker's law, ln eps averaged by volume: Physikalische Zeitschrift 27 (1926) 115."""
     return solid ** (1 - porosity)
 
 
 def maxwell_garnett(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
-    """Closed round cells of air in the solid, the upper bound of Hashin and Shtrikman: J. C.
-    Maxwell Garnett, Philosophical Transactions A 203 (1904) 385."""
+    """Maxwell Garnett's law: round closed cells of air in the solid.
+
+    It is the upper bound of Hashin and Shtrikman. Source: J. C. Maxwell Garnett, Philosophical
+    Transactions A 203 (1904) 385.
+    """
     rise = 2 * solid + 1
     return solid * (rise + 2 * porosity * (1 - solid)) / (rise - porosity * (1 - solid))
 
@@ -131,25 +137,25 @@ HALVINGS = 53
 
 
 def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
-    """Compressive strain of foam of constant permittivity at that factor of its capacitance.
+    """Compressive strain of foam with constant permittivity at a capacitance factor.
 
-    1 - 1 / factor; 0 where the factor is below 1.
+    It is 1 - 1 / factor, and 0 for factors below 1.
     """
     return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
 
 
 Strain = Annotated[Number, Field(ge=1e-3, le=0.999)]
-"""A foam with less air is solid, one with more no foam; its strain ends with its air."""
+"""Limits of porosity and strain: foam with less air is solid; strain ends when the air is gone."""
 
 
 class Mechanics(Table):
-    """A foam of porosity `porosity` that narrows nowhere as it is compressed (Poisson's ratio 0).
+    """A foam whose Poisson's ratio is 0: it does not expand sideways under compression.
 
-    Pores close as its volume falls: strain e leaves the porosity (porosity - e)/(1 - e), of which
-    the law `effective_medium` makes the permittivity; "constant" leaves that as it is. modulus
+    Pores close as its volume falls: at strain e the porosity is (porosity - e)/(1 - e), from which
+    the law `effective_medium` gives the permittivity; "constant" leaves it unchanged. modulus
     [Pa]: Young's, or `solid_modulus` (1 - porosity)², that of open cells (Gibson and Ashby, eq.
-    5.6). plateau_stress [Pa]: 0.05 of the modulus unless given. densification_strain: the porosity
-    unless given. tension [N/m]: of both electrode skins together, the same in every direction.
+    5.6). plateau_stress [Pa]: default 0.05 of the modulus. densification_strain: default the
+    porosity. tension [N/m]: of both electrode skins together, equal in all directions.
     """
 
     porosity: Strain
@@ -174,7 +180,7 @@ class Mechanics(Table):
 
     @property
     def elastic(self) -> Elastic:
-        """Its stress-strain law."""
+        """The stress-strain law of the foam."""
         densified = self.densification_strain or self.porosity
         if self.stress_strain == "linear":
             return Hookean(self.young, densified)
@@ -182,17 +188,17 @@ class Mechanics(Table):
 
     @property
     def unpressed_permittivity(self) -> float | None:
-        """Relative permittivity at rest by the law; None where that is "constant"."""
+        """Relative permittivity of the unpressed foam; None if the law is "constant"."""
         if self.effective_medium == "constant":
             return None
         return float(self._permittivity(np.array(0.0)))
 
     def factor(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Capacitance over that at rest under compressive strain, eps(e)/eps(0)/(1 - e)."""
+        """Capacitance under compressive strain over the unpressed one, eps(e)/eps(0)/(1 - e)."""
         return self._permittivity(strain) / self._permittivity(np.array(0.0)) / (1 - strain)
 
     def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The strain that brings a factor about, by bisection; 0 below 1, at most the porosity."""
+        """Strain at a capacitance factor, by bisection; 0 for factors < 1, at most the porosity."""
         low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.porosity)
         for _ in range(HALVINGS):
             middle = (low + high) / 2
@@ -227,5 +233,5 @@ class Mechanics(Table):
                 f"got {self.densification_strain:g}"
             )
         if self.stress_strain == "linear" and self.plateau_stress is not None:
-            raise ValueError('plateau_stress has no place in stress_strain = "linear"')
+            raise ValueError('plateau_stress does not apply to stress_strain = "linear"')
         return self

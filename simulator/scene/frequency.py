@@ -1,4 +1,4 @@
-"""From frequencies to the complex variable s of the model's equations."""
+"""The complex variable s of the model's equations, as a function of frequency."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..sweeps import InputError
 
 REFERENCE = 1e3
-"""Hz: where a constant-phase capacitance has the size that is named."""
+"""Frequency in Hz at which a constant-phase capacitance has its nominal value."""
 
 
 class Loss(NamedTuple):
-    """How a foam departs from an ideal capacitor, the same all over the skin.
+    """Losses of a foam, uniform over the skin.
 
-    tangent: tan d. exponent: a of a constant-phase element, 1 for an ideal one.
+    tangent: tan d. exponent: a of a constant-phase element; 1 for an ideal capacitor.
     """
 
     tangent: float = 0.0
@@ -40,7 +40,7 @@ def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.
 
 
 def slopes_of_s(frequency: NDArray[np.float64], loss: Loss) -> dict[str, NDArray[np.complex128]]:
-    """Of `laplace_variable`, to a factor on all capacitance (its logarithm) and to both losses."""
+    """Derivatives of `laplace_variable` by ln(capacitance), loss tangent and exponent."""
     s, turned = laplace_variable(frequency, loss), 1j * frequency / REFERENCE
     return {
         "capacitance": s,
@@ -50,14 +50,14 @@ def slopes_of_s(frequency: NDArray[np.float64], loss: Loss) -> dict[str, NDArray
 
 
 def charging_frequency(frequency: float, loss: Loss) -> float:
-    """Where an ideal foam would draw the current of one with this exponent, Hz."""
+    """Frequency in Hz at which an ideal foam draws the same current as one with this exponent."""
     return frequency * (frequency / REFERENCE) ** (loss.exponent - 1)
 
 
 def penetration_depth(
     frequency: float, sheet_resistance: float, c: float, loss: Loss = LOSSLESS
 ) -> float:
-    """delta = sqrt(2 / (omega R c)) in m: how far from a contact the field reaches.
+    """Penetration depth of the field from a contact, delta = sqrt(2 / (omega R c)), in m.
 
     frequency: Hz. sheet_resistance: ohm/sq, of both sheets in series. c: F/m².
     """
@@ -66,9 +66,9 @@ def penetration_depth(
 
 
 def parse_band(text: str, own: tuple[float, float]) -> tuple[float, float]:
-    """The band written LOW:HIGH in Hz, either of which may be absent: then it is that of `own`.
+    """Parses a band LOW:HIGH in Hz; an omitted end is taken from `own`.
 
-    Raises InputError on anything else, and unless 0 <= LOW < HIGH.
+    Raises InputError for other texts, and unless 0 <= LOW < HIGH.
     """
     try:
         low, high = (float(part) if part.strip() else None for part in text.split(":"))

@@ -1,4 +1,4 @@
-"""Maps that a scene file names: tables of factors and pictures, read into grids."""
+"""Reads map files of a scene, tables of factors and pictures, into grids."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
 Count = Annotated[Whole, Field(ge=1, le=MAX_VALUES)]
 PICTURES = ("PNG", "JPEG", "TIFF", "BMP")
 MAX_PIXELS = 2**26
-"""Of a picture; in memory each takes 8 bytes."""
+"""Largest number of pixels of a picture; each takes 8 bytes in memory."""
 MAPPED = {"top", "bottom", "foam"}
 
 
 class MapFile(Table):
-    """A CSV file, or a picture from dark, `low`, to light, `high`; colours by their lightness.
+    """A CSV file of factors, or a picture with factors from `low` (black) to `high` (white).
 
-    The first line of a CSV is row 1, along the bottom edge, as rows of pixels are counted; a
-    picture lies on the skin as it is seen, its lower side along the bottom edge. rows, columns: to
-    which the values are reduced, by their means; by default they are taken as they are.
+    The first line of a CSV is row 1, along the bottom edge, as for rows of pixels; the lower side
+    of a picture is at the bottom edge. Colours count by their lightness. rows, columns: size to
+    which the values are reduced by averaging; by default they are unchanged.
     """
 
     kind: Literal["file"] = "file"
@@ -46,7 +46,7 @@ class MapFile(Table):
 
     @property
     def table(self) -> bool:
-        """Whether it is a table of factors."""
+        """True if the file is a table of factors."""
         return Path(self.path).suffix.lower() == ".csv"
 
     @model_validator(mode="after")
@@ -60,9 +60,9 @@ class MapFile(Table):
 
 
 def with_grids(tables: dict[str, Any], folder: Path | None) -> dict[str, Any]:
-    """The tables of a scene, with maps of the kind "file" read into grids.
+    """The tables of a scene with maps of the kind "file" converted to grids.
 
-    folder: what paths are relative to; None reads none. Raises InputError that names the key.
+    folder: base of relative paths; None refuses files. Raises InputError naming the key.
     """
     skin = tables.get("skin")
     if not isinstance(skin, dict):
@@ -80,21 +80,21 @@ def _with_grid(part: Any, key: str, folder: Path | None) -> Any:
     if folder is None:
         raise InputError(f"`{key}` {names_a_file(of_place.get('path'))}")
     try:
-        asked = MapFile.model_validate(of_place)
+        map_file = MapFile.model_validate(of_place)
     except ValidationError as error:
         raise InputError(f"`{key}` {one_line(error, MapFile)}") from error
-    return {**part, "map": {"kind": "grid", "values": _grid(asked, key, folder).tolist()}}
+    return {**part, "map": {"kind": "grid", "values": _grid(map_file, key, folder).tolist()}}
 
 
-def _grid(asked: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
-    path = folder / asked.path
+def _grid(map_file: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
+    path = folder / map_file.path
     try:
-        values = _table(path) if asked.table else _picture(path, asked)
+        values = _table(path) if map_file.table else _picture(path, map_file)
     except InputError as error:
         raise InputError(f"`{key}.path` {error}") from None
     except (OSError, ValueError, SyntaxError, csv.Error) as error:
         raise InputError(f"`{key}.path` {path}: cannot be read: {error}") from error
-    reduced = _reduced(values, asked.rows or len(values), asked.columns or len(values[0]))
+    reduced = _reduced(values, map_file.rows or len(values), map_file.columns or len(values[0]))
     if max(reduced.shape) > MAX_VALUES:
         raise InputError(
             f"`{key}.path` {path} holds {len(values)} rows of {len(values[0])} values; at most "
@@ -111,7 +111,7 @@ def _table(path: Path) -> NDArray[np.float64]:
         if row
     ]
     if not rows or len({len(row) for row in rows}) > 1:
-        raise ValueError("must be lines of equally many numbers, parted by commas")
+        raise ValueError("must be lines of equally many numbers, separated by commas")
     return np.array(rows)
 
 
@@ -125,7 +125,7 @@ def _factor(cell: str, line: int, place: int) -> float:
 
 
 def _opened_picture(path: Path) -> Image.Image:
-    """Not decoded yet. Raises ValueError where that would give more than MOST_PIXELS."""
+    """Opens a picture without decoding it. Raises ValueError for more than MAX_PIXELS pixels."""
     from PIL import Image
 
     file = io.BytesIO(inputs.content(path, inputs.PICTURE))
@@ -141,18 +141,18 @@ def _opened_picture(path: Path) -> Image.Image:
     return picture
 
 
-def _picture(path: Path, asked: MapFile) -> NDArray[np.float64]:
-    assert asked.low is not None and asked.high is not None
+def _picture(path: Path, map_file: MapFile) -> NDArray[np.float64]:
+    assert map_file.low is not None and map_file.high is not None
     with _opened_picture(path) as picture:
         if picture.mode.startswith("I"):
             lightness = np.asarray(picture, dtype=np.float64) / np.iinfo(np.uint16).max
         else:
             lightness = np.asarray(picture.convert("L"), dtype=np.float64) / np.iinfo(np.uint8).max
-    return asked.low + (asked.high - asked.low) * lightness[::-1]
+    return map_file.low + (map_file.high - map_file.low) * lightness[::-1]
 
 
 def _reduced(values: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
-    """Means over the cells of another even grid."""
+    """Averages over the cells of another uniform grid."""
     if values.shape == (rows, columns):
         return values
     old = [np.linspace(0, 1, n + 1) for n in values.shape]

@@ -1,4 +1,4 @@
-"""Factors by place: given on a grid, as a formula, or drawn at random."""
+"""Maps of factors: given on a grid, by a formula, or as a random field."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .ranges import Length, MapFactor, Seed, Slope
 from .validation import Number, Table, by_kind, within
 
 GAP = 6.0
-"""exp(-GAP² / 2) = 1.5e-8: what opposite edges still know of each other around the torus."""
+"""Period beyond the side over the correlation length: opposite edges correlate by 1.5e-8."""
 
 BAND = 5.0
-"""Wave numbers over 1 / l that are kept; beyond lies 6e-7 of the variance along each axis."""
+"""Largest wave number times l; the neglected modes have 6e-7 of the variance per axis."""
 
 AT_ONCE = 2**12
 
@@ -25,23 +25,23 @@ AT_ONCE = 2**12
 def random_field(
     x: NDArray[np.float64], sides: tuple[float, float], correlation_length: float, seed: int
 ) -> NDArray[np.float64]:
-    """The field of mean 0 and variance 1 at positions x in m, shape (2, ...) to (...).
+    """Random field of mean 0 and variance 1 at positions x in m, shape (2, ...) to (...).
 
-    sides: of the rectangle, m. The same seed gives the same field at any positions.
+    sides: of the rectangle, m. A seed always gives the same field, at any positions.
     """
     points = np.asarray(x, dtype=np.float64).reshape(2, -1)
-    waves = [_waves(side, correlation_length) for side in sides]
-    amplitudes = _amplitudes(seed, *(2 * len(k) for k, _ in waves))
+    modes = [_modes(side, correlation_length) for side in sides]
+    amplitudes = _amplitudes(seed, *(2 * len(k) for k, _ in modes))
     field = np.empty(points.shape[1])
     for start in range(0, points.shape[1], AT_ONCE):
         part = np.s_[start : start + AT_ONCE]
-        along, across = (_basis(at[part], *wave) for at, wave in zip(points, waves, strict=True))
+        along, across = (_basis(at[part], *mode) for at, mode in zip(points, modes, strict=True))
         field[part] = np.einsum("jp,jp->p", amplitudes.T @ along, across)
     return field.reshape(np.shape(x)[1:])
 
 
-def _waves(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Wave numbers on the torus in rad/m and their shares of the variance, which sum to 1."""
+def _modes(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wave numbers on the torus in rad/m, and their fractions of the variance (sum 1)."""
     period = side + GAP * length
     k = 2 * np.pi / period * np.arange(np.ceil(BAND * period / (2 * np.pi * length)) + 1)
     density = np.where(k > 0, 2.0, 1.0) * np.exp(-((k * length) ** 2) / 2)
@@ -51,9 +51,9 @@ def _waves(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.
 def _basis(
     x: NDArray[np.float64], k: NDArray[np.float64], share: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Cosines, then sines of every wave, each of the size of its share; shape (2 * wave, point).
+    """Cosines, then sines of every mode, scaled by its fraction; shape (2 * mode, point).
 
-    By powers of the first wave: of a hundred they are off by a hundred roundings.
+    They are computed as powers of the first mode; the hundredth has a hundred rounding errors.
     """
     turned = np.empty((len(k), len(x)), dtype=np.complex128)
     turned[0], turned[1:] = 1.0, np.exp(1j * k[1] * x)
@@ -68,29 +68,29 @@ def _amplitudes(seed: int, along: int, across: int) -> NDArray[np.float64]:
 
 
 MAX_VALUES = 128
-"""Of a grid, along each axis."""
+"""Largest number of values of a grid along each axis."""
 
 SHORTEST = 0.02
-"""Correlation length over the skin's longer side, at least: finer fields need another mesh."""
+"""Smallest correlation length over the skin's longer side; finer fields need another mesh."""
 
-MAX_NORMAL_DEVIATION, LEAST = 0.3, 0.05
-"""The largest deviation of a factor that is normal itself, and the least that it may fall to."""
+MAX_NORMAL_DEVIATION, MIN_FACTOR = 0.3, 0.05
+"""Largest deviation of a normally distributed factor, and its smallest allowed value."""
 
 LOOK = 4
-"""Places per correlation length at which it is looked at; between them it falls 0.02 at most."""
+"""Sample points per correlation length; between them the field falls by at most 0.02."""
 
 Factor = MapFactor
 
 Sides = tuple[float, float]
-"""Length and width of the skin at rest, m."""
+"""Length and width of the unstretched skin, m."""
 
 
 class _Map(Table):
-    """What all maps share; of one that has neither kinks nor a length of its own."""
+    """Base of all maps; the defaults are for maps without kinks and without a shortest length."""
 
     @property
     def uniform(self) -> float | None:
-        """The one factor that the map is, None where it varies."""
+        """The factor of a constant map; None if the map varies."""
         raise NotImplementedError
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
@@ -98,15 +98,15 @@ class _Map(Table):
         raise NotImplementedError
 
     def kinks(self, sides: Sides) -> Lines:
-        """Lines in m across x and y at which its slope jumps."""
+        """Lines across x and y, in m, at which the slope jumps."""
         return NO_LINES
 
     def shortest(self, sides: Sides) -> float:
-        """The least length over which it varies, m."""
+        """Shortest length over which the map varies, m."""
         return np.inf
 
     def check(self, sides: Sides) -> None:
-        """Raises ValueError where the map does not suit a skin of these sides."""
+        """Raises ValueError if the map does not fit a skin with these sides."""
 
 
 class Constant(_Map):
@@ -124,10 +124,9 @@ class Constant(_Map):
 
 
 class Gradient(_Map):
-    """`middle` in the middle of the skin, and straight along each axis.
+    """A linear map with the factor `middle` in the middle of the skin.
 
-    x, y: how much the factor rises from the left edge to the right, and from the bottom edge to the
-    top.
+    x, y: rise of the factor from the left edge to the right, and from the bottom edge to the top.
     """
 
     kind: Literal["gradient"] = "gradient"
@@ -158,14 +157,14 @@ class Gradient(_Map):
 
 
 class Random(_Map):
-    """A smooth random field of mean 1 and that relative standard deviation.
+    """A smooth random field of mean 1 with a relative standard deviation.
 
-    correlation_length [m]: l of exp(-r² / (2 l²)). The logarithm is normal, or the factor itself;
-    the latter is refused where it falls below 0.05.
+    correlation_length [m]: l of exp(-r² / (2 l²)). distribution: of the factor; a normal one is
+    refused if it falls below 0.05 anywhere.
     """
 
     kind: Literal["random"] = "random"
-    deviation: Annotated[Number, within(0.0, 1.0, "(relative)", "more is no even material")]
+    deviation: Annotated[Number, within(0.0, 1.0, "(relative)", "more is no uniform material")]
     correlation_length: Length
     distribution: Literal["lognormal", "normal"] = "lognormal"
     seed: Seed = 1
@@ -198,20 +197,20 @@ class Random(_Map):
         always = 'distribution = "lognormal" is always positive'
         if self.deviation > MAX_NORMAL_DEVIATION:
             raise ValueError(
-                f"deviation must be <= {MAX_NORMAL_DEVIATION:g} of a normal factor, got "
+                f"deviation must be <= {MAX_NORMAL_DEVIATION:g} for a normal factor, got "
                 f"{self.deviation:g}; {always}"
             )
-        lowest = 1 + self.deviation * _least_of_field(sides, self.correlation_length, self.seed)
-        if lowest < LEAST:
+        lowest = 1 + self.deviation * _field_minimum(sides, self.correlation_length, self.seed)
+        if lowest < MIN_FACTOR:
             raise ValueError(
-                f"deviation must leave the factor >= {LEAST:g} everywhere, got {self.deviation:g} "
-                f"and a factor of {lowest:.2g}; {always}"
+                f"deviation must leave the factor >= {MIN_FACTOR:g} everywhere, got "
+                f"{self.deviation:g} and a factor of {lowest:.2g}; {always}"
             )
 
 
 @lru_cache(maxsize=64)
-def _least_of_field(sides: Sides, correlation_length: float, seed: int) -> float:
-    """On a fine grid over the skin."""
+def _field_minimum(sides: Sides, correlation_length: float, seed: int) -> float:
+    """Minimum of the field on a fine grid over the skin."""
     counts = [int(np.ceil(LOOK * side / correlation_length)) + 1 for side in sides]
     lines = (np.linspace(0, side, count) for side, count in zip(sides, counts, strict=True))
     return float(random_field(np.stack(np.meshgrid(*lines)), sides, correlation_length, seed).min())
@@ -230,9 +229,9 @@ def _values(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...
 class Grid(_Map):
     """Factors by row and column, row 1 along the bottom edge, column 1 along the left one.
 
-    The first and last of them lie on the edges, the others evenly between, and between four of them
-    the map is bilinear: of a smooth map that misses O(h²) everywhere, where values at the centres
-    of cells would miss O(h) along the edges.
+    The first and last values lie on the edges, the others at equal distances, and between four of
+    them the map is bilinear. The error for a smooth map is O(h²) everywhere; values at the centres
+    of cells would give O(h) along the edges.
     """
 
     kind: Literal["grid"] = "grid"
@@ -244,7 +243,7 @@ class Grid(_Map):
         return first if all(value == first for row in self.values for value in row) else None
 
     def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """As of all maps; beyond the edges as on them."""
+        """Factors at positions x; beyond the edges those on the edges."""
         values = np.array(self.values)
         (low, right), (row, up) = (
             _between(at, side, count)
@@ -270,7 +269,7 @@ class Grid(_Map):
 def _between(
     at: NDArray[np.float64], side: float, count: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """The value before each place along a side, and how far on to the next one it lies."""
+    """Index of the value before each position along a side, and the fraction to the next."""
     steps = np.clip(np.asarray(at) / side, 0, 1) * (count - 1)
     before = np.minimum(steps.astype(np.int64), max(count - 2, 0))
     return before, steps - before
@@ -281,7 +280,7 @@ AnyMap = Constant | Gradient | Random | Grid
 
 def _read_already(given: object) -> object:
     if isinstance(given, dict) and given.get("kind") == "file":
-        raise ValueError("of the kind 'file' is read along with the scene's file, by load_scene")
+        raise ValueError("of the kind 'file' is read only together with a scene file")
     return given
 
 

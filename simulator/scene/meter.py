@@ -1,4 +1,4 @@
-"""How a skin is measured: leads, frequencies, the meter's errors, and the experiment."""
+"""Measurement of a skin: leads, frequencies, errors of the meter, and the experiment."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _listed(frequencies: object) -> object:
 
 
 def ascending(frequencies: tuple[float, ...]) -> tuple[float, ...]:
-    """The same frequencies in order. Raises ValueError where one is there twice."""
+    """Sorts frequencies. Raises ValueError for a repeated one."""
     distinct = tuple(sorted(set(frequencies)))
     if len(distinct) < len(frequencies):
         raise ValueError("frequencies must be distinct")
@@ -74,8 +74,8 @@ class Sweep(Table):
 class Readout(Table):
     """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
 
-    Accuracy is the standard deviation of a part that stays fixed for a session; noise that of a
-    part drawn anew for each reading.
+    Accuracy is the standard deviation of the error that is fixed during a session; noise is that of
+    the error of each single reading.
     """
 
     magnitude_accuracy: Share = 0.0
@@ -86,7 +86,7 @@ class Readout(Table):
 
     @property
     def exact(self) -> bool:
-        """Whether readings err by nothing but the digits that are displayed."""
+        """True if the only error of readings is the rounding to the displayed digits."""
         return not (
             self.magnitude_accuracy
             or self.phase_accuracy
@@ -96,7 +96,7 @@ class Readout(Table):
 
 
 def meter_names() -> list[str]:
-    """The meters whose readouts come with the package."""
+    """Names of the meters whose readouts are built in."""
     return sorted(path.stem for path in METERS.glob("*.toml"))
 
 
@@ -121,9 +121,9 @@ Wait = Annotated[Number, within(0.0, 1e7, "s", "a season of measuring")]
 class Timing(Table):
     """When presses come and how long their sweeps take, for foam that creeps.
 
-    A press is held for `before` [s] until its sweep begins, and let go as that ends; `pause` [s]
-    later the next press comes. Without pause a press becomes the next one and is not let go. speed,
-    averaging: of the meter, which reads one frequency after the other, lowest first, through one
+    A press begins `before` [s] before its sweep and ends with the sweep; after a `pause` [s] the
+    next press begins. Without a pause a press changes into the next one without release. speed,
+    averaging: of the meter, which reads one frequency after the other, lowest first, and one
     interface after the other.
     """
 
@@ -134,10 +134,10 @@ class Timing(Table):
 
 
 class Experiment(Table):
-    """How often every pixel is pressed, and whether the skin at rest is a class of its own.
+    """Repetitions of the presses of every pixel, and whether the unpressed skin is a class.
 
-    timing: of presses and readings. temperature, humidity: at which all is simulated; the
-    references of the foam's tables unless given.
+    timing: of presses and readings. temperature, humidity: of the simulation; by default the
+    references of the foam's tables.
     """
 
     repetitions: Annotated[Whole, Field(ge=1, le=MAX_REPETITIONS)] = 6
@@ -149,15 +149,15 @@ class Experiment(Table):
 
     @property
     def timed(self) -> Timing:
-        """Its timing, assumed where none is given."""
+        """The timing, or the default one if none is given."""
         return self.timing or Timing()
 
 
 class Leads(Table):
     """Stray capacitance [F] in parallel with the skin; resistance [ohm] and inductance [H] in
-    series with both. Each is the same at every interface.
+    series with both. They are equal at all interfaces.
 
-    guard: part of the stray capacitance that a guard, driven along, keeps from the meter.
+    guard: fraction of the stray capacitance that a driven guard removes.
     """
 
     resistance: Resistance = 0.0
@@ -167,12 +167,12 @@ class Leads(Table):
 
     @property
     def unguarded(self) -> float:
-        """The stray capacitance that the meter sees, F."""
+        """The stray capacitance that the meter reads, F."""
         return (1 - self.guard) * self.stray_capacitance
 
     @property
     def ideal(self) -> bool:
-        """Whether the meter sees the skin as it is."""
+        """True if the leads do not change the readings."""
         return not (self.resistance or self.inductance or self.unguarded)
 
     def at_meter(
@@ -186,7 +186,7 @@ class Leads(Table):
     def slopes(
         self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
-        """Of `at_meter` to Z, and to resistance, inductance and the stray capacitance seen."""
+        """Derivatives of `at_meter` by Z, and by resistance, inductance and stray capacitance."""
         omega = np.broadcast_to((2j * np.pi * frequency).astype(np.complex128), Z.shape)
         by_skin = ((1 / (1 + omega * self.unguarded * Z)) ** 2).astype(np.complex128)
         return by_skin, {

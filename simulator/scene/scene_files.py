@@ -1,4 +1,4 @@
-"""Scenes on disk: TOML files, the grids their maps name, and the scenes of the package."""
+"""Reads and writes scenes as TOML files, with map files and built-in scenes."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 
 NAME = re.compile(r'^name = "[^"]*"\ndescription = "[^"]*"', flags=re.MULTILINE)
 AROUND = """
-[surroundings]                           # rcskin describe tells how much each part of it matters
+[surroundings]                           # rcskin describe shows how much each part matters
 low = "{low}"                    # of an LCR meter; "floating": of a meter without earth
 """
-"""What a new scene says beside a built-in one, whose meters float."""
+"""Text added to a new scene, because the meters of built-in scenes float."""
 AT_LINE = re.compile(r"at line (\d+)")
 WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
 PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
 
 
 def builtin_text(name: str) -> str:
-    """The file of a built-in scene, comments and all. Raises InputError where there is none."""
+    """The file of a built-in scene with its comments. Raises InputError for an unknown name."""
     if name not in builtin_names():
         raise InputError(f"{name}: no built-in scene; {_likely_scene(name)}")
     return (BUILTIN / f"{name}.toml").read_text(encoding="utf-8")
@@ -46,12 +46,12 @@ def builtin_text(name: str) -> str:
 
 def _likely_scene(name: str) -> str:
     close = get_close_matches(name, builtin_names(), 1)
-    meant = f"did you mean {close[0]}? " if close else ""
-    return f"{meant}there are {', '.join(builtin_names())}"
+    hint = f"did you mean {close[0]}? " if close else ""
+    return f"{hint}there are {', '.join(builtin_names())}"
 
 
 def checked_low(text: str) -> LowTerminal:
-    """The low terminal of a meter that is named so, with blanks or dashes; raises InputError."""
+    """The low terminal with this name (spaces or dashes); raises InputError for other names."""
     for known in get_args(LowTerminal):
         if text.strip().replace("-", " ") == known:
             return known
@@ -60,13 +60,12 @@ def checked_low(text: str) -> LowTerminal:
 
 
 def write_new(path: Path, like: str, low: LowTerminal) -> None:
-    """Begin a scene file with that of a built-in scene, under the name of the file.
+    """Writes a new scene file that starts from a built-in scene and is named after the file.
 
-    Its description says what it was begun from. low: the low terminal of the meter that its skin is
-    measured by.
+    Its description names the built-in scene. low: low terminal of the meter.
 
-    Raises InputError for another ending, an absent folder, a file that may not be replaced, and
-    another scene.
+    Raises InputError for another ending, a missing folder, a file that may not be overwritten, and
+    an unknown scene.
     """
     text = builtin_text(like) + AROUND.format(low=low)
     with whole_file(checked_output(path, (".toml",))) as unfinished:
@@ -76,7 +75,7 @@ def write_new(path: Path, like: str, low: LowTerminal) -> None:
 
 
 def write_scene(path: str | Path, scene: Scene) -> None:
-    """Write a scene. Raises InputError for another ending, an absent folder, a file to be kept."""
+    """Writes a scene. Raises InputError for another ending, a missing folder, a protected file."""
     with whole_file(checked_output(path, (".toml",))) as unfinished:
         unfinished.write_text(scene_text(scene), encoding="utf-8")
 
@@ -84,7 +83,7 @@ def write_scene(path: str | Path, scene: Scene) -> None:
 def load_scene(name_or_path: str | Path) -> Scene:
     """The built-in scene of that name, or the one in the file at that path.
 
-    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    Raises InputError with one line naming file, key, value and allowed range.
     """
     if str(name_or_path) in builtin_names():
         return read_scene(BUILTIN / f"{name_or_path}.toml")
@@ -104,14 +103,14 @@ def read_scene(path: Path) -> Scene:
 def parse_scene(text: str, source: str, folder: Path | None = None) -> Scene:
     """The scene written in TOML; `source` names it in errors. Raises InputError.
 
-    folder: what the paths of maps and of a mesh, which are read, are relative to. None is of a
-    scene that travels inside another file: it opens none, and one that names any is refused.
+    folder: base of the paths of maps and meshes, which are read. None is for a scene inside another
+    file: it opens no files, and one that names a file is refused.
     """
     try:
         tables = with_grids(inputs.tables(text), folder)
         return Scene.model_validate(tables, context={"folder": folder})
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: not valid TOML: {error}{_slip(text, error)}") from error
+        raise InputError(f"{source}: not valid TOML: {error}{_toml_hint(text, error)}") from error
     except InputError as error:
         raise InputError(f"{source}: {error}") from error
     except ValidationError as error:
@@ -120,20 +119,20 @@ def parse_scene(text: str, source: str, folder: Path | None = None) -> Scene:
 
 @lru_cache(maxsize=8)
 def carried_scene(text: str, source: str = "the scene of the sweeps") -> Scene | None:
-    """The scene that a file carries as text, parsed once; None of an empty text.
+    """Parses a scene that a file carries as text, with a cache; None for an empty text.
 
-    Arguments and errors as of `parse_scene`.
+    Arguments and errors as in `parse_scene`.
     """
     return parse_scene(text, source) if text else None
 
 
 def scene_of_sweeps(sweeps: xr.Dataset) -> Scene | None:
-    """The scene that sweeps carry, None where they carry none; raises as `carried_scene`."""
+    """The scene that sweeps carry, None if there is none; raises as `carried_scene`."""
     return carried_scene(str(sweeps.attrs.get("scene", "")))
 
 
-def _slip(text: str, error: tomllib.TOMLDecodeError) -> str:
-    """What was likely meant in the line that is not TOML."""
+def _toml_hint(text: str, error: tomllib.TOMLDecodeError) -> str:
+    """Hint at the likely mistake in the line that is no TOML."""
     number = AT_LINE.search(str(error))
     line = text.splitlines()[int(number[1]) - 1] if number else ""
     whole = WHOLE_LINE.fullmatch(line)
@@ -141,9 +140,9 @@ def _slip(text: str, error: tomllib.TOMLDecodeError) -> str:
         key, value = given["key"], given["value"].strip()
         plain = in_si(value)
         if plain is not None:
-            return f": `{key} = {value}`; numbers stand without a unit, with a point: {plain}"
+            return f": `{key} = {value}`; write numbers without a unit and with a point: {plain}"
         if value.isidentifier() and value not in ("true", "false", "inf", "nan"):
-            return f": `{key} = {value}`; text stands in quotes"
+            return f": `{key} = {value}`; write text in quotes"
     return f": {line.strip()}" if line.strip() else ""
 
 

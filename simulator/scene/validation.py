@@ -47,15 +47,15 @@ class NumberRange:
     why: str
 
     @property
-    def told(self) -> str:
-        """As people say it."""
+    def text(self) -> str:
+        """The range in words."""
         return f"from {short(self.low)} to {short(self.high)}"
 
     def check(self, *values: float, of: str = "") -> None:
         """Raises ValueError that names the range and the first of the numbers outside it."""
         outside = [value for value in values if not self.low <= value <= self.high]
         if outside:
-            raise ValueError(f"must be {self.told} {self.unit}{of}, got {outside[0]:g}: {self.why}")
+            raise ValueError(f"must be {self.text} {self.unit}{of}, got {outside[0]:g}: {self.why}")
 
 
 class NumberWithin(NumberRange):

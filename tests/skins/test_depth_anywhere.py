@@ -182,7 +182,7 @@ def test_positions_are_learned_and_told_at_the_command_line(scenes, tmp_path):
     (tmp_path / "foam.toml").write_text(scene_text(scene), encoding="utf-8")
     data, model = tmp_path / "foam.zarr", tmp_path / "position.skops"
     made = run("dataset", tmp_path / "foam.toml", "--sweeps", 300, "--rtol", 1e-3, "-o", data)
-    assert "solved on a lattice" in made.output and "laid on cells" in made.output
+    assert "on a lattice causes" in made.output and "touches on cells" in made.output
     run("train", data, "--target", "position", "-o", model)
     run("evaluate", model, data, "-o", tmp_path / "found")
     assert "x" in run("localize", model, data).output

@@ -1,1 +1,1 @@
-"""Touches of a data set that are no whole pixels: where they are drawn, and on which cells."""
+"""Touches of a data set that are no whole pixels: random places, and rasterization on cells."""

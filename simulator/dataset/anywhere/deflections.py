@@ -1,6 +1,6 @@
-"""Many touches pressed into foam whose skins have a tension, rasterized on the cells of a grid.
+"""Touches pressed into foam under electrode skins with tension, rasterized on a grid of cells.
 
-A cell rises by the mean of the factor over its skin, of the deflection of the whole press; see
+The factor of a cell is the mean over its skin, from the deflection under the whole press; see
 `models.mechanics.lattice`.
 """
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def cell_presses(
     scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
-    """As `rasterized`, by the deflection where a tension spreads how a scene is pressed."""
+    """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(scene):
         return rasterized(scene, touches, placed, grid)
     from ...models.mechanics.lattice.relaxed_presses import raised
@@ -36,7 +36,7 @@ def cell_presses(
 
 
 def written_strengths(scene: Scene, placed: Footprints) -> tuple[NDArray[np.float64], str]:
-    """How strongly touches press, as their texts say it, and the unit of that."""
+    """Strengths of touches as written in their texts, and the unit."""
     return written_strength(scene, placed.factor) if spreading(scene) else (placed.factor, "")
 
 

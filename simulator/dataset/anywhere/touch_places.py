@@ -1,4 +1,4 @@
-"""Rectangles and discs drawn anywhere on a skin, for all presses of a session at once."""
+"""Random rectangles and discs anywhere on a skin, for all presses of a session at once."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ..drawn_fingers import DrawnFingers
 from ..strengths import finger_texts, joined_texts
 
 LENGTH_DECIMALS = 6
-"""Places and sizes are drawn to the micrometre, so that a press as text is the one solved."""
+"""Decimals of places and sizes in m, so that the text of a press is exactly the press solved."""
 HALF = 0.5
-"""Of a cell that a touch's middle may lie in: at least so much of it is skin."""
+"""Smallest fraction of skin in a cell in which the middle of a touch may lie."""
 
 
 def drawn_places(
@@ -27,10 +27,10 @@ def drawn_places(
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Footprints:
-    """So many touches of each press with their middles on the skin, in the order of texts.
+    """Random touches of each press with their middles on the skin, in the order of the texts.
 
-    chances: of place along x and y, of size along x and y, and of further places where the first
-    may be off the skin, shape (4 or more, press, touch). factor: shape (press, touch).
+    chances: quantiles of place along x and y, of size along x and y, and of further places in case
+    the first is off the skin, shape (4 or more, press, touch). factor: shape (press, touch).
     """
     drawn, (along, across) = scene.dataset.press, scene.skin.sides
     chance, kind = np.modf(chances[2] * len(drawn.shape))
@@ -54,28 +54,30 @@ def place_texts(
     unit: str,
     rod: str = "",
 ) -> list[str]:
-    """Each press as `label_of` writes it. strength: of each touch, in a unit of such texts. rod: as
-    of `rod_text`."""
+    """The text of each press, in the format of `label_of`.
+
+    strength: of each touch, in `unit`. rod: suffix from `rod_text`.
+    """
     there = np.arange(placed.x.shape[1]) < touches[:, None]
-    told_of = placed._replace(factor=strength)
-    rows = zip(*(each[there].tolist() for each in told_of), strict=True)
-    told = (
+    written_values = placed._replace(factor=strength)
+    rows = zip(*(each[there].tolist() for each in written_values), strict=True)
+    written = (
         f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
         if disc
         else f"rect({x!r},{y!r},{width!r},{height!r}):{by!r}{unit}"
         for disc, x, y, width, height, by, _ in rows
     )
-    parts = zip(told, finger_texts(placed.finger[there], rod), strict=False)
+    parts = zip(written, finger_texts(placed.finger[there], rod), strict=False)
     return joined_texts(touches, map("".join, parts))
 
 
 def _first_on_skin(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], grid: tuple[int, int]
 ) -> NDArray[np.int64]:
-    """Which place of each touch is the first on the skin, the last where none is.
+    """Index of the first place on the skin for each touch; the last place if none is.
 
-    Where a tension spreads presses applicators must meet the skin; else a place counts in a cell
-    that is at least half skin. x, y: m, shape (place, press, touch).
+    If a tension spreads presses, the applicator must meet the skin; otherwise a place counts if its
+    cell is at least half skin. x, y: m, shape (place, press, touch).
     """
     if scene.skin.rectangular:
         return np.zeros(x.shape[1:], dtype=np.int64)
@@ -91,13 +93,13 @@ def _first_on_skin(
 
 
 def _in_order(placed: Footprints, touches: NDArray[np.int64]) -> Footprints:
-    """As texts of presses have it: rectangles, then discs, each by its numbers."""
+    """Sorts touches as in the texts of presses: rectangles before discs, each by its numbers."""
     swapped = _after(placed) & (touches > 1)
     return Footprints(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
 
 
 def _after(placed: Footprints) -> NDArray[np.bool_]:
-    """Whether the first of two touches of a press comes after the second, shape (press,)."""
+    """True if the first of two touches of a press sorts after the second, shape (press,)."""
     after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
     for each in placed:
         first, second = each[:, 0], each[:, 1]

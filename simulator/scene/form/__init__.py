@@ -1,1 +1,1 @@
-"""What a skin is cut to, bent to, or meshed as."""
+"""Outlines, shapes in space and meshes of skins."""

@@ -1,4 +1,4 @@
-"""The triangles of a skin as numbers within its scene: what travels with sweeps and models."""
+"""The triangles of a skin as numbers in its scene, so that sweeps and models carry them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..validation import Table, single_line
 from .mesh_file import MeshSurface, read_surface
 
 Numbers = NDArray[np.int64]
-Rows = Annotated[str, Field(description="Rows of numbers, parted by commas.")]
+Rows = Annotated[str, Field(description="Rows of numbers, separated by commas.")]
 
 
 class MeshGroup(Table):
@@ -27,10 +27,10 @@ class MeshGroup(Table):
 
 
 class MeshData(Table):
-    """A mesh as text: rows of numbers, parted by commas; `mesh = "FILE"` is read into this.
+    """A mesh as text: rows of numbers, separated by commas; `mesh = "FILE"` is converted to this.
 
-    source: the name of the file it was read from. points: x y or x y z in m. triangles, lines:
-    numbers of points, counted from 0; -1 is a point of no triangle.
+    source: name of the original file. points: x y or x y z in m. triangles, lines: numbers of
+    points, counted from 0; -1 is a point of no triangle.
     """
 
     source: Annotated[str, Field(min_length=1), AfterValidator(single_line)]
@@ -41,12 +41,12 @@ class MeshData(Table):
 
     @property
     def surface(self) -> MeshSurface:
-        """The same as arrays."""
+        """The mesh as arrays."""
         return _surface(self.points, self.triangles, self.lines, self.groups)
 
     @classmethod
     def of(cls, surface: MeshSurface, source: str) -> Self:
-        """The text of arrays; numbers are the same to the last bit."""
+        """Converts arrays to text; numbers are equal to the last bit."""
         names = dict.fromkeys([*surface.line_groups, *surface.triangle_groups])
         members = surface.line_groups, surface.triangle_groups
         groups = [(name, *(_listed(kind, name) for kind in members)) for name in names]
@@ -71,9 +71,9 @@ class MeshData(Table):
 
 
 def read_along(given: object, info: ValidationInfo) -> object:
-    """A mesh file that a scene names, read; the folder of the scene file is where paths begin.
+    """Reads a mesh file that a scene names; paths are relative to the scene file's folder.
 
-    Raises ValueError where a scene that travels inside another file names one.
+    Raises ValueError if a scene inside another file names one.
     """
     if not isinstance(given, str):
         return given
@@ -85,10 +85,10 @@ def read_along(given: object, info: ValidationInfo) -> object:
 
 
 def names_a_file(path: object) -> str:
-    """What is wrong with a scene inside another file that names one, and what to do."""
+    """Message for a scene inside another file that names a file."""
     return (
         f"names the file {path!r}, and a scene inside another file opens none; give the command "
-        "the scene's own file, or write this one again from it: maps and meshes then go along"
+        "the scene's own file, or write this file again from it: it then includes maps and meshes"
     )
 
 
@@ -96,14 +96,14 @@ def names_a_file(path: object) -> str:
 def _surface(
     points: str, triangles: str, lines_of: str, groups: tuple[MeshGroup, ...]
 ) -> MeshSurface:
-    """Raises ValueError naming the key whose numbers are none, or are of nothing that is there."""
+    """Parses a mesh. Raises ValueError naming a key with malformed or out-of-range numbers."""
     p = _array("points", points, float, (2, 3))
     t = _array("triangles", triangles, int, (3,))
     lines = _array("lines", lines_of, int, (2,))
     if not (p.size and t.size):
         raise ValueError("must have points and triangles")
     _check_below("triangles", t, p.shape[1])
-    _check_below("lines", lines, p.shape[1], least=-1)
+    _check_below("lines", lines, p.shape[1], minimum=-1)
     return MeshSurface(
         p,
         np.sort(t, axis=0),
@@ -119,27 +119,27 @@ def _members(group: MeshGroup, kind: str, of: Numbers) -> Numbers:
     return found
 
 
-def _check_below(name: str, numbers: Numbers, count: int, least: int = 0) -> None:
-    if numbers.size and not (numbers.min() >= least and numbers.max() < count):
-        raise ValueError(f"{name} must be numbers from {least} to {count - 1}")
+def _check_below(name: str, numbers: Numbers, count: int, minimum: int = 0) -> None:
+    if numbers.size and not (numbers.min() >= minimum and numbers.max() < count):
+        raise ValueError(f"{name} must be numbers from {minimum} to {count - 1}")
 
 
 def _array(name: str, text: str, kind: type, sizes: tuple[int, ...]) -> NDArray:
-    """Rows of text as columns, shape (size, row); one of `sizes` numbers are in each."""
+    """Parses rows of text to shape (size, row); the size must be one of `sizes`."""
     rows = [row.split() for row in text.split(",")] if text.strip() else []
     size = len(rows[0]) if rows else sizes[0]
     if size not in sizes or any(len(row) != size for row in rows):
-        asked = " or ".join(map(str, sizes))
-        raise ValueError(f"{name} must be rows of {asked} numbers, parted by commas")
+        expected = " or ".join(map(str, sizes))
+        raise ValueError(f"{name} must be rows of {expected} numbers, separated by commas")
     try:
         found = np.array([list(map(kind, row)) for row in rows], dtype=kind)
     except (ValueError, OverflowError):
-        raise ValueError(f"{name} must be rows of numbers, parted by commas") from None
+        raise ValueError(f"{name} must be rows of numbers, separated by commas") from None
     return np.ascontiguousarray(found.reshape(-1, size).T)
 
 
 def _rows(columns: NDArray) -> str:
-    """Shape (size, row); floats in as few digits as give them back."""
+    """Writes shape (size, row) as rows of text; floats with the fewest exact digits."""
     return ", ".join(" ".join(map(repr, row)) for row in columns.T.tolist())
 
 

@@ -1,6 +1,6 @@
-"""Triangles of a mesh file of gmsh, VTK or Abaqus, read by meshio, and the groups it names.
+"""Reads triangles and named groups of a mesh file of gmsh, VTK or Abaqus by meshio.
 
-Quadrilaterals are halved, and second-order elements are cut at their midside nodes, into straight
+Quadrilaterals are halved, and second-order elements are split at their midside nodes, into straight
 triangles and lines. Groups are gmsh's physical groups, any format's named sets of elements, and
 `NAME=VALUE` for elements whose data NAME is the whole number VALUE.
 """
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     import meshio
 
 FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
-"""By endings, as meshio calls them."""
+"""Names of formats in meshio by file ending."""
 MAX_GROUP_VALUES = 1000
-"""Different whole numbers in data of elements that make groups."""
+"""Largest number of distinct whole numbers in element data that form groups."""
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
 TRIANGLES = {
@@ -43,8 +43,11 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class MeshSurface:
-    """Points p in m, shape (2 or 3, point); t, shape (3, triangle), and lines, shape (2, line), by
-    numbers of points, ascending; and which lines and triangles are in each named group."""
+    """A triangle mesh with named groups.
+
+    p: points in m, shape (2 or 3, point). t, lines: ascending numbers of points, shapes (3,
+    triangle) and (2, line). line_groups, triangle_groups: members of each group.
+    """
 
     p: NDArray[np.float64]
     t: Numbers
@@ -54,13 +57,13 @@ class MeshSurface:
 
     @functools.cached_property
     def boundary(self) -> Numbers:
-        """The edges that only one triangle has, shape (2, edge)."""
+        """Edges of exactly one triangle, shape (2, edge)."""
         every = np.concatenate([self.t[[0, 1]], self.t[[0, 2]], self.t[[1, 2]]], axis=1)
         edges, count = np.unique(every, axis=1, return_counts=True)
         return edges[:, count == 1]
 
     def area(self, group: str | None = None) -> float:
-        """Of the triangles of a group, of all for None, in the plane or in space, m²."""
+        """Area of the triangles of a group, or of all for None, in the plane or in space, m²."""
         some = slice(None) if group is None else self.triangle_groups[group]
         corners = self.p[:, self.t[:, some]]
         one, other = (corners[:, k] - corners[:, 0] for k in (1, 2))
@@ -70,7 +73,7 @@ class MeshSurface:
 
 
 def read_surface(path: str) -> MeshSurface:
-    """The triangles of a mesh file; raises InputError where it cannot be read or has none."""
+    """Reads a mesh file; raises InputError if it cannot be read or has no triangles."""
     if not Path(path).exists():
         raise InputError(f"{path}: no such file, needed as `skin.mesh`")
     inputs.check_input(Path(path), inputs.MESH)
@@ -101,9 +104,9 @@ def read_surface(path: str) -> MeshSurface:
 
 
 def foil_lines(surface: MeshSurface, group: str, source: str) -> Numbers:
-    """The facets of a group by numbers of points, ascending in each column, shape (2, facet).
+    """Facets of a group as numbers of points, ascending in each column, shape (2, facet).
 
-    Raises InputError for a group that is not there, or not of lines along the boundary.
+    Raises InputError for an unknown group, and for a group with lines off the boundary.
     """
     lines = surface.lines[:, surface.line_groups.get(group, [])]
     if not lines.size:
@@ -115,7 +118,7 @@ def foil_lines(surface: MeshSurface, group: str, source: str) -> Numbers:
     if not np.isin(_keys(lines), _keys(surface.boundary)).all():
         raise InputError(
             f"contact edge {group!r} must be a group of boundary lines of {source}; "
-            "some of its lines are no edges of just one triangle"
+            "some of its lines are not edges of exactly one triangle"
         )
     return lines
 
@@ -136,15 +139,15 @@ def _parsed(path: str) -> meshio.Mesh:
         with contextlib.redirect_stdout(quiet), contextlib.redirect_stderr(quiet):
             return meshio.read(path, file_format=FORMATS[ending])
     except (Exception, SystemExit) as error:
-        told = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
-        said = " ".join(told.split()) or type(error).__name__
-        raise InputError(f"{path}: cannot be read by meshio: {said}") from error
+        text = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
+        reason = " ".join(text.split()) or type(error).__name__
+        raise InputError(f"{path}: cannot be read by meshio: {reason}") from error
 
 
 def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numbers, Numbers]:
-    """Straight pieces of all elements of some types by numbers of points, and their elements.
+    """Straight pieces of all elements of some types as numbers of points, and their elements.
 
-    Shape (point, piece) and (piece,); elements are counted through all blocks.
+    Shape (point, piece) and (piece,); elements are numbered through all blocks.
     """
     size = len(next(iter(patterns.values()))[0])
     pieces, cells = [np.empty((0, size), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
@@ -159,7 +162,7 @@ def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numb
 
 
 def _distinct(pieces: Numbers) -> tuple[Numbers, Numbers]:
-    """Pieces without those written twice, and for every piece the number of the one kept.
+    """Pieces without duplicates, and for every piece the number of the one kept.
 
     Point numbers are ascending in each column.
     """
@@ -172,7 +175,7 @@ def _members(cells: NDArray[np.bool_], of_piece: Numbers, same: Numbers) -> Numb
 
 
 def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Every group's name, and whether each element is in it."""
+    """Yields the name of every group with a mask of its elements."""
     sizes = [len(block.data) for block in mesh.cells]
     for key, by_block in mesh.cell_data.items():
         values = np.concatenate([np.asarray(part) for part in by_block])
@@ -191,7 +194,7 @@ def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
 
 
 def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """gmsh's physical groups: elements of the group's dimension that carry its number."""
+    """Yields gmsh's physical groups: elements of the group's dimension with its number."""
     tags = mesh.cell_data.get("gmsh:physical")
     if tags is None:
         return
@@ -204,7 +207,7 @@ def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, NDArray[np.boo
 
 
 def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """As (x, y) where all points lie in one plane of constant z, otherwise (x, y, z), by rows."""
+    """Points as rows (x, y) if all have the same z, otherwise (x, y, z)."""
     if points.shape[1] == 3 and (points[:, 2] == points[0, 2]).all():
         points = points[:, :2]
     return np.ascontiguousarray(points.T)

@@ -1,4 +1,4 @@
-"""What bounds a skin that is no rectangle: polygons and circles."""
+"""Outlines of skins that are no rectangles: polygons and circles."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..planar import Circle, area, distance, gap, inside, ring, sides
 from ..validation import Number, Table, within
 
 MIN_SEPARATION = 1e-6
-"""Sides that do not meet, over the skin's longer side."""
+"""Smallest distance of sides that do not meet, over the skin's longer side."""
 
 Coordinate = Annotated[Number, within(-1e3, 1e3, "m", "no skin is larger")]
 
 MAX_HOLES = 100
-"""Every two are compared; meshes around more take minutes."""
+"""Limit: all pairs are compared, and meshes around more holes take minutes."""
 
 Size = Annotated[Number, within(1e-9, 1e3, "m", "no skin is larger, no hole as small as atoms")]
 
@@ -26,7 +26,7 @@ Size = Annotated[Number, within(1e-9, 1e3, "m", "no skin is larger, no hole as s
 class Curve(Table):
     """A closed curve: a polygon of corners (x, y) in m in either sense, or circle = (x, y, radius).
 
-    A circle runs anticlockwise from its point of greatest x on.
+    A circle runs anticlockwise from its point of largest x.
     """
 
     points: (
@@ -37,14 +37,15 @@ class Curve(Table):
 
     @property
     def shape(self) -> Circle | NDArray[np.float64]:
-        """The circle, or the polygon's corners in order, m, shape (corner, 2)."""
+        """The circle, or the corners of the polygon in order, m, shape (corner, 2)."""
         if self.circle is not None:
             return Circle(*self.circle)
         return np.array(self.points, dtype=float)
 
     @property
     def marks(self) -> NDArray[np.float64]:
-        """How far along it its corners lie, m; a circle has one. The first comes again at last."""
+        """Arc lengths of the corners, m; a circle has one corner. The first is repeated at the
+        end."""
         shape = self.shape
         if isinstance(shape, Circle):
             return np.array([0.0, 2 * np.pi * shape.radius])
@@ -52,7 +53,7 @@ class Curve(Table):
         return np.concatenate([[0.0], np.cumsum(lengths)])
 
     def at(self, mark: float) -> tuple[float, float]:
-        """The point that far along it [m], (x, y) in m."""
+        """The point (x, y) in m at arc length `mark` [m]."""
         shape = self.shape
         if isinstance(shape, Circle):
             x, y = shape.at(np.array(mark / shape.radius))
@@ -61,7 +62,7 @@ class Curve(Table):
         return float(x), float(y)
 
     def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        """True where positions x, shape (2, ...), lie within the curve, shape (...)."""
         shape = self.shape
         return shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
 
@@ -73,15 +74,15 @@ class Curve(Table):
 
 
 class Outline(Curve):
-    """The curve around a skin, and those around its holes."""
+    """The outer curve of a skin, and the curves of its holes."""
 
     holes: Annotated[tuple[Curve, ...], Field(max_length=MAX_HOLES)] = ()
 
 
 def check_outline(outline: Outline, length: float, width: float) -> None:
-    """Raise ValueError for curves that meet themselves or each other, or leave the rectangle.
+    """Raises ValueError for curves that meet themselves or each other, or leave the rectangle.
 
-    length, width: of the rectangle that pixels are counted on, m.
+    length, width: of the rectangle of the pixels, m.
     """
     every = [outline, *outline.holes]
     names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(outline.holes)))]
@@ -94,12 +95,12 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
         elif shape.radius < least:
             raise ValueError(f"{name}.circle must have a radius of at least {least:g} m")
     for name, hole in zip(names[1:], every[1:], strict=True):
-        if _apart(outline, hole) < least or not _within(hole, outline):
+        if _separation(outline, hole) < least or not _within(hole, outline):
             raise ValueError(f"{name} must lie inside the outline, at least {least:g} m from it")
     for (first, a), (second, b) in itertools.combinations(
         zip(names[1:], every[1:], strict=True), 2
     ):
-        if _apart(a, b) < least or _within(a, b) or _within(b, a):
+        if _separation(a, b) < least or _within(a, b) or _within(b, a):
             raise ValueError(f"{first} and {second} must lie at least {least:g} m apart")
 
 
@@ -120,22 +121,23 @@ def _check_within(
 
 
 def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
-    """No side shorter than `least`, none nearer than that to one that it does not meet."""
+    """Raises ValueError if a side is shorter than `least`, or sides come closer than that."""
     each, count = sides(corners), len(corners)
     short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < least)
     if len(short):
         raise ValueError(f"{name} has a side {short[0] + 1} shorter than {least:g} m")
-    apart = gap(each, each)
+    separation = gap(each, each)
     i = np.arange(count)
-    apart[i, i] = apart[i, (i + 1) % count] = apart[(i + 1) % count, i] = np.inf
+    separation[i, i] = np.inf
+    separation[i, (i + 1) % count] = separation[(i + 1) % count, i] = np.inf
     before = np.roll(each, 1, axis=0)
     folded = np.minimum(
         distance(each[:, 1], before).diagonal(), distance(before[:, 0], each).diagonal()
     )
     if folded.min() < least:
         raise ValueError(f"{name} turns back on itself at its point {folded.argmin() + 1}")
-    if apart.min() < least:
-        a, b = (int(k) + 1 for k in np.unravel_index(apart.argmin(), apart.shape))
+    if separation.min() < least:
+        a, b = (int(k) + 1 for k in np.unravel_index(separation.argmin(), separation.shape))
         raise ValueError(
             f"{name} must not meet itself: its sides {a} and {b} cross, "
             f"or come within {least:g} m of each other"
@@ -145,12 +147,12 @@ def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
 
 
 def _within(one: Curve, other: Curve) -> bool:
-    """Whether a curve that does not meet another lies within it."""
+    """True if a curve lies within another one that it does not meet."""
     return bool(other.holds(np.array(one.at(0.0))))
 
 
-def _apart(one: Curve, other: Curve) -> float:
-    """The least distance between two curves, m; 0 where they meet."""
+def _separation(one: Curve, other: Curve) -> float:
+    """Smallest distance between two curves, m; 0 if they meet."""
     a, b = one.shape, other.shape
     if isinstance(a, Circle):
         return a.gap(b)

@@ -1,9 +1,9 @@
-"""How a skin is stretched and what it is wrapped on: from the flat skin at rest to space.
+"""Stretching of a skin and its mapping onto a cylinder or sphere.
 
-The skin is first stretched flat, by `x` along its length and `y` along its width, then laid on its
-shape with its middle at the shape's top. A cylinder takes a flat sheet as it is; on a sphere it is
-draped from the middle so that all distances from there stay true (azimuthal equidistant), which
-leaves the sheet shorter across the more it lies off the middle.
+The skin is first stretched flat, by `x` along its length and `y` along its width, then placed on
+its shape with its middle at the top. A cylinder needs no further strain. On a sphere, distances
+from the middle are kept (azimuthal equidistant), so that circles around the middle become shorter
+with growing distance.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from pydantic import Field
 from ..validation import Number, Table, by_kind, within
 
 FARTHEST = 0.9
-"""Of half a sphere's girth, from the middle of the skin to its corners: 9 times shorter across."""
+"""Largest distance of the corners from the middle, over half the girth of the sphere; circles are
+9 times shorter there."""
 ROUNDING = 1e-12
 
 Ratio = Annotated[Number, Field(ge=0.1, le=10)]
@@ -28,11 +29,11 @@ Sides = tuple[float, float]
 
 
 class Stretch(Table):
-    """Lengths over those at rest along x and y, and how the materials give way to it.
+    """Stretch ratios along x and y, and the Poisson ratios of the materials.
 
-    y: x ** -sheet_poisson_ratio where it is not given, as of a strip pulled at its ends. An
-    electrode's thickness goes with J ** (-p / (1 - p)) of the area's stretch J and its Poisson
-    ratio p, and so does the foam's with its own: electrodes of rubber keep their volume, 0.5.
+    y: default x ** -sheet_poisson_ratio, as for a strip pulled at its ends. The thickness of an
+    electrode is proportional to J ** (-p / (1 - p)) with the area's stretch J and its Poisson ratio
+    p; the same holds for the foam. Rubber electrodes keep their volume: p = 0.5.
     """
 
     x: Ratio = 1.0
@@ -42,25 +43,25 @@ class Stretch(Table):
 
     @property
     def ratios(self) -> tuple[float, float]:
-        """Along x and along y."""
+        """Stretch ratios along x and along y."""
         return self.x, self.x**-self.sheet_poisson_ratio if self.y is None else self.y
 
     @property
     def thinning(self) -> tuple[float, float]:
-        """Powers of J that the sheets' resistance and the foam's capacitance per area go with."""
+        """Powers of J in the sheets' resistance and in the foam's capacitance per area."""
         return thinning(self.sheet_poisson_ratio), thinning(self.foam_poisson_ratio)
 
 
 def thinning(poisson_ratio: float) -> float:
-    """p / (1 - p): the power of the area's stretch that a layer's thickness falls with.
+    """p / (1 - p), the power of the area's stretch by which a layer's thickness decreases.
 
-    Of Hencky strains in a layer that is free across: h = -p / (1 - p) (e_x + e_y).
+    It follows from Hencky strains in a layer with free faces: h = -p / (1 - p) (e_x + e_y).
     """
     return poisson_ratio / (1 - poisson_ratio)
 
 
 class Cylinder(Table):
-    """A cylinder of that radius [m], its axis along the skin's x or y: the skin bends only."""
+    """A cylinder of a radius [m] with its axis along the skin's x or y; the skin only bends."""
 
     kind: Literal["cylinder"] = "cylinder"
     radius: Radius
@@ -68,11 +69,11 @@ class Cylinder(Table):
 
     @property
     def developable(self) -> bool:
-        """Whether all lengths within the skin stay as they are."""
+        """True if all lengths within the skin are unchanged."""
         return True
 
     def check(self, sides: Sides) -> None:
-        """Raises ValueError where a skin of these sides, m, wraps more than once around."""
+        """Raises ValueError if a skin with these sides [m] wraps around more than once."""
         around = sides[0] if self.axis == "y" else sides[1]
         if around > 2 * np.pi * self.radius * (1 + ROUNDING):
             raise ValueError(
@@ -81,7 +82,7 @@ class Cylinder(Table):
             )
 
     def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """In space, m, of places x of the flat skin, shape (2, ...) to (3, ...)."""
+        """Position in space, m, of points x of the flat skin, shape (2, ...) to (3, ...)."""
         bent, kept = self._axes
         middle = sides[bent] / 2
         angle = (x[bent] - middle) / self.radius
@@ -91,7 +92,7 @@ class Cylinder(Table):
         return found
 
     def tangents(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Of `position` by x, shape (3, 2, ...)."""
+        """Derivative of `position` by x, shape (3, 2, ...)."""
         bent, kept = self._axes
         angle = (x[bent] - sides[bent] / 2) / self.radius
         found = np.zeros((3, 2, *np.shape(x)[1:]))
@@ -105,7 +106,7 @@ class Cylinder(Table):
 
 
 class Sphere(Table):
-    """A sphere of that radius [m], the skin draped over it from its middle."""
+    """A sphere of a radius [m]; the skin is draped over it from its middle."""
 
     kind: Literal["sphere"] = "sphere"
     radius: Radius
@@ -115,7 +116,7 @@ class Sphere(Table):
         return False
 
     def check(self, sides: Sides) -> None:
-        """Raises ValueError where the corners of a skin of these sides, m, come too far round."""
+        """Raises ValueError if the corners of a skin with these sides [m] reach around too far."""
         least = math.hypot(*sides) / 2 / (FARTHEST * np.pi)
         if self.radius < least:
             raise ValueError(
@@ -129,8 +130,10 @@ class Sphere(Table):
         return np.stack([*across, -2 * self.radius * np.sin(angle / 2) ** 2])
 
     def tangents(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
-        """Of `position` by x, shape (3, 2, ...): cos along the way from the middle, sin over angle
-        across it."""
+        """Derivative of `position` by x, shape (3, 2, ...).
+
+        The stretch is 1 in radial direction and sin(angle)/angle across it.
+        """
         _, away, angle = self._around(x, sides)
         distance = self.radius * np.where(angle > 0, angle, 1.0)
         radial = away / distance
@@ -144,7 +147,7 @@ class Sphere(Table):
     def _around(
         self, x: NDArray[np.float64], sides: Sides
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """The skin's middle, the way from there, both in m, and the angle that is on the sphere."""
+        """The skin's middle and the offset from it, both in m, and the angle on the sphere."""
         middle = np.reshape(np.array(sides) / 2, (2,) + (1,) * (np.ndim(x) - 1))
         away = np.asarray(x) - middle
         return middle, away, np.hypot(*away) / self.radius

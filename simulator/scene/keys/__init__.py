@@ -1,1 +1,1 @@
-"""The keys that a scene file may have, read off the models that check it."""
+"""The keys of scene files, derived from the models that validate them."""

@@ -1,4 +1,4 @@
-"""Keys of a scene file changed by their names."""
+"""Changes keys of a scene file by name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...sweeps import InputError
 
 
 def put(table: Any, key: str, value: object) -> None:
-    """Change a key of nested tables, "contact.left-top.resistance"; None takes it away.
+    """Changes a key of nested tables, such as "contact.left-top.resistance"; None removes it.
 
     Raises InputError naming the key.
     """
@@ -24,7 +24,7 @@ def put(table: Any, key: str, value: object) -> None:
 
 
 def _place(table: Any, part: str, key: str) -> str | int:
-    """Where a part of a key stands: in a table by name, in a list by number from 1 or by name."""
+    """Position of a part of a key: a name in a table; in a list a number from 1 or a name."""
     if isinstance(table, dict):
         return part
     for number, item in enumerate(table if isinstance(table, list) else ()):

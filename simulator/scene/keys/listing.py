@@ -1,4 +1,4 @@
-"""The page of all keys of a scene file: type, unit, default and range, as the models have them."""
+"""Generates the page of all keys of a scene file: type, unit, default and range."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ BOUNDS = {"gt": "> {:g}", "ge": ">= {:g}", "lt": "< {:g}", "le": "<= {:g}"}
 LENGTHS = {"min_length": "length >= {}", "max_length": "length <= {}"}
 CHOSEN_BY = ("kind", "distribution")
 READ_FIRST: dict[type[BaseModel], type[BaseModel]] = {Grid: MapFile}
-"""Kinds that are turned into others before the models see them."""
-MOST_PLACES = 3
+"""Kinds that are converted to others before validation."""
+MAX_PLACES = 3
 
 
 def page() -> str:
@@ -39,24 +39,26 @@ def page() -> str:
 
 
 def _places() -> Mapping[type[BaseModel], list[str]]:
-    """The tables by their models, and where they stand; in the order of a file."""
+    """Models of tables and their positions, in the order of a file."""
     found: dict[type[BaseModel], list[str]] = {Scene: [""]}
 
     def look(table: type[BaseModel], place: Location) -> None:
         for name, field in keys(table).items():
-            for held, listed in _also_read(inner(field)):
+            for inner_table, listed in _also_read(inner(field)):
                 header = ".".join(map(str, (*place, name)))
-                found.setdefault(held, []).append(f"[[{header}]]" if listed else f"[{header}]")
-                look(held, (*place, name))
+                found.setdefault(inner_table, []).append(
+                    f"[[{header}]]" if listed else f"[{header}]"
+                )
+                look(inner_table, (*place, name))
 
     look(Scene, ())
     return found
 
 
 def _also_read(
-    held: Iterable[tuple[type[BaseModel], bool]],
+    tables: Iterable[tuple[type[BaseModel], bool]],
 ) -> Iterator[tuple[type[BaseModel], bool]]:
-    for table, listed in held:
+    for table, listed in tables:
         yield table, listed
         if table in READ_FIRST:
             yield READ_FIRST[table], listed
@@ -65,8 +67,8 @@ def _also_read(
 def _section(table: type[BaseModel], places: Sequence[str]) -> str:
     rows = [_row(name, field) for name, field in keys(table).items() if not _chosen(name, field)]
     lines = [COLUMNS, ("---",) * len(COLUMNS), *rows]
-    told = inspect.cleandoc(table.__doc__ or "").split("\n\n")
-    paragraphs = [" ".join(each.split()) for each in told]
+    description = inspect.cleandoc(table.__doc__ or "").split("\n\n")
+    paragraphs = [" ".join(each.split()) for each in description]
     grid = "\n".join(f"| {' | '.join(map(_escaped, row))} |" for row in lines)
     return "\n\n".join([f"## {_heading(table, places)}", *paragraphs, f"{grid}\n"])
 
@@ -77,20 +79,26 @@ def _escaped(cell: str) -> str:
 
 def _heading(table: type[BaseModel], places: Sequence[str]) -> str:
     chosen = [f"`{n} = {_toml(f.default)}`" for n, f in keys(table).items() if _chosen(n, f)]
-    if len(places) > MOST_PLACES:
+    if len(places) > MAX_PLACES:
         return ", ".join(chosen)
     return ", ".join([*(f"`{place}`" if place else "The scene" for place in places), *chosen])
 
 
 def _chosen(name: str, field: FieldInfo) -> bool:
-    """Whether it is the key that tells tables of several kinds apart."""
+    """True if the key selects among several kinds of a table."""
     kinds = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
     return name in CHOSEN_BY and len(kinds) == 1
 
 
 def _row(name: str, field: FieldInfo) -> tuple[str, ...]:
-    said = constraints_of(field)
-    return f"`{name}`", _type(field), unit_of(field).strip("()"), _default(field), _range(said)
+    constraints = constraints_of(field)
+    return (
+        f"`{name}`",
+        _type(field),
+        unit_of(field).strip("()"),
+        _default(field),
+        _range(constraints),
+    )
 
 
 def _type(field: FieldInfo) -> str:
@@ -132,12 +140,12 @@ def _default(field: FieldInfo) -> str:
 
 
 def _drawn(table: type[BaseModel]) -> bool:
-    """Whether it is a distribution."""
+    """True if the table is a distribution."""
     return any(name == "distribution" and _chosen(name, f) for name, f in keys(table).items())
 
 
 def _toml(value: object) -> str:
-    """A value as TOML has it, on one line."""
+    """A value in TOML on one line."""
     if isinstance(value, BaseModel):
         given = value.model_dump(exclude_unset=True)
         table = {"distribution": getattr(value, "distribution", None), **given}
@@ -149,13 +157,13 @@ def _toml(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value)
 
 
-def _range(said: Sequence[Any]) -> str:
-    told = [
+def _range(constraints: Sequence[Any]) -> str:
+    texts = [
         words.format(getattr(each, name))
-        for each in said
+        for each in constraints
         for name, words in {**BOUNDS, **LENGTHS}.items()
         if getattr(each, name, None) is not None
     ]
-    bounds = [getattr(each, "func", None) for each in said]
-    told += [each.told for each in bounds if isinstance(each, NumberRange)]
-    return ", ".join(dict.fromkeys(told))
+    bounds = [getattr(each, "func", None) for each in constraints]
+    texts += [each.text for each in bounds if isinstance(each, NumberRange)]
+    return ", ".join(dict.fromkeys(texts))

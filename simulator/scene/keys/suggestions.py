@@ -1,4 +1,4 @@
-"""Which key was likely meant by one that is not known."""
+"""Suggestions for unknown keys of a scene file."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from pydantic import BaseModel
 
 from .key_paths import Location, at, keys, paths
 
-MOST = 2
-ALIKE, ALIKE_ELSEWHERE = 0.6, 0.8
+MAX_SUGGESTIONS = 2
+SIMILAR, SIMILAR_ELSEWHERE = 0.6, 0.8
 
 
 def likely_keys(
     table: type[BaseModel], unknown: Location, missing: Sequence[Location]
 ) -> list[Location]:
-    """The keys that may be meant by an unknown one, the likeliest first; at most MOST.
+    """Likely corrections of an unknown key, the best first, at most MAX_SUGGESTIONS.
 
-    Those that are missing where it stands come before others that may stand there, and these before
-    keys of other tables, the nearest first.
+    Keys that are missing in the same table come first, then other keys of that table, then keys of
+    other tables, the nearest first.
     """
     *place, name = unknown
     lacking = [str(each[-1]) for each in missing if each[:-1] == tuple(place)]
     allowed = [key for each in at(table, tuple(place)) for key in keys(each)]
     for known in (lacking, allowed):
-        close = similar_names(str(name), known, ALIKE)
+        close = similar_names(str(name), known, SIMILAR)
         if close:
-            return [(*place, each) for each in close[:MOST]]
+            return [(*place, each) for each in close[:MAX_SUGGESTIONS]]
     elsewhere = list(dict.fromkeys(paths(table)))
-    close = similar_names(str(name), {str(each[-1]) for each in elsewhere}, ALIKE_ELSEWHERE)[:1]
+    close = similar_names(str(name), {str(each[-1]) for each in elsewhere}, SIMILAR_ELSEWHERE)[:1]
     found = [each for each in elsewhere if each[-1] in close]
-    return sorted(found, key=lambda each: -len(commonprefix([each, unknown])))[:MOST]
+    return sorted(found, key=lambda each: -len(commonprefix([each, unknown])))[:MAX_SUGGESTIONS]
 
 
-def similar_names(name: str, known: Iterable[str], least: float) -> list[str]:
-    """The names with all words of this one, else the one whose letters are most like its."""
+def similar_names(name: str, known: Iterable[str], min_similarity: float) -> list[str]:
+    """Names that contain all words of this name, else the name with the most similar spelling."""
     known = list(known)
     if name in known:
         return [name]
     words = {*name.split("_")}
     return [each for each in known if words <= {*each.split("_")}] or get_close_matches(
-        name, known, 1, least
+        name, known, 1, min_similarity
     )

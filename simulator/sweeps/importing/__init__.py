@@ -1,1 +1,1 @@
-"""Tables of other tools: how they are written, what their columns hold, where sweeps begin."""
+"""Import of other tools' tables: dialect, meaning of columns, grouping of lines into sweeps."""

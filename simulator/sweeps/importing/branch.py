@@ -1,4 +1,4 @@
-"""Which reactance it is: Rs and Cp leave two open, and a sweep is followed from one to the other.
+"""Choice of the reactance: Rs and Cp leave two solutions, and a sweep may pass between them.
 
 With B = omega Cp = -X/(Rs^2 + X^2), the reactance solves B X^2 + X + B Rs^2 = 0. So there are two,
 X1 X2 = Rs^2 and X1 + X2 = -1/B, and s = (X^2 - Rs^2)/(X^2 + Rs^2) is root(1 - (2 B Rs)^2) of the
@@ -23,16 +23,16 @@ RULES = {
     "resistive": "X is the one with |X| <= Rs, a phase between -45 and 0 degrees",
 }
 NEAR = 0.3
-"""|s| below which noise or a coarse step may hide on which side of -45 degrees a sweep goes on.
-That is within 9 degrees of it."""
+"""|s| below which noise or a coarse step may hide whether a sweep crosses -45 degrees; this is
+within 9 degrees of it."""
 MAX_LISTED = 6
 
 
 @dataclass(frozen=True)
 class BranchChoice:
-    """Z in ohm on the chosen branch, and where the other may be true; both of one shape.
+    """Z in ohm on the chosen branch, and a mask of doubtful readings, of equal shape.
 
-    From where a followed sweep comes near -45 degrees, all further readings hang on the choice.
+    Once a followed sweep comes near -45 degrees, all further readings depend on the choice there.
     """
 
     Z: NDArray[np.complex128]
@@ -40,7 +40,7 @@ class BranchChoice:
 
 
 def checked_branch(branch: str) -> str:
-    """The same branch; raises InputError where there is none of that name."""
+    """Returns the branch if its name is known; raises InputError otherwise."""
     if branch not in RULES:
         raise InputError(f"`branch` must be one of {', '.join(RULES)}, got {branch!r}")
     return branch
@@ -52,7 +52,7 @@ def choose_branches(
     branch: str,
     taken: NDArray[np.bool_],
 ) -> BranchChoice:
-    """As `choose_branch`, of every interface at what it was read at; NaN at what it was not.
+    """Applies `choose_branch` to the readings taken of every interface; NaN for the others.
 
     Z: shape (sweep, interface, frequency). taken: shape (interface, frequency).
     """
@@ -68,7 +68,7 @@ def choose_branches(
 def choose_branch(
     Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branch: str
 ) -> BranchChoice:
-    """Impedance on a branch of RULES.
+    """Impedance on the branch that a rule of RULES selects.
 
     Z: ohm, on the capacitive branch, shape (..., frequency). frequency: Hz, ascending.
     """
@@ -85,10 +85,10 @@ def choose_branch(
 
 
 def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Where s >= 0 of the signs that bend its course along x least, the first one positive.
+    """True where s >= 0, for the signs that give the smoothest curve; the first sign is positive.
 
-    Least sum of squares of the distance of each point from the chord of its neighbours, by dynamic
-    programming over the signs of two neighbours.
+    Minimizes the sum of squared distances of each point from the chord of its neighbours, by
+    dynamic programming over the signs of two neighbours.
     """
     points = s.shape[-1]
     if points < 3:
@@ -115,16 +115,16 @@ def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool
 def branch_attributes(
     found: BranchChoice, branch: str, frequency: NDArray[np.float64], interfaces: Sequence[str]
 ) -> dict[str, str]:
-    """Attributes of sweeps: `branch_rule`, and `branch_doubt` where some are in doubt.
+    """Attributes of sweeps: `branch_rule`, and `branch_doubt` if some readings are doubtful.
 
-    found: of shape (sweep, interface, frequency).
+    found: shape (sweep, interface, frequency).
     """
     doubt = _doubts(found, frequency, interfaces)
     return {"branch_rule": RULES[branch]} | ({"branch_doubt": doubt} if doubt else {})
 
 
 def _doubts(found: BranchChoice, frequency: NDArray[np.float64], interfaces: Sequence[str]) -> str:
-    """In words which readings may be on the wrong branch; nothing where none is in doubt."""
+    """Describes the readings that may be on the wrong branch; empty if there are none."""
     onset = found.doubtful.argmax(axis=-1)
     groups: dict[tuple[int, int], list[int]] = {}
     for sweep, place in np.argwhere(found.doubtful.any(axis=-1)):
@@ -145,7 +145,7 @@ def _doubts(found: BranchChoice, frequency: NDArray[np.float64], interfaces: Seq
 
 
 def _ranges(numbers: Sequence[int]) -> str:
-    """Ascending numbers, those in a row joined: `0, 2-4`."""
+    """Ascending numbers as text with consecutive ones joined: `0, 2-4`."""
     runs: list[list[int]] = []
     for number in numbers:
         if runs and number == runs[-1][-1] + 1:

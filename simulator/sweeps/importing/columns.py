@@ -1,4 +1,4 @@
-"""What a column of another tool's file holds, told from its name: quantity, unit and sign."""
+"""Recognizes the quantity, unit and sign of another tool's column by its name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNITS = {
     **{name: {"ohm": 1.0, "ohms": 1.0} for name in ("Rs", "X", "magnitude")},
     **{name: {"f": 1.0, "farad": 1.0} for name in ("Cp", "Cs")},
 }
-"""Spellings in small letters, and the factor to SI of each without a prefix."""
+"""Spellings of units in lower case, and the factor to SI without a prefix."""
 NAMES = {
     "frequency": "f freq frequency",
     "Rs": "r rs rser z' zre zreal re(z) rez real(z) realz z(real) zr resistance",
@@ -64,10 +64,10 @@ LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
 
 @dataclass(frozen=True)
 class Column:
-    """A column whose name is understood.
+    """A column with a recognized name.
 
-    name: as the file has it. holds: a key of UNITS or LABELS. factor: from the file's numbers to
-    SI, negative where the file holds the negative. problem: why the numbers cannot be used.
+    name: as in the file. holds: a key of UNITS or LABELS. factor: from the file's numbers to SI,
+    negative if the file holds the negative quantity. problem: why the numbers cannot be used.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Column:
 
 
 def recognised(name: str) -> Column | None:
-    """The column of that name, or None where the name is not known."""
+    """The column of that name, or None if the name is unknown."""
     text = name.strip().translate(SPELLINGS)
     if _key(text) in LABEL_OF:
         return Column(name, LABEL_OF[_key(text)])
@@ -95,7 +95,7 @@ def recognised(name: str) -> Column | None:
 
 
 def _splits(text: str) -> list[tuple[str, str, bool]]:
-    """(name, unit, whether what is taken for the unit can be nothing else), most certain first."""
+    """Splits a name into (name, unit, True if the unit is explicit), the most certain first."""
     found = [(text, "", True)]
     if (match := BOUND.fullmatch(text)) is not None:
         found.append((match["name"], match["a"] or match["b"] or match["c"] or "", True))
@@ -109,7 +109,7 @@ def _key(name: str) -> str:
 
 
 def _factor(quantity: str, unit: str, needed: bool) -> float | None:
-    """From that unit to SI, which is meant where none is written; None where it is no such unit."""
+    """Factor from the unit to SI; 1 without a unit unless it is needed; None if unknown."""
     unit = re.sub(r"[\s()]", "", unit)
     if not unit:
         return None if needed else 1.0

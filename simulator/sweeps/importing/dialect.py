@@ -1,4 +1,4 @@
-"""How another tool wrote its table: encoding, preamble, header, separator, decimal sign."""
+"""Reads another tool's table: encoding, preamble, header, separator, decimal sign."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .columns import UNITS, Column, recognised
 SEPARATORS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 COMMENTS = "#%;"
 FAILED = 1e30
-"""From this size on a number is a meter's code for "no reading" (9.9E+37, 999999E+28)."""
+"""Numbers of at least this size are a meter's code for "no reading" (9.9E+37, 999999E+28)."""
 
 
 @dataclass(frozen=True)
 class ImportedTable:
     """The cells of a file below its header.
 
-    columns: by what they hold, only those understood. rows: line of the file and its cells, one for
-    each of `names`. preamble: what stands above the header. decimal: '.' or ','.
+    columns: recognized columns by what they hold. rows: line number and cells, one cell for each of
+    `names`. preamble: the text above the header. decimal: '.' or ','.
     """
 
     path: Path
@@ -60,15 +60,15 @@ class ImportedTable:
         return value
 
     def error(self, line: int, message: str) -> InputError:
-        """What is wrong with a line."""
+        """An InputError that names the file and the line."""
         return InputError(f"{self.path}: line {line}: {message}")
 
 
 def read_table(path: Path) -> ImportedTable:
-    """The table of a file, its header found by the names of its columns.
+    """Reads the table of a file; the header is found by the names of its columns.
 
-    Raises InputError naming the file, and the line where there is one: no such file, not text, no
-    header, two columns of one quantity, a line with other cells than the header has.
+    Raises InputError naming the file, and the line if there is one: no such file, not text, no
+    header, two columns of one quantity, a line with another number of cells than the header.
     """
     lines = _lines(path)
     at, separator, names, columns = _header(path, lines)
@@ -98,7 +98,7 @@ def _lines(path: Path) -> list[str]:
 
 
 def _header(path: Path, lines: list[str]) -> tuple[int, str, list[str], dict[str, Column]]:
-    """The first line with a frequency and a quantity beside it: index, separator and columns."""
+    """The first line with a frequency and another quantity: index, separator and columns."""
     for index, line in enumerate(lines):
         for separator in SEPARATORS:
             names = _names(line, separator)
@@ -112,7 +112,7 @@ def _header(path: Path, lines: list[str]) -> tuple[int, str, list[str], dict[str
 
 
 def _names(line: str, separator: str) -> list[str]:
-    """The cells of a line as they would be names of columns; comment signs before them are none."""
+    """The cells of a line as column names, without leading comment signs."""
     bare = line.strip(" ").lstrip(COMMENTS if separator != ";" else "#%").strip(" ")
     try:
         cells = next(csv.reader([bare], delimiter=separator, skipinitialspace=True), [])
@@ -137,7 +137,7 @@ def _by_what_they_hold(path: Path, line: int, names: list[str]) -> dict[str, Col
 
 
 def _unit_row(names: list[str], cells: list[str]) -> list[str]:
-    """The names with the units of a line of units behind them; none where it is no such line."""
+    """The names extended by a line of units; empty if the line holds no units."""
     if len(cells) != len(names) or any(PLAIN.match(cell) for cell in cells):
         return []
     with_units = [f"{name} [{unit}]" for name, unit in zip(names, cells, strict=True)]
@@ -174,6 +174,6 @@ def _rows(
 def _decimal(
     rows: list[tuple[int, list[str]]], names: list[str], columns: dict[str, Column]
 ) -> str:
-    """',' where any number of the file has one."""
+    """The decimal sign: ',' if any number of the file has one, else '.'."""
     places = [names.index(column.name) for column in columns.values() if column.holds in UNITS]
     return "," if any("," in cells[place] for _, cells in rows for place in places) else "."

@@ -1,4 +1,4 @@
-"""Which lines of a table make up one sweep, and what press, interface and session it has."""
+"""Groups the lines of a table into sweeps with press, interface and session."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from ..schema import UNPRESSED
 from .dialect import ImportedTable
 
 SAME_FREQUENCY = 1e-6
-"""Relative difference of frequencies that are one, printed with different digits."""
+"""Relative difference below which two printed frequencies are the same."""
 
 UNPRESSED_PIXEL = "0,0"
-"""What tables may name the skin at rest."""
+"""Another name of the unpressed skin in tables."""
 
 
 @dataclass(frozen=True)
 class ImportedSweep:
     """One sweep of a table.
 
-    line: of the file, where it begins. press, row, column, session: of its first line. lines:
-    places in the table by (interface, frequency in Hz).
+    line: line of the file where it begins. press, row, column, session: from its first line. lines:
+    row numbers in the table by (interface, frequency in Hz).
     """
 
     line: int
@@ -38,7 +38,7 @@ class ImportedSweep:
 
 @dataclass(frozen=True)
 class Defaults:
-    """What holds for a file without such columns."""
+    """Values for a file without such columns."""
 
     press: str | None = None
     interface: str | None = None
@@ -50,10 +50,10 @@ def grouped(
 ) -> list[ImportedSweep]:
     """The sweeps of a table in order of appearance.
 
-    A new one begins with every new value in a column that labels sweeps, and where a frequency
-    comes again at the same interface under the same labels.
-    Raises InputError naming the file and line where a label is of the wrong kind, or changes within
-    what the sweep column calls one sweep.
+    A new sweep begins with every new value in a column that labels sweeps, and when a frequency is
+    repeated at the same interface with the same labels.
+    Raises InputError naming file and line if a label is malformed, or changes within one value of
+    the sweep column.
     """
     labels = _labels(table, defaults)
     interfaces = _column(table, "interface", defaults.interface, "unnamed")
@@ -76,11 +76,11 @@ def grouped(
 def reading_places(
     table: ImportedTable, sweeps: list[ImportedSweep]
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.bool_], NDArray[np.intp]]:
-    """Interfaces, frequencies in Hz ascending, which interface was read at which of them, shape
-    (interface, frequency), and places in the table of every reading.
+    """Interfaces, ascending frequencies in Hz, mask of readings taken, and row numbers of readings.
 
-    The places have the shape (sweep, interface, frequency), and are 0 where nothing was read.
-    Raises InputError naming the file and the line of the first sweep with other readings.
+    The mask has the shape (interface, frequency). The row numbers have the shape (sweep, interface,
+    frequency) and are 0 where nothing was read.
+    Raises InputError naming file and line of the first sweep with other readings.
     """
     first = sweeps[0]
     interfaces = list(dict.fromkeys(name for name, _ in first.lines))
@@ -110,9 +110,9 @@ def _matching(
     )
     if same:
         return np.array([sweep.lines[reading] for reading in having])
-    told = f"has {len(having)} readings, not the same {len(wanted)} interfaces and frequencies"
+    readings = f"has {len(having)} readings, not the same {len(wanted)} interfaces and frequencies"
     whose = f"as the sweep from line {first.line} on"
-    raise table.error(sweep.line, f"the sweep from here on {told} {whose}")
+    raise table.error(sweep.line, f"the sweep from here on {readings} {whose}")
 
 
 def _refuse_again(
@@ -124,14 +124,14 @@ def _refuse_again(
 
 
 def _keys(table: ImportedTable) -> list[tuple[str, ...]]:
-    """What tells sweeps apart: the sweep column where there is one, else all other labels."""
+    """Keys that distinguish sweeps: the sweep column if there is one, else all other labels."""
     names = ["sweep"] if "sweep" in table.columns else ["press", "row", "column", "repetition"]
     texts = [table.text(name) for name in [*names, "session"] if name in table.columns]
     return list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
 
 
 def _labels(table: ImportedTable, defaults: Defaults) -> list[tuple[str, int, int, int]]:
-    """(press, row, column, session) of every line."""
+    """Tuple (press, row, column, session) of every line."""
     sessions = _integers(table, "session", defaults.session, 0)
     presses = _presses(table, defaults.press)
     rows, columns = (_integers(table, name, None, None) for name in ("row", "column"))
@@ -144,7 +144,7 @@ def _labels(table: ImportedTable, defaults: Defaults) -> list[tuple[str, int, in
 
 
 def _presses(table: ImportedTable, given: str | None) -> list[str]:
-    """Of every line; the skin at rest is named one way."""
+    """The press of every line; the unpressed skin always has the same name."""
     if given == UNPRESSED_PIXEL:
         raise InputError(f"--press must be {UNPRESSED!r} where nothing is pressed, got {given!r}")
     texts = _column(table, "press", given, "")
@@ -158,7 +158,7 @@ def _press_text(row: int, column: int) -> str:
 
 
 def _pixel(press: str) -> tuple[int, int]:
-    """Row and column of a press as a table names it: -1 of no single pixel, and of other names."""
+    """Row and column of a press in a table; -1 and -1 if it is no single pixel."""
     try:
         return written_pixel(press)
     except InputError:

@@ -1,4 +1,4 @@
-"""From columns to impedance: Rs and X, |Z| and phase, Rs and Cs, or Rs and Cp."""
+"""Impedance from columns: Rs and X, |Z| and phase, Rs and Cs, or Rs and Cp."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ REPRESENTATIONS: dict[tuple[str, str], Callable[[Any, Any, Any], Any]] = {
     ("Rs", "Cs"): lambda Rs, Cs, f: Rs - 1j / (2 * np.pi * f * Cs),
     ("Rs", "Cp"): lambda Rs, Cp, f: Rs + 1j * branch_reactance(Rs, Cp, f),
 }
-"""The first of these pairs that a file has is read: Z in ohm of both and of the frequency in Hz."""
+"""Functions that give Z in ohm from a pair of columns and the frequency in Hz; the first pair that
+a file has is used."""
 DIGITS = 12
-"""Frequencies are rounded to so many, so that 0.1 kHz and 100 Hz are the same."""
+"""Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
 
 
 @dataclass(frozen=True)
 class ImportedReadings:
-    """What every line of a table says; arrays of shape (line,).
+    """Readings of all lines of a table; arrays of shape (line,).
 
-    frequency: Hz. Z: ohm, of Rs and Cp on the capacitive branch. Cp: F, as the file has it, else as
-    it follows from Z. pair: what Z was made of.
+    frequency: Hz. Z: ohm; from Rs and Cp on the capacitive branch. Cp: F, from the file or else
+    computed from Z. pair: the columns that gave Z.
     """
 
     frequency: Reals
@@ -48,9 +49,9 @@ class ImportedReadings:
 def impedance_readings(table: ImportedTable) -> ImportedReadings:
     """Frequency and impedance of every line.
 
-    Raises InputError naming the file, and the line where there is one: no pair of columns that
-    makes an impedance, a cell that is no number, a frequency <= 0, |Z| < 0 or Z = 0, a pair (Rs,
-    Cp) that no reactance gives.
+    Raises InputError naming the file, and the line if there is one: no pair of columns that gives
+    an impedance, a cell that is no number, a frequency <= 0, |Z| < 0 or Z = 0, a pair (Rs, Cp)
+    without a solution for the reactance.
     """
     pair = _pair(table)
     f = np.array([float(f"{each:.{DIGITS}g}") for each in table.numbers("frequency")])
@@ -66,9 +67,9 @@ def impedance_readings(table: ImportedTable) -> ImportedReadings:
 def _capacitance(
     table: ImportedTable, pair: tuple[str, str], Z: NDArray[np.complex128], f: Reals
 ) -> Reals:
-    """Cp in F as the file has it, else as it follows from Z; a column of zeros was not read.
+    """Cp in F from the file, or else computed from Z; a column of zeros counts as absent.
 
-    Raises InputError naming the line where it contradicts Z.
+    Raises InputError naming the line where Cp contradicts Z.
     """
     found = parallel_capacitance(Z, f)
     displayed = np.array(table.numbers("Cp")) if "Cp" in table.columns else np.zeros(0)

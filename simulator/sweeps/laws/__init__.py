@@ -1,1 +1,1 @@
-"""Laws that every sweep of a skin keeps, whether one does, and the noise of its readings."""
+"""Laws that every sweep of a passive skin obeys, tests for them, and the noise of readings."""

@@ -1,4 +1,4 @@
-"""Is a sweep to be trusted? Every spectrum against the laws of RC networks and its noise."""
+"""Checks every spectrum against the laws of passive RC networks, given its noise."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
 
 FEWEST_FREQUENCIES = 6
 LAWS = 6
-"""That noise may break."""
+"""Number of laws that noise may appear to break."""
 KRAMERS_KRONIG = "Kramers-Kronig"
 OF_ONE_READING = "Cp = Im(1/Z)/omega"
 DISPLAYED = 1e-3
-"""Of |1/Z|/omega: what a display of four digits leaves open of Cp beside Rs and X."""
+"""Tolerance of Cp over |1/Z|/omega: the rounding of a display with four digits."""
 TOLERANCE = 0.02
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """One sweep at one interface beside the nearest passive network.
+    """One sweep at one interface, compared with the nearest passive network.
 
-    Z: ohm. frequency: Hz. residual: (Z - network)/|Z|. inductive: where Im Z > 0 up to the highest
-    frequency; those readings took no part in the fit. inductance: H, of the network. parameters:
-    terms of the network. All arrays of shape (frequency,).
+    Z: ohm. frequency: Hz. residual: (Z - network)/|Z|. inductive: mask of the readings with Im Z >
+    0 up to the highest frequency; the fit ignores them. inductance: of the network, H. parameters:
+    number of terms of the network. Arrays have the shape (frequency,).
     """
 
     Z: NDArray[np.complex128]
@@ -52,12 +52,12 @@ class Spectrum:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found of one sweep at one interface.
+    """Result of the check of one sweep at one interface.
 
     phase: lowest and highest, degrees. noise: standard deviation of Re Z and of Im Z over |Z|,
-    shape (frequency,). noise_from: `given`, `repeats` or `fit`. allowed: how far the real and the
-    imaginary part of the residual may be from 0; Kramers-Kronig is broken where either is further,
-    and nowhere else. Shape (frequency,).
+    shape (frequency,). noise_from: `given`, `repeats` or `fit`. allowed: largest absolute real and
+    imaginary part of the residual, shape (frequency,); Kramers-Kronig is broken exactly where
+    either exceeds it.
     """
 
     sweep: int
@@ -72,8 +72,8 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class _Yardstick:
-    """Relative noise, the spread of the residuals, both (frequency,), and what they allow."""
+class _Limits:
+    """Relative noise and spread of the residuals, both (frequency,), and the limits from them."""
 
     noise: NDArray[np.float64]
     spread: NDArray[np.float64]
@@ -89,14 +89,14 @@ def examine(
     *,
     two_terminal: bool = True,
 ) -> list[Verdict]:
-    """Every spectrum of the sweeps, judged.
+    """Checks every spectrum of the sweeps.
 
-    two_terminal: whether all current that enters the skin leaves it by the meter; else the laws of
-    passive networks are those of no Z, and each reading is judged by itself alone.
-    noise: relative standard deviation of a reading where it is known; else it is told from repeated
-    sweeps of one press, or from the residuals. tolerance: largest rms residual of Kramers-Kronig.
-    Raises InputError where `noise` or `tolerance` is out of range, or where there are too few
-    frequencies to tell noise from a broken law.
+    two_terminal: True if all current that enters the skin leaves it through the meter; otherwise Z
+    is a transfer impedance, no law of passive networks applies, and each reading is checked alone.
+    noise: relative standard deviation of a reading, if known; otherwise it is estimated from
+    repeated sweeps of one press, or from the residuals. tolerance: largest rms residual of the
+    Kramers-Kronig fit. Raises InputError if `noise` or `tolerance` is out of range, or if there are
+    too few frequencies to distinguish noise from a broken law.
     """
     names = [str(name) for name in sweeps["interface"].values]
     parts = {name: read_at(sweeps, name) for name in names}
@@ -115,8 +115,8 @@ def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> No
             raise InputError(f"`{name}` must be finite and > 0, got {value}")
     if noise is None and frequencies < FEWEST_FREQUENCIES:
         raise InputError(
-            f"noise cannot be told from {frequencies} frequencies: need at least "
-            f"{FEWEST_FREQUENCIES}, or a given `noise`"
+            f"noise cannot be estimated from {frequencies} frequencies: at least "
+            f"{FEWEST_FREQUENCIES} are needed, or a given `noise`"
         )
 
 
@@ -134,8 +134,8 @@ def _examine_interface(
         raise InputError(f"interface {name}: Z is 0 ohm at some frequency, which no reading is")
     groups = list(zip(sweeps["press"].values, sweeps["session"].values, strict=True))
     spectra = [fitted(each, frequency, _inductive_end(each)) for each in Z]
-    yardstick = _yardstick(spectra, groups, noise, tolerance, readings)
-    spectra = [_without_chance_sign(each, yardstick) for each in spectra]
+    limits = _limits(spectra, groups, noise, tolerance, readings)
+    spectra = [_without_chance_sign(each, limits) for each in spectra]
     return [
         Verdict(
             sweep,
@@ -143,10 +143,10 @@ def _examine_interface(
             str(sweeps["press"].values[sweep]),
             spectrum,
             _range(np.degrees(np.angle(spectrum.Z))),
-            yardstick.noise,
-            yardstick.origin,
-            _allowed(spectrum, yardstick),
-            _violations(sweep, name, spectrum, yardstick, Cp[sweep], two_terminal),
+            limits.noise,
+            limits.origin,
+            _allowed(spectrum, limits),
+            _violations(sweep, name, spectrum, limits, Cp[sweep], two_terminal),
         )
         for sweep, spectrum in enumerate(spectra)
     ]
@@ -155,7 +155,7 @@ def _examine_interface(
 def fitted(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], inductive: NDArray[np.bool_]
 ) -> Spectrum:
-    """The spectrum beside the passive network that is nearest to its part below the inductive."""
+    """Fits the nearest passive network to the part of the spectrum that is not inductive."""
     if (~inductive).sum() < FEWEST_FREQUENCIES:
         inductive = np.zeros_like(inductive)
     network = fit_passive(Z[~inductive], frequency[~inductive])
@@ -164,42 +164,42 @@ def fitted(
 
 
 def _inductive_end(Z: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """Readings from where on Im Z > 0 up to the highest frequency."""
+    """Mask of the readings with Im Z > 0 without interruption up to the highest frequency."""
     return np.logical_and.accumulate((Z.imag > 0)[::-1])[::-1]
 
 
-def _without_chance_sign(spectrum: Spectrum, yardstick: _Yardstick) -> Spectrum:
-    """Fitted to all readings where noise alone may have turned the sign of the highest ones."""
-    slack = yardstick.limit * yardstick.noise * np.abs(spectrum.Z)
+def _without_chance_sign(spectrum: Spectrum, limits: _Limits) -> Spectrum:
+    """Refits all readings if noise alone can explain the positive sign of the highest ones."""
+    slack = limits.limit * limits.noise * np.abs(spectrum.Z)
     beyond_noise = spectrum.Z.imag > slack
     if not spectrum.inductive.any() or (spectrum.inductive & beyond_noise).any():
         return spectrum
     return fitted(spectrum.Z, spectrum.frequency, np.zeros_like(spectrum.inductive))
 
 
-def _yardstick(
+def _limits(
     spectra: list[Spectrum],
     groups: list[tuple[str, int]],
     noise: float | None,
     tolerance: float,
     readings: int,
-) -> _Yardstick:
+) -> _Limits:
     points = spectra[0].frequency.size
     tests = 2 * LAWS * readings
     if noise is not None:
         known = np.full(points, max(noise, RESOLUTION))
-        return _Yardstick(known, known, Allowance(tests, np.inf).limit, tolerance, "given")
+        return _Limits(known, known, Allowance(tests, np.inf).limit, tolerance, "given")
     residuals = np.array([_unbiased_residual(each) for each in spectra])
     repeated = repeatability(np.array([each.Z for each in spectra]), groups)
     rough = roughness(residuals) if repeated is None else repeated
-    seen = np.maximum(rough, RESOLUTION)
+    observed = np.maximum(rough, RESOLUTION)
     limit = Allowance(tests, 2 * len(spectra) * min(points, NEIGHBOURS)).limit
-    spread = np.maximum(local_scale(residuals), seen)
-    return _Yardstick(seen, spread, limit, tolerance, "fit" if repeated is None else "repeats")
+    spread = np.maximum(local_scale(residuals), observed)
+    return _Limits(observed, spread, limit, tolerance, "fit" if repeated is None else "repeats")
 
 
 def _unbiased_residual(spectrum: Spectrum) -> NDArray[np.complex128]:
-    """NaN where not fitted, and as large as it were had the fit cost no degrees of freedom."""
+    """Residual, corrected for the fit's degrees of freedom; NaN where not fitted."""
     values = 2 * (~spectrum.inductive).sum()
     freedom = max(values - spectrum.parameters, 1)
     residual = spectrum.residual * np.sqrt(values / freedom)
@@ -211,16 +211,16 @@ def _violations(
     sweep: int,
     interface: str,
     spectrum: Spectrum,
-    yardstick: _Yardstick,
+    limits: _Limits,
     Cp: NDArray[np.float64],
     two_terminal: bool,
 ) -> tuple[Violation, ...]:
-    """Cp: F, as it is stored beside Rs and X, shape (frequency,). two_terminal: as of `examine`."""
+    """Violated laws. Cp: stored with Rs and X, F, (frequency,). two_terminal: as in `examine`."""
     laws = {}
     if two_terminal:
-        laws = _signs(spectrum, yardstick) | _monotony(spectrum, yardstick)
-        laws[KRAMERS_KRONIG] = _inconsistent(spectrum, yardstick)
-    slack = DISPLAYED + yardstick.limit * yardstick.noise
+        laws = _signs(spectrum, limits) | _monotony(spectrum, limits)
+        laws[KRAMERS_KRONIG] = _inconsistent(spectrum, limits)
+    slack = DISPLAYED + limits.limit * limits.noise
     Z, frequency = spectrum.Z, spectrum.frequency
     laws[OF_ONE_READING] = contradicting(Z.real, Z.imag, Cp, frequency, slack)
     return tuple(
@@ -230,19 +230,19 @@ def _violations(
     )
 
 
-def _signs(spectrum: Spectrum, yardstick: _Yardstick) -> dict[str, NDArray[np.bool_]]:
-    slack = yardstick.limit * yardstick.noise * np.abs(spectrum.Z)
+def _signs(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_]]:
+    slack = limits.limit * limits.noise * np.abs(spectrum.Z)
     return {
         "Re Z >= 0": spectrum.Z.real < -slack,
         "Im Z <= 0": (spectrum.Z.imag > slack) | spectrum.inductive,
     }
 
 
-def _monotony(spectrum: Spectrum, yardstick: _Yardstick) -> dict[str, NDArray[np.bool_]]:
-    """Rs, Cp and 1/Cs = -omega X below the inductive end, behind the series inductance if any."""
+def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_]]:
+    """Monotony of Rs, Cp and Cs below the inductive end, after removing the series inductance."""
     kept, omega = ~spectrum.inductive, 2 * np.pi * spectrum.frequency
     Z = spectrum.Z - 1j * omega * (spectrum.inductance if spectrum.inductive.any() else 0.0)
-    error = yardstick.limit * yardstick.noise * np.abs(spectrum.Z)
+    error = limits.limit * limits.noise * np.abs(spectrum.Z)
     slope = {
         "Rs not increasing": (Z.real, error),
         "Cp not increasing": ((1 / Z).imag / omega, error / np.abs(Z) ** 2 / omega),
@@ -255,7 +255,7 @@ def _monotony(spectrum: Spectrum, yardstick: _Yardstick) -> dict[str, NDArray[np
 
 
 def _off_decreasing(values: NDArray[np.float64], allowed: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Where values are further than allowed from the nearest curve that does not increase."""
+    """True where values deviate by more than allowed from the nearest non-increasing curve."""
     from scipy.optimize import isotonic_regression
 
     weights = (allowed.min() / allowed) ** 2
@@ -263,20 +263,22 @@ def _off_decreasing(values: NDArray[np.float64], allowed: NDArray[np.float64]) -
     return np.abs(values - nearest) > allowed
 
 
-def _allowed(spectrum: Spectrum, yardstick: _Yardstick) -> NDArray[np.float64]:
-    """Of a part of the residual: what chance allows a single reading; the tolerance where the whole
-    is beyond it, so divided between both parts that some reading is always further than allowed.
+def _allowed(spectrum: Spectrum, limits: _Limits) -> NDArray[np.float64]:
+    """Largest absolute real or imaginary part of the residual.
+
+    It is the limit by chance of a single reading. If the whole misfit exceeds the tolerance, the
+    tolerance limits it as well, divided between both parts so that some reading always exceeds it.
     """
-    by_chance = yardstick.limit * yardstick.spread
-    if spectrum.misfit <= yardstick.tolerance:
+    by_chance = limits.limit * limits.spread
+    if spectrum.misfit <= limits.tolerance:
         return by_chance
-    return np.minimum(by_chance, yardstick.tolerance / np.sqrt(2))
+    return np.minimum(by_chance, limits.tolerance / np.sqrt(2))
 
 
-def _inconsistent(spectrum: Spectrum, yardstick: _Yardstick) -> NDArray[np.bool_]:
-    """Readings off the nearest passive network by more than allowed."""
+def _inconsistent(spectrum: Spectrum, limits: _Limits) -> NDArray[np.bool_]:
+    """True for readings that deviate from the nearest passive network by more than allowed."""
     largest = np.maximum(np.abs(spectrum.residual.real), np.abs(spectrum.residual.imag))
-    return (largest > _allowed(spectrum, yardstick)) & ~spectrum.inductive
+    return (largest > _allowed(spectrum, limits)) & ~spectrum.inductive
 
 
 def _range(values: NDArray[np.float64]) -> tuple[float, float]:

@@ -1,8 +1,8 @@
-"""Is a spectrum that of a passive network? The nearest such network, and what it leaves over.
+"""Fit of the nearest passive network to a spectrum: a Kramers-Kronig test.
 
-Whatever is linear, causal and stable obeys the Kramers-Kronig relations, and so does every sum of
-networks that do. A fit by such a sum is therefore a test of the data: what it cannot follow, no
-network can be (P. Agarwal, M. E. Orazem, L. H. Garcia-Rubio, J. Electrochem. Soc. 139, 1917, 1992;
+Every linear, causal and stable system obeys the Kramers-Kronig relations, and so does every sum of
+such networks. A fit by such a sum therefore tests the data: no network explains what it cannot
+follow (P. Agarwal, M. E. Orazem, L. H. Garcia-Rubio, J. Electrochem. Soc. 139, 1917, 1992;
 B. A. Boukamp, J. Electrochem. Soc. 142, 1885, 1995). Residues >= 0 make the network passive too.
 """
 
@@ -17,11 +17,11 @@ from ..errors import ToleranceError
 
 PER_DECADE = 20
 MARGIN = 100.0
-"""Time constants reach this factor beyond those of the frequencies at both ends."""
+"""Factor by which the time constants extend beyond those of the lowest and highest frequency."""
 REFINEMENT = 8
-"""Into how many parts the grid's steps beside every pole are divided for the second fit."""
+"""Number of parts of each grid step next to a pole in the second fit."""
 RESOLUTION = 3e-5
-"""Relative error of Z that the grid of time constants leaves with an exact spectrum."""
+"""Relative error of Z by the grid of time constants, for an exact spectrum."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class MeasurementModel:
 
     @property
     def parameters(self) -> int:
-        """How many terms the data called for."""
+        """Number of non-zero terms."""
         terms = [self.resistance, self.inductance, self.elastance, *self.residues]
         return int(np.count_nonzero(terms))
 
@@ -57,10 +57,10 @@ class MeasurementModel:
 
 
 def fit_passive(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> MeasurementModel:
-    """The passive network nearest to a spectrum, in the sense of least relative error of Z.
+    """The passive network nearest to a spectrum, by least squares of the relative error of Z.
 
     Z: ohm, nowhere 0, shape (frequency,). frequency: Hz, ascending.
-    Raises ToleranceError where the least squares do not converge.
+    Raises ToleranceError if the least squares do not converge.
     """
     coarse = _time_constants(frequency)
     poles = _fit_on(coarse, Z, frequency).residues > 0
@@ -91,10 +91,10 @@ def _time_constants(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _refined(tau: NDArray[np.float64], poles: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The grid with further points up to the neighbours of every pole."""
+    """The grid with additional points around every pole, up to its neighbours."""
     fractions = np.arange(1 - REFINEMENT, REFINEMENT) / REFINEMENT
-    beside = tau[poles, None] * (tau[1] / tau[0]) ** fractions
-    return np.unique(np.concatenate([tau[~poles], beside.ravel()]))
+    around = tau[poles, None] * (tau[1] / tau[0]) ** fractions
+    return np.unique(np.concatenate([tau[~poles], around.ravel()]))
 
 
 def _basis(frequency: NDArray[np.float64], tau: NDArray[np.float64]) -> NDArray[np.complex128]:

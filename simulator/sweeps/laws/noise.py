@@ -1,4 +1,4 @@
-"""How noisy readings are, told from themselves, and how far from it a reading may stray."""
+"""Noise of readings, estimated from the readings themselves, and limits of outliers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 NEIGHBOURS = 9
-"""Frequencies that share one estimate, because a meter's noise varies along a sweep."""
+"""Number of neighbouring frequencies in one estimate; a meter's noise varies along a sweep."""
 MEDIAN_OF_NORMAL = 0.6745
 """Median of |x| of a normal x of standard deviation 1."""
 EFFICIENCY = 0.37
-"""Of a median of |x| as an estimate of the standard deviation, beside the best possible."""
+"""Efficiency of a median of |x| as an estimate of the standard deviation."""
 FALSE_ALARM = 0.01
-"""Chance that one file of lawful sweeps is accused of anything."""
+"""Probability that a file of valid sweeps is flagged at all."""
 
 
 def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -35,7 +35,7 @@ def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 
 def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Standard deviation of what changes from one frequency to the next; a smooth course is none.
+    """Standard deviation of the changes between neighbouring frequencies; smooth trends drop out.
 
     From second differences, whose variance is 6 times that of independent readings.
     deviations: shape (sweep, frequency), NaN where there is none. Returns shape (frequency,).
@@ -48,10 +48,10 @@ def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
 def repeatability(
     Z: NDArray[np.complex128], groups: Sequence[object]
 ) -> NDArray[np.float64] | None:
-    """Relative noise of Z at each frequency from repeated sweeps; None where nothing is repeated.
+    """Relative noise of Z at each frequency from repeated sweeps; None if nothing is repeated.
 
-    Presses of unequal strength and a drift between sweeps are smooth in frequency and hardly
-    count. Z: ohm, shape (sweep, frequency). groups: one for each sweep, equal where repeated.
+    Unequal strengths of presses and drift between sweeps are smooth in frequency and hardly
+    contribute. Z: ohm, shape (sweep, frequency). groups: one for each sweep, equal where repeated.
     """
     deviations = []
     for group in dict.fromkeys(groups):
@@ -64,10 +64,10 @@ def repeatability(
 
 @dataclass(frozen=True)
 class Allowance:
-    """How many standard deviations a reading may stray, when `tests` are made in all.
+    """Allowed deviation of a reading in standard deviations, for `tests` tests in all.
 
-    tests: how many numbers are compared. readings: from how many the standard deviation was
-    estimated, infinite where it is known.
+    tests: number of comparisons. readings: number of readings from which the standard deviation was
+    estimated; infinite if it is known.
     """
 
     tests: int
@@ -75,7 +75,7 @@ class Allowance:
 
     @property
     def limit(self) -> float:
-        """Quantile of Student's distribution at a chance of FALSE_ALARM over all tests."""
+        """Quantile of Student's distribution for a probability of FALSE_ALARM over all tests."""
         from scipy.stats import norm, t
 
         chance = FALSE_ALARM / (2 * self.tests)

@@ -1,4 +1,4 @@
-"""Does a sweep look like a passive RC network? Laws that hold for any press on any RC sheet."""
+"""Laws of passive RC networks, which hold for any press on any RC sheet."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Violation:
 
 
 def frequencies_text(frequency: Sequence[float] | NDArray[np.float64]) -> str:
-    """Frequencies in Hz in words: the one, or how many and from where to where."""
+    """Frequencies [Hz] in words: a single one, or their number and range."""
     low, high = min(frequency), max(frequency)
     if len(frequency) == 1:
         return f"{low:.6g} Hz"
@@ -40,25 +40,25 @@ def frequencies_text(frequency: Sequence[float] | NDArray[np.float64]) -> str:
 
 @dataclass(frozen=True)
 class ErrorBounds:
-    """Of an error, at each frequency: of |Z| as a fraction, and of the phase in rad."""
+    """Error bounds at each frequency: relative error of |Z|, and error of the phase in rad."""
 
     size: NDArray[np.float64]
     phase: NDArray[np.float64]
 
     def times(self, factor: float) -> ErrorBounds:
-        """So many times these."""
+        """The bounds multiplied by a factor."""
         return ErrorBounds(factor * self.size, factor * self.phase)
 
 
 def violations(sweeps: xr.Dataset, tolerance: float | ErrorBounds = 1e-9) -> list[Violation]:
-    """Every law of passive RC networks that the sweeps break, worst case by case.
+    """All violations of the laws of passive RC networks in the sweeps.
 
     Poles on s <= 0 with residues >= 0 (a Foster form) imply: the phase stays within [-90, 0]
     degrees, and Rs, Cp and Cs do not increase with frequency. A break means error in the data, or
     inductance, which an RC network cannot have.
 
-    tolerance: slack for what a meter's noise and rounding may do: relative of everything, or by
-    bounds on the error of each reading.
+    tolerance: allowance for a meter's noise and rounding: a relative value for all quantities, or
+    error bounds for each reading.
     """
     frequency = sweeps["frequency"].values
     return [
@@ -72,12 +72,12 @@ def violations(sweeps: xr.Dataset, tolerance: float | ErrorBounds = 1e-9) -> lis
 def broken_laws(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds = 1e-9
 ) -> dict[str, NDArray[np.bool_]]:
-    """Which laws one curve breaks, and at which of its frequencies [Hz]; see `violations`."""
-    judged = _judged(Z, frequency, tolerance).items()
-    return {law: broken for law, broken in judged if broken.any()}
+    """The laws that one spectrum breaks, with a mask of the frequencies; see `violations`."""
+    masks = _broken_masks(Z, frequency, tolerance).items()
+    return {law: broken for law, broken in masks if broken.any()}
 
 
-def _judged(
+def _broken_masks(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds
 ) -> dict[str, NDArray[np.bool_]]:
     capacitive = Z.imag < 0
@@ -100,10 +100,10 @@ def _slacks(
     Cs: NDArray[np.float64],
     tolerance: float | ErrorBounds,
 ) -> tuple[NDArray[np.float64], ...]:
-    """Of Rs and X in ohm, Cp and Cs in F, at each frequency.
+    """Tolerances of Rs and X in ohm, Cp and Cs in F, at each frequency.
 
-    With bounds s of ln|Z| and p of the phase, Rs = Re Z is off by s |Rs| + p |X|, X by
-    s |X| + p |Rs|; Cp and Cs, which go as X / |Z|^2 and 1 / X, by s + p |Rs / X| of themselves.
+    With bounds s of ln|Z| and p of the phase, Rs = Re Z is off by at most s |Rs| + p |X| and X by
+    s |X| + p |Rs|; the relative errors of Cp ~ X / |Z|^2 and Cs ~ 1 / X are at most s + p |Rs / X|.
     """
     if not isinstance(tolerance, ErrorBounds):
         return tolerance * np.abs(Z), tolerance * np.abs(Z), tolerance * abs(Cp), tolerance * Cs

@@ -1,4 +1,4 @@
-"""Writing: files that appear whole or not at all, and the one rule of what may be replaced."""
+"""Writing of files: whole or not at all, with one rule for what may be overwritten."""
 
 from .failures import named_failures, of_disk
 from .register import note_made

@@ -1,4 +1,4 @@
-"""What the system says when it cannot write, in one line that says what to do."""
+"""Turns system errors of writing into one line that states what to do."""
 
 from __future__ import annotations
 
@@ -21,47 +21,47 @@ PATHS = {
     errno.ELOOP: "symbolic links lead in a circle",
     errno.EINVAL: "the system takes no such name",
 }
-"""Failures that another path mends."""
+"""Errors that another path avoids."""
 DISKS = {
     errno.ENOSPC: "the disk is full; make room or choose another one",
     errno.EDQUOT: "your quota of the disk is used up; make room or choose another one",
     errno.EFBIG: "a file may not become that large there; choose another disk",
     errno.EIO: "the disk fails; choose another one",
 }
-"""Failures of what the path leads to."""
+"""Errors of the disk."""
 
 OF_NETCDF = "NetCDF: "
-"""How messages of the NetCDF library begin, which does not hand on what the system says."""
+"""Beginning of messages of the NetCDF library, which does not pass on system errors."""
 
 
 @contextmanager
 def named_failures(path: Path) -> Iterator[None]:
-    """Failures to write within the block become one line that names `path`.
+    """Turns write errors in the block into one line that names `path`.
 
-    Raises InputError where another path mends it, OutputError where the disk is at fault. Other
-    errors, and those about files elsewhere, pass.
+    Raises InputError if another path avoids the error, OutputError if the disk is at fault. Other
+    errors, and errors about files elsewhere, pass unchanged.
     """
     try:
         yield
     except OutputError as error:
-        told = str(error)
-        raise OutputError(told if told.startswith(str(path)) else f"{path}: {told}") from error
+        text = str(error)
+        raise OutputError(text if text.startswith(str(path)) else f"{path}: {text}") from error
     except (OSError, RuntimeError) as error:
         if of_disk(error):
-            told = DISKS.get(getattr(error, "errno", None) or 0, f"{error}; is the disk full?")
-            raise OutputError(f"{path}: cannot be written: {told}") from error
+            reason = DISKS.get(getattr(error, "errno", None) or 0, f"{error}; is the disk full?")
+            raise OutputError(f"{path}: cannot be written: {reason}") from error
         if isinstance(error, OSError) and error.errno in PATHS and _near(error.filename, path):
             raise InputError(f"{path}: cannot be written: {PATHS[error.errno]}") from error
         raise
 
 
 def of_disk(error: Exception) -> bool:
-    """Whether an error is of a disk that did not take what was written."""
+    """True for errors of a disk that did not accept the data."""
     return getattr(error, "errno", None) in DISKS or str(error).startswith(OF_NETCDF)
 
 
 def _near(filename: object, path: Path) -> bool:
-    """Whether a failure is about a name in the folder of `path`, or names nothing."""
+    """True if the file name of an error is in the folder of `path`, or if it names none."""
     if not isinstance(filename, str | bytes | Path):
         return True
     named = Path(filename.decode() if isinstance(filename, bytes) else filename).absolute()

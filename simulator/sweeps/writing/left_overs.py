@@ -1,4 +1,4 @@
-"""What killed writers leave: cleared where they ran on this machine, named where they may run."""
+"""Files left by killed writers: deleted once the writer has ended."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from time import time
 
 PREFIX = ".rcskin-"
 DAY = 86400.0
-"""s without a change, after which an unfinished file is nobody's whose writer cannot be asked."""
+"""Seconds without a change after which an unfinished file of an unknown writer is abandoned."""
 
 log = logging.getLogger(__name__)
 
 
 def own_mark() -> str:
-    """How the names of this process's unfinished files begin: with machine and process."""
+    """Prefix of this process's unfinished files: names the machine and the process."""
     return f"{PREFIX}{_machine()}-{os.getpid()}-"
 
 
 def clear_left_overs(folder: Path) -> None:
-    """Delete unfinished files of writers that have ended; name what was about to be replaced.
+    """Deletes unfinished files of ended writers; logs files that a writer was about to replace.
 
-    folder: in which something is about to be written.
+    folder: where something is about to be written.
     """
     for path in folder.glob(f"{PREFIX}*"):
         if path.name.startswith(f"{PREFIX}replaced-"):
@@ -40,7 +40,7 @@ def clear_left_overs(folder: Path) -> None:
 
 
 def _ended(path: Path) -> bool:
-    """Whether the writer of an unfinished file is at work no more."""
+    """True if the writer of an unfinished file has ended."""
     machine, _, rest = path.name.removeprefix(PREFIX).partition("-")
     process = rest.partition("-")[0]
     if machine != _machine() or os.name == "nt" or not process.isdigit():

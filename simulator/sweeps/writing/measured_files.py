@@ -1,4 +1,4 @@
-"""Whether a file holds sweeps that were measured: these cannot be had again."""
+"""Recognizes files of measured sweeps, which cannot be made again."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..schema import MEASURED, VIRTUAL
 
 
 def measured(path: Path, known: bool) -> str | None:
-    """What a file of measured sweeps holds, for people; None for anything else.
+    """Describes a file of measured sweeps in words; None for any other file.
 
-    A meter's count, and those that do not say with which tolerance they were simulated, unless it
-    is known that the command at hand made them of something else.
+    Sweeps count as measured if a meter recorded them, or if they state no tolerance of a
+    simulation, unless the current command is known to have made them.
     """
     if path.suffix not in ENDINGS:
         return None

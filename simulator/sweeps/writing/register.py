@@ -1,7 +1,7 @@
-"""What rcskin made, by path: which command, and what the file was like when it had been written.
+"""Register of the outputs of rcskin: path, command and digest after writing.
 
-One small file for each output lies in the user's own state folder. Nothing depends on it but
-whether an output may be replaced without being asked: what is not known here may not.
+Each output has one small file in the user's state folder. Its only purpose is to decide whether an
+output may be overwritten without an option: unregistered files may not.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from contextlib import suppress
 from pathlib import Path
 
 MAX_ENTRIES = 2000
-"""Outputs that are remembered: of a user who writes more, the oldest are forgotten."""
+"""Largest number of registered outputs; beyond it the oldest are removed."""
 SMALL = 2**20
-"""Bytes of a file that are compared one by one; of longer ones the size and both ends."""
+"""Bytes at both ends of a file that its digest covers, together with the size."""
 
 
 def note_made(path: Path, command: str) -> None:
-    """Remember that a command made what is at `path` now, if the state folder can be written."""
+    """Registers that a command made the file at `path`, if the state folder can be written."""
     from .whole import kept_file
 
     entry = _entry(path)
@@ -28,21 +28,21 @@ def note_made(path: Path, command: str) -> None:
         entry.parent.mkdir(parents=True, exist_ok=True)
         _forget_oldest(entry.parent)
         with kept_file(entry) as unfinished:
-            told = {"path": str(path.resolve()), "command": command, "digest": digest(path)}
-            unfinished.write_text(json.dumps(told), encoding="utf-8")
+            entry_data = {"path": str(path.resolve()), "command": command, "digest": digest(path)}
+            unfinished.write_text(json.dumps(entry_data), encoding="utf-8")
 
 
 def made_by(path: Path) -> str | None:
-    """The command that made what is at `path`; None where it is another's, or was changed since."""
+    """The command that made the file at `path`; None if it is unregistered or was changed since."""
     try:
-        told = json.loads(_entry(path).read_text(encoding="utf-8"))
-        return str(told["command"]) if told["digest"] == digest(path) else None
+        stored = json.loads(_entry(path).read_text(encoding="utf-8"))
+        return str(stored["command"]) if stored["digest"] == digest(path) else None
     except (OSError, ValueError, TypeError, KeyError):
         return None
 
 
 def digest(path: Path) -> str:
-    """Of the content of a file; of a folder, of the names and sizes of all its files."""
+    """Digest of a file's content; for a folder, of the names and sizes of all its files."""
     if path.is_dir():
         return hashlib.sha256(repr(sorted(_sizes(path))).encode()).hexdigest()
     size = path.stat().st_size

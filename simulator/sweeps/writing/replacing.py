@@ -1,8 +1,8 @@
-"""The rule of what an output may replace.
+"""The rule for overwriting files.
 
-What the same command made before, and nobody changed since, is replaced with a note. Replaced only
-on demand is: what rcskin did not make, another command's result, and what the command reads
-itself. What was measured needs a demand of its own.
+A file that the same command made and nobody changed is overwritten with a note. An option is needed
+to overwrite files that rcskin did not make, results of another command, and inputs of the command
+itself. Measured sweeps need an option of their own.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from .measured_files import measured
 from .register import made_by
 
 PYTHON = "Python"
-"""In place of a command: a script."""
+"""Stands for a script in place of a command."""
 
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class WriteContext:
-    """Who writes, what is read for it, and what is demanded.
+    """The writing command, its inputs, and its overwrite options.
 
     command: such as `sweep`, `meter record`, or PYTHON. inputs: paths that it reads. overwrite,
-    overwrite_measured: whether anything, and even what was measured, may be replaced. noted:
-    folders in which a note has told that something is replaced.
+    overwrite_measured: True if any file, and even measured sweeps, may be overwritten. noted:
+    folders for which a note on overwriting was logged.
     """
 
     command: str = PYTHON
@@ -41,23 +41,23 @@ class WriteContext:
     noted: set[Path] = field(default_factory=set, compare=False)
 
     def option(self, name: str) -> str:
-        """How a demand is made."""
+        """The option's spelling on the command line or in Python."""
         return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
 
 
 UNFINISHED = WriteContext("a part of an output")
-"""On which files are written that are not outputs yet: none of them is remembered."""
+"""Context of files that are parts of an output; they are not registered."""
 _now: ContextVar[WriteContext] = ContextVar("occasion", default=WriteContext())  # noqa: B039
 
 
 def write_context() -> WriteContext:
-    """On which occasion outputs are written now."""
+    """The current context of writing."""
     return _now.get()
 
 
 @contextmanager
 def in_write_context(now: WriteContext) -> Iterator[None]:
-    """Within the block, outputs are written on that occasion."""
+    """Sets the context of writing within the block."""
     token = _now.set(now)
     try:
         yield
@@ -66,7 +66,7 @@ def in_write_context(now: WriteContext) -> Iterator[None]:
 
 
 def check_replaceable(path: Path) -> None:
-    """Raises InputError, saying what is there and what to do, where `path` may not be replaced."""
+    """Raises InputError with reason and advice if `path` may not be overwritten."""
     now = write_context()
     if now.overwrite_measured or not path.exists():
         return
@@ -85,14 +85,14 @@ def check_replaceable(path: Path) -> None:
 
 
 def check_all_replaceable(folder: Path, patterns: Iterable[str]) -> None:
-    """As `check_replaceable`, for all files in `folder` of these names that a report writes."""
+    """Applies `check_replaceable` to all files in `folder` whose names match the patterns."""
     for pattern in patterns:
         for path in sorted(folder.glob(pattern)):
             check_replaceable(path)
 
 
 def log_replaced(path: Path) -> None:
-    """Log a note where something is about to be replaced, one for the files of a folder."""
+    """Logs a note if a file is about to be overwritten; one note for all files of a folder."""
     noted = write_context().noted
     if path.exists() and path.parent not in noted:
         noted.add(path.parent)
@@ -100,7 +100,7 @@ def log_replaced(path: Path) -> None:
 
 
 def _reason(path: Path, maker: str | None, now: WriteContext) -> str | None:
-    """Why it may not be replaced; None where it may."""
+    """Why a file may not be overwritten; None if it may."""
     if any(each.exists() and os.path.samefile(each, path) for each in now.inputs):
         return "is read by this command, too"
     if maker is None:

@@ -1,4 +1,4 @@
-"""A user's output: written whole, by the rule of what may be replaced, and known again later."""
+"""Writes a user's output: whole, by the rule of overwriting, and registered for later."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from .whole import kept_file
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """A new file or folder, renamed to `path` at the end of the block, as `kept_file`.
+    """Yields a new file or folder that is renamed to `path` at the end of the block, as
+    `kept_file`.
 
-    Raises InputError where `path` may not be replaced (see `check_replaceable`), InputError or
-    OutputError where it cannot be written.
+    Raises InputError if `path` may not be overwritten (see `check_replaceable`), InputError or
+    OutputError if it cannot be written.
     """
     check_replaceable(path)
     with kept_file(path) as unfinished:

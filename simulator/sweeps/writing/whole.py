@@ -1,4 +1,4 @@
-"""A file or a folder that appears whole or not at all, and stays through a power cut."""
+"""Writes files and folders that appear whole or not at all and survive a power cut."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from .failures import named_failures
 from .left_overs import PREFIX, clear_left_overs, own_mark
 
 FOLDERS = (".zarr",)
-"""Endings of what is a folder."""
+"""Endings of outputs that are folders."""
 SWAPS = 10
-"""Attempts to swap a folder, which other writers may be swapping at the same time."""
+"""Attempts to swap a folder that other writers may be swapping at the same time."""
 
 
 @contextmanager
 def kept_file(path: Path) -> Iterator[Path]:
-    """A new, empty file or folder beside `path`, renamed to `path` at the end of the block.
+    """Yields a new, empty file or folder next to `path`, and renames it to `path` after the block.
 
-    Its name cannot be guessed. It is on the disk before it is renamed, and the new name before the
-    block ends. Where `path` is a symbolic link, its target is replaced. If the block ends with an
-    error nothing is renamed and nothing is left, nor where the process is told to end within it.
+    Its name cannot be guessed. The data are on the disk before the renaming, and the new name is
+    before the block ends. If `path` is a symbolic link, its target is replaced. After an error or a
+    signal nothing is renamed and nothing is left behind.
 
-    Raises InputError or OutputError naming `path` where it cannot be written.
+    Raises InputError or OutputError naming `path` if it cannot be written.
     """
     with named_failures(path):
         place = Path(os.path.realpath(path))
@@ -48,10 +48,10 @@ def kept_file(path: Path) -> Iterator[Path]:
 
 
 def put(unfinished: Path, place: Path) -> None:
-    """Give what is finished its name, in place of a file or folder of that name.
+    """Renames a finished file or folder to `place`, replacing an existing one.
 
-    Where the name is not free to be taken, as that of a file which another program has open under
-    Windows, what is finished stays beside it. Raises OutputError naming both, OSError where the
+    If the existing file cannot be replaced, for example because another program has it open on
+    Windows, the finished one stays next to it; then OutputError names both. Raises OSError if the
     folder is gone.
     """
     try:
@@ -64,20 +64,20 @@ def put(unfinished: Path, place: Path) -> None:
     except OSError as error:
         if not unfinished.exists():
             raise
-        beside = place.with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
-        os.rename(unfinished, beside)
+        finished = place.with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
+        os.rename(unfinished, finished)
         raise OutputError(
             f"{place}: cannot be replaced ({error.strerror}); close it in other programs. "
-            f"What was to be there is finished, in {beside}"
+            f"The finished output is in {finished}"
         ) from error
     _sync_folder(place.parent)
 
 
 def _swap(unfinished: Path, place: Path) -> None:
-    """Rename a folder to a name that another one may have, which is deleted after that.
+    """Renames a folder to a name that another folder may have; that one is deleted afterwards.
 
-    Other writers may take the name or free it at any moment. What this one has put aside goes once
-    its own folder had the name, and comes back where it never gets it.
+    Other writers may take or free the name at any moment. The folder moved aside is deleted once
+    this one has had the name, and is moved back if this one never gets it.
     """
     aside: list[Path] = []
     for attempt in range(SWAPS):
@@ -97,7 +97,7 @@ def _swap(unfinished: Path, place: Path) -> None:
 
 
 def _put_back(aside: list[Path], place: Path) -> None:
-    """Give the newest of what was put aside its name again, unless another folder has it."""
+    """Renames the newest folder moved aside back, unless another folder has the name."""
     with suppress(OSError, IndexError):
         os.rename(aside[-1], place)
     if place.exists():
@@ -106,7 +106,7 @@ def _put_back(aside: list[Path], place: Path) -> None:
 
 
 def sync(path: Path) -> None:
-    """Have a file, or all that is in a folder, on the disk."""
+    """Flushes a file, or everything in a folder, to the disk."""
     if path.is_dir():
         for folder, _, names in os.walk(path):
             for name in names:
@@ -117,7 +117,7 @@ def sync(path: Path) -> None:
 
 
 def removed(path: Path) -> None:
-    """Delete a file or a folder if it is there."""
+    """Deletes a file or a folder if it exists."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -134,7 +134,7 @@ def _new(place: Path) -> Path:
 
 
 def _check_written(unfinished: Path) -> None:
-    """Raises OutputError where a library wrote nothing and said nothing, as on a full disk."""
+    """Raises OutputError if a library silently wrote nothing, as on a full disk."""
     if not unfinished.is_dir() and unfinished.stat().st_size == 0:
         raise OutputError("nothing could be written; is the disk full?")
 
@@ -145,7 +145,7 @@ def _sync_file(path: Path) -> None:
 
 
 def _sync_folder(path: Path) -> None:
-    """Have the names in a folder on the disk; Windows opens no folder, and needs no such call."""
+    """Flushes the names in a folder to the disk; not possible and not needed on Windows."""
     if os.name == "nt":
         return
     number = os.open(path, os.O_RDONLY)

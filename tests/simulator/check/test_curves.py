@@ -6,7 +6,7 @@ from rcskin.simulator.check.sweep_curves import (
     MAX_DRAWN,
     MAX_NAMED,
     QUANTITIES,
-    _at_rest,
+    _baseline,
     _look,
     colours_of,
     curves_of,
@@ -53,7 +53,7 @@ def test_changes_without_rest_are_refused(refused, make_sweeps, tmp_path):
     pressed = make_sweeps(2, press=["1,1", "1,2"], row=[1, 1], column=[1, 2])
     write(pressed, tmp_path / "run.nc")
     output = tmp_path / "out.png"
-    assert "has no sweep at rest" in refused(
+    assert "has no baseline sweep" in refused(
         "plot", tmp_path / "run.nc", "-o", output, "--what", "change-Cp"
     )
     assert not output.exists()
@@ -65,7 +65,7 @@ def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
         5, press=press, row=[0, 1, 0, 0, 1], column=[0, 1, 0, 0, 1], session=[0, 0, 0, 1, 1]
     )
     values = np.arange(5.0)[:, None] * np.ones(sweeps.sizes["frequency"])
-    assert _at_rest(values, sweeps)[:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 3.0]
+    assert _baseline(values, sweeps)[:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 3.0]
 
 
 def test_many_presses_are_told_by_their_column(make_sweeps):
@@ -78,7 +78,7 @@ def test_many_presses_are_told_by_their_column(make_sweeps):
     assert labels["3,2"] == "column 2" and labels["1,1+2,2:1.5"] == "elsewhere"
     assert list(dict.fromkeys(labels.values()))[-1] == "elsewhere"
     few = labels_of([sweeps.isel(sweep=slice(0, MAX_NAMED))])
-    assert few["none"] == "at rest" and few["1,1"] == "1,1"
+    assert few["none"] == "unpressed" and few["1,1"] == "1,1"
 
 
 def test_rows_of_a_column_have_lines_of_their_own(make_sweeps, run, tmp_path):
@@ -107,7 +107,7 @@ def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
 
 @pytest.mark.parametrize("many", [3, 7, 40])
 def testlabels_of_are_told_apart(many):
-    colours = colours_of(["at rest", *(f"column {n}" for n in range(many))])
+    colours = colours_of(["unpressed", *(f"column {n}" for n in range(many))])
     assert len(set(colours.values())) == many + 1
 
 
@@ -134,7 +134,7 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
     assert (code, out, err) == (0, f"2 recordings -> {output}\n", "")
     text = output.read_text()
     assert "<script src=" not in text and "plotly.js v" in text
-    for name in ("at rest, all.nc (simulated)", "1,1, run.nc (measured)"):
+    for name in ("unpressed, all.nc (simulated)", "1,1, run.nc (measured)"):
         assert text.count(f'"name":"{name}"') == 2 * len(QUANTITIES)
 
 

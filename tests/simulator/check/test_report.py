@@ -138,7 +138,7 @@ def test_inductive_readings_are_set_aside_and_the_rest_is_judged_behind_them(jud
     assert found.law == "Im Z <= 0"
     assert found.frequency == tuple(FREQUENCY[FREQUENCY > resonance])
     assert judged.spectrum.inductance == pytest.approx(5e-6, rel=0.1)
-    assert "judged behind" in explanations([judged])[1]
+    assert "checked behind" in explanations([judged])[1]
 
 
 def test_a_sign_that_noise_may_have_turned_is_no_inductance(judge):
@@ -153,7 +153,7 @@ def test_a_sign_that_noise_may_have_turned_is_no_inductance(judge):
     [
         ({"noise": 0.0}, "`noise` must be finite and > 0, got 0.0"),
         ({"tolerance": np.nan}, "`tolerance` must be finite and > 0, got nan"),
-        ({}, "noise cannot be told from 3 frequencies: need at least 6"),
+        ({}, "noise cannot be estimated from 3 frequencies: at least 6 are needed"),
     ],
 )
 def test_what_cannot_be_judged_is_told(make_sweeps, arguments, told):

@@ -66,7 +66,9 @@ def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
 ):
     code, out, _ = run("dataset", scene_file, "--sweeps", 10, "-o", tmp_path / "few.zarr")
     assert code == 0 and "certified 20 of the 20 sweeps of whole sessions" in out
-    assert "all of one skin, for a session is 20 sweeps; --sweeps 400 draws 20 skins" in out
+    assert (
+        "all sweeps are of one skin, because a session has 20; --sweeps 400 draws 20 skins" in out
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,7 +118,7 @@ def test_a_signal_ends_with_one_line_and_leaves_a_data_set_that_goes_on(
     os.killpg(process.pid, number)
     _, err = process.communicate()
     assert process.returncode == 128 + number
-    assert err == "rcskin: interrupted; the same command goes on from here\n"
+    assert err == "rcskin: interrupted; the same command continues from here\n"
     assert (work / "plan.json").exists() and (work / "model.npz").exists()
 
 

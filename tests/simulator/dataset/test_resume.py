@@ -86,8 +86,8 @@ def interrupted(toy, output, plan):
 @pytest.mark.parametrize(
     ("other", "told"),
     [
-        ({"seed": 2}, "seed 1 where 2 is asked"),
-        ({"sweeps": 90}, "sweeps 100 where 90 is asked"),
+        ({"seed": 2}, "seed 1 where 2 is requested"),
+        ({"sweeps": 90}, "sweeps 100 where 90 is requested"),
         ({"foam_spread": 0.0}, "another scene"),
     ],
 )

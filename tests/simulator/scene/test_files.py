@@ -264,12 +264,12 @@ def test_values_of_another_kind_are_refused(old, new, told):
         (
             "length = 0.120",
             "length = 12cm  # of it",
-            "`length = 12cm`; numbers stand without a unit",
+            "`length = 12cm`; write numbers without a unit",
         ),
         ("length = 0.120", "length = 12cm", ": 0.12"),
         ("length = 0.120", "length = 0,12", "with a point: 0.12"),
-        ("{start = 1e3", "{start = 1 kHz", "`start = 1 kHz`; numbers stand without a unit"),
-        ('name = "sheet-3x3"', "name = mine", "`name = mine`; text stands in quotes"),
+        ("{start = 1e3", "{start = 1 kHz", "`start = 1 kHz`; write numbers without a unit"),
+        ('name = "sheet-3x3"', "name = mine", "`name = mine`; write text in quotes"),
         ("[skin]", "[skin", "[skin"),
     ],
 )

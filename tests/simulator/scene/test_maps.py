@@ -80,7 +80,7 @@ def test_a_normal_map_that_comes_near_zero_is_refused():
         drawn.check(SIDES)
     drawn.model_copy(update={"distribution": "lognormal"}).check(SIDES)
     too_wide = Random(deviation=0.5, correlation_length=0.05, distribution="normal")
-    with pytest.raises(ValueError, match=r"deviation must be <= 0.3 of a normal factor, got 0.5"):
+    with pytest.raises(ValueError, match=r"deviation must be <= 0.3 for a normal factor, got 0.5"):
         too_wide.check(SIDES)
 
 
