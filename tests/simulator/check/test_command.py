@@ -86,7 +86,7 @@ def test_foam_that_creeps_while_it_is_read_is_said_to_creep(run, make_scene, tmp
     write(crept.assign_attrs(each[0].attrs | {"scene": scene_text(relaxing)}), path)
     code, out, err = run("check", path, "--noise", "1e-3")
     assert code == 0 and "0 of 1 spectra break a law" in out
-    assert "foam creeps while a sweep is read" in err
+    assert "foam creeps during a sweep" in err
 
 
 def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
