@@ -72,9 +72,7 @@ def options(command):
 
 
 USERS_PAGES = [
-    page
-    for page in pages()
-    if re.match(r"docs/(tutorials|how-to|explanation)/|README|hardware", page)
+    page for page in pages() if re.match(r"docs/(tutorials|how-to|explanation)/|README", page)
 ]
 
 

@@ -42,10 +42,7 @@ def test_the_front_page_is_read_in_one_go():
     assert len(text("README.md").splitlines()) <= LINES_OF_THE_FRONT_PAGE
 
 
-@pytest.mark.parametrize(
-    "page",
-    [page for page in pages() if page.endswith("/README.md") and page != "hardware/README.md"],
-)
+@pytest.mark.parametrize("page", [page for page in pages() if page.endswith("/README.md")])
 def test_the_page_of_a_room_is_short(page):
     assert len(text(page).splitlines()) <= LINES_OF_A_ROOM
 
