@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import Hypothesis, Readings, hypotheses, kinds
+from rcskin.simulator.bounds.readings import Hypothesis, TouchReadings, hypotheses, kinds
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.randomisation import Fixed, Normal
 from rcskin.simulator.scene.scene import Scene
@@ -47,7 +47,7 @@ def by_finger(among: list[Hypothesis], C: float) -> list[Hypothesis]:
 
 def rows(scene: Scene, target: str, run: Run) -> list[dict[str, object]]:
     """Of one scene, a row for each capacitance and each factor."""
-    readings = Readings(scene, Normal(mean=FACTORS[-1], deviation=0.2), RESTS)
+    readings = TouchReadings(scene, Normal(mean=FACTORS[-1], deviation=0.2), RESTS)
     told, draws = [], run.sized(DRAWS, FEW_DRAWS)
     for C in run.sized(CAPACITANCES, FEW):
         for factor in FACTORS:

@@ -28,7 +28,7 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .posterior import Templates, axes_of, posterior, starts_of
-from .readings import Hypothesis, Readings
+from .readings import Hypothesis, TouchReadings
 from .tiles import in_tiles, posterior_of_tiles
 
 STEP = 1.5
@@ -44,7 +44,7 @@ KEPT = 256
 Array = NDArray[np.float64]
 
 
-class Accuracy(NamedTuple):
+class BayesAccuracy(NamedTuple):
     """Share of correct sweeps, and its standard error by the number of draws."""
 
     share: float
@@ -52,29 +52,29 @@ class Accuracy(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Judged:
+class DrawScores:
     """Probability that the best answer to each draw is correct, shape (draw,)."""
 
     right: Array
 
     @property
-    def accuracy(self) -> Accuracy:
+    def accuracy(self) -> BayesAccuracy:
         """The mean, and its standard error by the number of draws."""
         return _mean(self.right)
 
-    def above(self, other: Judged) -> Accuracy:
+    def above(self, other: DrawScores) -> BayesAccuracy:
         """Difference of the accuracy from another of the same draws, and its standard error."""
         return _mean(self.right - other.right)
 
 
 def bayes(
-    readings: Readings,
+    readings: TouchReadings,
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
     seed: int,
     draws: int,
     progress: ProgressCallback = silent,
-) -> Accuracy:
+) -> BayesAccuracy:
     """Bayes' accuracy. among: hypotheses by answer. Raises InputError for too small noise."""
     readings.train(progress)
     random = np.random.default_rng(seed)
@@ -88,7 +88,7 @@ def bayes(
     return drawn.judged(nodes, errors).accuracy
 
 
-def _enough(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> int:
+def _enough(readings: TouchReadings, among: Sequence[Hypothesis], presses: AnyDistribution) -> int:
     """Number of nodes at which interpolated readings of every single pixel reach LEFT_OUT."""
     low, high = float(presses.low), float(presses.high)
     if low == high:
@@ -141,7 +141,7 @@ class Draws:
         ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
         return PressBatch.of(each.on(scene, way) for each in among for way in ways - 1)
 
-    def judged(self, nodes: Array, errors: Array) -> Judged:
+    def judged(self, nodes: Array, errors: Array) -> DrawScores:
         """Scores of all draws.
 
         nodes: whitened readings of `batch`, shape (hypothesis, combination, number). errors:
@@ -153,8 +153,8 @@ class Draws:
         measured = clean + errors @ axes.turn
         known, tiles = self._templates(nodes)
         if self._touches == 1:
-            return Judged(posterior(known, measured).max(axis=1))
-        return Judged(posterior_of_tiles(known, tiles, measured).max(axis=1))
+            return DrawScores(posterior(known, measured).max(axis=1))
+        return DrawScores(posterior_of_tiles(known, tiles, measured).max(axis=1))
 
     @cached_property
     def _at_draws(self) -> Array:
@@ -234,5 +234,5 @@ class Draws:
         return nodes.reshape(*(len(self._nodes),) * self._touches, -1)
 
 
-def _mean(values: Array) -> Accuracy:
-    return Accuracy(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))
+def _mean(values: Array) -> BayesAccuracy:
+    return BayesAccuracy(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))

@@ -20,7 +20,7 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .bayes import Array, Draws, Judged
+from .bayes import Array, Draws, DrawScores
 from .readings import hypotheses
 
 NODES = 6
@@ -57,7 +57,7 @@ class CommonDraws:
 
     def judged(
         self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_] | None = None
-    ) -> Judged:
+    ) -> DrawScores:
         """Scores for one skin with these readings.
 
         told: True for readings that are used, shape (interface, frequency); None: all of `reading`.

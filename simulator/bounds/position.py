@@ -33,16 +33,16 @@ from .information import (
     session_errors,
     summed,
 )
-from .touches.cells import Cells, Place
+from .touches.cells import CellGrid, Place
 from .touches.deep import Deep, touches_on
-from .touches.errors import LaidErrors, laid_errors, some
+from .touches.errors import RasterizationErrors, laid_errors, some
 
 WANTED = ("x", "y", "strength")
 WHOLE = 1 - 1e-6
 
 
 @dataclass(frozen=True)
-class Bounds:
+class PositionBounds:
     """Smallest standard deviations of unbiased estimates, infinite where nothing is resolved.
 
     places: (x, y) in m, shape (place, 2). x, y: m; strength: over the unpressed capacitance; shape
@@ -91,7 +91,7 @@ class Slopes:
         frequencies: NDArray[np.float64] | None = None,
         interfaces: Sequence[int] | None = None,
         taken: NDArray[np.bool_] | None = None,
-    ) -> Bounds:
+    ) -> PositionBounds:
         """Bounds for sweeps at some of the frequencies, in Hz, and some of the interfaces.
 
         taken: True where an interface is read at a frequency, shape (interface, frequency); None:
@@ -112,7 +112,7 @@ class Slopes:
         """Indices of these frequencies."""
         return np.searchsorted(self.frequency, frequencies)
 
-    def of_information(self, information: NDArray[np.float64]) -> Bounds:
+    def of_information(self, information: NDArray[np.float64]) -> PositionBounds:
         """Bounds from the information without priors, shape (place, unknown, unknown)."""
         covariance = covariances(information + np.diag(self.prior), len(WANTED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
@@ -120,7 +120,9 @@ class Slopes:
         told = np.isfinite(x) & np.isfinite(y)
         both = np.where(told, spread[:, 0] * spread[:, 1], 1.0)
         correlation = np.where(told, covariance[:, 0, 1] / both, 0.0)
-        return Bounds(self.places, x, y, spread[:, 2], np.clip(correlation, -1.0, 1.0), self.room)
+        return PositionBounds(
+            self.places, x, y, spread[:, 2], np.clip(correlation, -1.0, 1.0), self.room
+        )
 
 
 def chosen_touch(scene: Scene, size: float | None = None, factor: float | None = None) -> TouchSize:
@@ -163,7 +165,7 @@ def _on_skin(
 ) -> list[Place]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
     part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
-    cells = Cells.of(scene.skin.length, scene.skin.width, grid)
+    cells = CellGrid.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])
     whole = shares >= min(WHOLE, shares.max())
@@ -179,7 +181,7 @@ def position_slopes(
     against_rest: int = 0,
     unknown_skin: bool = False,
     progress: ProgressCallback = silent,
-    laying: Cells | Deep | None = None,
+    laying: CellGrid | Deep | None = None,
     model: ErrorModel | None = None,
 ) -> Slopes:
     """Slopes at every position, for all interfaces at all frequencies, in Hz, ascending.
@@ -194,7 +196,7 @@ def position_slopes(
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     laying = laying or touches_on(scene, fields.grid, touch)
-    cells = Cells.of(scene.skin.length, scene.skin.width, fields.grid)
+    cells = CellGrid.of(scene.skin.length, scene.skin.width, fields.grid)
     unknown = (*WANTED, "finger") if touch.finger else WANTED
     found = []
     for place in tracked(places, "places", progress):
@@ -210,7 +212,7 @@ def position_slopes(
 
 def errors_of_places(
     fields: AnyFields, places: Sequence[Place], touch: TouchSize
-) -> LaidErrors | None:
+) -> RasterizationErrors | None:
     """Errors of touches rasterized on cells, at a sample of positions.
 
     None where presses are factors, which end at their edges. Raises as `laid_errors`.

@@ -30,13 +30,13 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
 from .touches.about_pixels import (
-    AboutPixels,
-    DeepOnes,
+    DepthPixelTouches,
+    PixelTouches,
     about_pixels,
     laid_with_fingers,
     middles,
 )
-from .touches.errors import LaidErrors, laid_errors, some
+from .touches.errors import RasterizationErrors, laid_errors, some
 
 Target = Literal["column", "row", "pixel", "pair", "touches"]
 TARGETS: tuple[str, ...] = get_args(Target)
@@ -183,7 +183,7 @@ LEAST_FACTOR, LARGEST_FACTOR = 0.5, 3.0
 """Smallest range of factors for training."""
 
 
-class Readings:
+class TouchReadings:
     """Whitened readings of a known skin and its meter, from pixels and factors."""
 
     def __init__(
@@ -226,12 +226,12 @@ class Readings:
             batch = self._laid(batch)
         return self.model.whitened(observed(self._seen(batch)))
 
-    def laid_errors(self, presses: AnyDistribution) -> LaidErrors | None:
+    def laid_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
         """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.
 
         None where touches are whole pixels, or presses end at their edges.
         """
-        if self._size is None or not isinstance(self._touches, DeepOnes):
+        if self._size is None or not isinstance(self._touches, DepthPixelTouches):
             return None
         pixels = pixel_coverage(self.scene).numbers
         pixels = pixels[some(len(pixels))]
@@ -260,7 +260,7 @@ class Readings:
         return uniformly_pressed(self.scene.divided(CELLS), "a limit")
 
     @cached_property
-    def _touches(self) -> AboutPixels:
+    def _touches(self) -> PixelTouches:
         assert self._size is not None
         grid = self.scene.divided(CELLS).pixels.shape
         return about_pixels(self.scene, grid, self._size, self._factors[1] - 1)

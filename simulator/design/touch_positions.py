@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced import ReducedFields
 from ..bounds.position import WANTED, Slopes, chosen_touch, places_on, position_slopes
-from ..bounds.touches.cells import Cells, Place
+from ..bounds.touches.cells import CellGrid, Place
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.scene import Scene
@@ -37,7 +37,7 @@ class TouchPositions:
         self.places: list[Place] = places_on(scene, self.size, CELLS, ALONG)
         self.sides = scene.skin.length, scene.skin.width
         self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
-        self.cells = Cells.of(*self.sides, (rows, columns))
+        self.cells = CellGrid.of(*self.sides, (rows, columns))
 
     @property
     def merit(self) -> PositionMerit:

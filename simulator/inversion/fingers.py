@@ -33,7 +33,7 @@ class Way(NamedTuple):
     presses: bool
 
 
-class Fingers(NamedTuple):
+class FingerPrior(NamedTuple):
     """Prior of a finger.
 
     capacitance: F, with the probability of each (`chance`), shape (finger,). deviation: of each, F.
@@ -56,13 +56,13 @@ class Fingers(NamedTuple):
         return pressed + [Way(1.0, C, self.alone * p, False) for C, p in each if self.alone]
 
 
-def fingers_of(scene: Scene, presses: str) -> Fingers:
+def fingers_of(scene: Scene, presses: str) -> FingerPrior:
     """Fingers of [dataset.press] or, for presses "press", the finger of [press]."""
     drawn = scene.dataset.press
     if presses == "dataset" and drawn.finger is not None:
-        return Fingers(*covered(drawn.finger.at, COUNT), drawn.without_press or 0.0)
+        return FingerPrior(*covered(drawn.finger.at, COUNT), drawn.without_press or 0.0)
     alone = (drawn.without_press or 0.0) if presses == "dataset" else 0.0
-    return Fingers(np.array([_own(scene)]), np.ones(1), 0.0, alone)
+    return FingerPrior(np.array([_own(scene)]), np.ones(1), 0.0, alone)
 
 
 def require_rods(scene: Scene, presses: str, target: str) -> None:

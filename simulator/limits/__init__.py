@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..bounds.position import Bounds
+    from ..bounds.position import PositionBounds
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
-    from .hand import Between
+    from .hand import LimitInterval
 from ..progress import ProgressCallback, silent
 
 
@@ -32,12 +32,12 @@ def bayes_accuracy(
     target, a meter without noise, or one with too little noise.
     """
     from ..bounds.bayes import bayes
-    from ..bounds.readings import Readings, hypotheses
+    from ..bounds.readings import TouchReadings, hypotheses
     from ..measure.experiment import own_presses
 
     among = hypotheses(scene, target)
     factors = presses or own_presses(scene)
-    readings = Readings(scene, factors, against_rest)
+    readings = TouchReadings(scene, factors, against_rest)
     return bayes(readings, among, factors, seed, draws, progress)
 
 
@@ -52,7 +52,7 @@ def hand_accuracy(
     samples: int = 4000,
     against_rest: int = 0,
     progress: ProgressCallback = silent,
-) -> Between:
+) -> LimitInterval:
     """Best accuracy as in `bayes_accuracy`, for presses that miss the middle of their pixel.
 
     offset: standard deviation of the position along each side of a pixel, over that side. samples:
@@ -114,7 +114,7 @@ def position_bound(
     unknown_skin: bool = False,
     most: int | None = None,
     progress: ProgressCallback = silent,
-) -> Bounds:
+) -> PositionBounds:
     """Smallest standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
 
     They bound all unbiased estimates from one sweep. size: of the square touch in m, by default a

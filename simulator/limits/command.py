@@ -82,10 +82,10 @@ def limits(
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..sweeps import checked_folder, made_folder
-    from .findings import WRITTEN, Findings
+    from .findings import WRITTEN, SurveyResults
     from .identity import Sampling, identity
     from .survey import (
-        Question,
+        SurveyOptions,
         errors_of_survey,
         survey,
         with_factor,
@@ -98,7 +98,7 @@ def limits(
     side = None if size is None else 1e-3 * size
     touch = chosen_touch(plain, side, factor)
     loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
-    question = Question(touch, against_rest, unknown_skin, not loaded.press.by_factor)
+    question = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
     sampling = Sampling(seed, draws, against_rest, side)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
@@ -112,7 +112,7 @@ def limits(
             variants = survey(loaded, question, resistances, n, progress)
             told_apart = identity(loaded, sampling, progress)
             laid = errors_of_survey(loaded, question)
-            found = Findings(loaded, question, variants, told_apart, laid)
+            found = SurveyResults(loaded, question, variants, told_apart, laid)
             found.write(folder, ending)
             found.show(folder)
 

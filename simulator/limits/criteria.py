@@ -27,7 +27,7 @@ from ..bounds.information import (
 from ..bounds.position import Slopes, chosen_touch
 from ..bounds.readings import Hypothesis, hypotheses
 from ..bounds.touches.about_pixels import middles
-from ..bounds.touches.cells import Laid
+from ..bounds.touches.cells import RasterizedTouch
 from ..bounds.touches.deep import touches_on
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indented.draws import felt_beside
@@ -133,7 +133,7 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[Laid]:
+def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
     """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
     scene, whole = fields.scene, chosen_touch(fields.scene)
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
@@ -143,12 +143,12 @@ def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[Laid]:
         laying = touches_on(scene, fields.grid, touch)
         return [laying.laid(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()
-    return [Laid(1 + touch.rise * each, {"strength": each}) for each in maps]
+    return [RasterizedTouch(1 + touch.rise * each, {"strength": each}) for each in maps]
 
 
 def _pressed(
     fields: AnyFields,
-    pixels: Sequence[Laid],
+    pixels: Sequence[RasterizedTouch],
     hypothesis: Hypothesis,
     frequency: NDArray[np.float64],
 ) -> Response:

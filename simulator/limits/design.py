@@ -26,7 +26,7 @@ DESIGN_PLACES = 64
 
 
 @dataclass(frozen=True)
-class Design:
+class FrequencyDesign:
     """Sets of frequencies in Hz by name, OPTIMAL among them, and the figure of each.
 
     figures: minimized values; in m for position, for column and pixel 1 over the distance in the
@@ -86,7 +86,7 @@ def design(
     repeats: bool = False,
     among: NDArray[np.float64] | None = None,
     progress: ProgressCallback = silent,
-) -> Design:
+) -> FrequencyDesign:
     """The best n of `candidates_of` a scene in a band in Hz, by a criterion of `criteria`.
 
     Unless repeats are allowed, no two of them are `too_near`. among: candidate frequencies in Hz,
@@ -102,7 +102,7 @@ def design(
         judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
     )
     chosen = {OPTIMAL: best, **numbers}
-    return Design(
+    return FrequencyDesign(
         criterion,
         {name: every[k] for name, k in chosen.items()},
         {name: float(judged.score(k[None])[0]) for name, k in chosen.items()},

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..bounds.touches.errors import LaidErrors
+from ..bounds.touches.errors import RasterizationErrors
 from ..measure.symmetry import repeated_told
 from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
@@ -14,9 +14,9 @@ from ..safe_text import say, terminal
 from ..scene.scene import Scene
 from ..sweeps.accuracy_text import bound_text
 from .figure import draw_distances, draw_maps
-from .identity import Identity
+from .identity import IdentityBounds
 from .report import summary, write_distances, write_places
-from .survey import Question, Variant
+from .survey import SurveyOptions, Variant
 
 MOST_ROWS = 14
 """Largest number of rows of the table on the terminal; all rows are in limits.json."""
@@ -34,17 +34,17 @@ COLUMNS = {
 }
 
 
-class Findings(NamedTuple):
+class SurveyResults(NamedTuple):
     """Bounds of a scene.
 
     laid: errors of touches rasterized on cells, None where presses are factors.
     """
 
     scene: Scene
-    question: Question
+    question: SurveyOptions
     variants: Sequence[Variant]
-    told_apart: Identity
-    laid: LaidErrors | None
+    told_apart: IdentityBounds
+    laid: RasterizationErrors | None
 
     def write(self, folder: Path, ending: str) -> None:
         """Writes maps with this ending, tables and a summary."""

@@ -19,7 +19,7 @@ from ..safe_text import say, terminal
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from .design import Design
+    from .design import FrequencyDesign
 
 
 def frequencies(
@@ -97,7 +97,7 @@ def frequencies(
         say(f"{name}: {found.comparison(name)}", err=True)
 
 
-def _table(found: Design) -> Table:
+def _table(found: FrequencyDesign) -> Table:
     from ..report.terminal import table
 
     heads = ["", "frequencies (Hz)", found.heading, found.over]

@@ -152,7 +152,7 @@ Single = NDArray[np.float32]
 """Single precision is far below a meter's noise."""
 
 
-class Between(NamedTuple):
+class LimitInterval(NamedTuple):
     """Interval that contains a limit, up to a standard error."""
 
     least: float
@@ -168,7 +168,7 @@ def accuracy_of_hand(
     draws: int = 1000,
     samples: int = 4000,
     progress: ProgressCallback = silent,
-) -> Between:
+) -> LimitInterval:
     """Accuracy of the best classifier of random presses.
 
     among: hypotheses ordered by answer. samples: presses of each hypothesis.
@@ -217,7 +217,7 @@ def _single(values: Array) -> Single:
     return values.astype(np.float32)
 
 
-def _judged(told: Array, answer: NDArray[np.int64]) -> Between:
+def _judged(told: Array, answer: NDArray[np.int64]) -> LimitInterval:
     """Lower and upper estimates of the accuracy.
 
     told: probability of each answer, shape (reading, answer). answer: the correct one.
@@ -226,7 +226,7 @@ def _judged(told: Array, answer: NDArray[np.int64]) -> Between:
     ties = told >= best * (1 - 1e-6)
     right = ties[np.arange(len(told)), answer] / ties.sum(axis=1)
     error = max(right.std(ddof=1), best.std(ddof=1)) / math.sqrt(len(right))
-    return Between(float(right.mean()), float(best.mean()), float(error))
+    return LimitInterval(float(right.mean()), float(best.mean()), float(error))
 
 
 def _middle(share: Array, places: Array) -> Array:

@@ -14,9 +14,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
-from ..bounds.bayes import Accuracy, bayes
-from ..bounds.readings import Hypothesis, Readings, hypotheses
-from ..bounds.touches.errors import LaidErrors
+from ..bounds.bayes import BayesAccuracy, bayes
+from ..bounds.readings import Hypothesis, TouchReadings, hypotheses
+from ..bounds.touches.errors import RasterizationErrors
 from ..measure.experiment import own_presses, quantiles, together
 from ..progress import ProgressCallback, silent
 from ..scene.randomisation import AnyDistribution
@@ -31,7 +31,9 @@ LOOKED_AT = 41
 """Number of strengths at which the distance of two pixels is evaluated."""
 
 
-def upper_bound(readings: Readings, among: Sequence[Hypothesis], presses: AnyDistribution) -> float:
+def upper_bound(
+    readings: TouchReadings, among: Sequence[Hypothesis], presses: AnyDistribution
+) -> float:
     """Upper bound on the accuracy of any classifier of equally likely hypotheses."""
     curves = [_curve(readings, each, presses) for each in among]
     wrong = np.zeros((len(among), len(among)))
@@ -50,7 +52,7 @@ def confusion(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 def distances(
-    readings: Readings,
+    readings: TouchReadings,
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
     spread: float | None = None,
@@ -71,7 +73,7 @@ def distances(
 
 
 def _curve(
-    readings: Readings, hypothesis: Hypothesis, presses: AnyDistribution
+    readings: TouchReadings, hypothesis: Hypothesis, presses: AnyDistribution
 ) -> NDArray[np.float64]:
     touches = len(hypothesis.pixels)
     each = round(STRENGTHS ** (1 / max(1, touches)))
@@ -91,17 +93,17 @@ class Sampling:
     against_rest: int = 0
     size: float | None = None
 
-    def readings(self, scene: Scene, presses: AnyDistribution) -> Readings:
+    def readings(self, scene: Scene, presses: AnyDistribution) -> TouchReadings:
         """Readings of a scene under these presses."""
-        return Readings(scene, presses, self.against_rest, self.size)
+        return TouchReadings(scene, presses, self.against_rest, self.size)
 
     def bayes(
         self,
-        readings: Readings,
+        readings: TouchReadings,
         among: Sequence[Hypothesis],
         presses: AnyDistribution,
         progress: ProgressCallback,
-    ) -> Accuracy:
+    ) -> BayesAccuracy:
         """Bayes' accuracy of hypotheses under these presses."""
         return bayes(readings, among, presses, self.seed, self.draws, progress)
 
@@ -110,7 +112,7 @@ TARGETS = ("column", "row", "pixel")
 
 
 @dataclass(frozen=True)
-class Identity:
+class IdentityBounds:
     """Bayes' accuracy and its pairwise bound by target; distances between the sweeps of pixels.
 
     apart: distances in the meter's errors with unknown strengths, shape (pixel, pixel). names: of
@@ -118,12 +120,12 @@ class Identity:
     ways: accuracies of other kinds of touch, where fingers press.
     """
 
-    accuracy: dict[str, Accuracy]
+    accuracy: dict[str, BayesAccuracy]
     bound: dict[str, float]
     apart: NDArray[np.float64]
     names: list[str]
     asked: str
-    laid: LaidErrors | None = None
+    laid: RasterizationErrors | None = None
     ways: Ways | None = None
 
     def summary(self) -> dict[str, Any]:
@@ -147,17 +149,19 @@ class Identity:
         return [f"limits for a press: {self.asked}", *laid, *own, *ways]
 
 
-def identity(scene: Scene, sampling: Sampling, progress: ProgressCallback = silent) -> Identity:
+def identity(
+    scene: Scene, sampling: Sampling, progress: ProgressCallback = silent
+) -> IdentityBounds:
     """Identity bounds of a known skin, pressed as in the scene's experiment."""
     presses = own_presses(scene)
     readings, size = sampling.readings(scene, presses), sampling.size
     among = {target: hypotheses(scene, target, size) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
 
-    def accuracy(own: Sequence[Hypothesis]) -> Accuracy:
+    def accuracy(own: Sequence[Hypothesis]) -> BayesAccuracy:
         return sampling.bayes(readings, own, presses, progress)
 
-    return Identity(
+    return IdentityBounds(
         {target: accuracy(own) for target, own in among.items()},
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
@@ -191,7 +195,7 @@ class Count:
     """Number of pixels along the longer side of the grid, best accuracy, and pairwise bound."""
 
     n: int
-    accuracy: Accuracy
+    accuracy: BayesAccuracy
     bound: float
 
     def reaches(self, asked: float) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.position import (
-    Bounds,
+    PositionBounds,
     Slopes,
     TouchSize,
     errors_of_places,
@@ -18,7 +18,7 @@ from ..bounds.position import (
     position_slopes,
 )
 from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
-from ..bounds.touches.errors import LaidErrors
+from ..bounds.touches.errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
 from ..scene.changed_readings import restricted_to_interfaces
 from ..scene.scene import Scene
@@ -41,12 +41,12 @@ class Variant:
 
     comparison: str
     name: str
-    bounds: Bounds
+    bounds: PositionBounds
     frequency: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Question:
+class SurveyOptions:
     """Options of a survey: touch, number of baseline sweeps (`against_rest`), unknown skin.
 
     by_depth: True if the scene presses by depth, which also changes the foam next to a touch.
@@ -74,7 +74,7 @@ class Question:
 
 def survey(
     scene: Scene,
-    question: Question,
+    question: SurveyOptions,
     sheet_resistances: Sequence[float] = (),
     n: int | None = None,
     progress: ProgressCallback = silent,
@@ -106,7 +106,7 @@ def survey(
     return variants
 
 
-def errors_of_survey(scene: Scene, question: Question) -> LaidErrors | None:
+def errors_of_survey(scene: Scene, question: SurveyOptions) -> RasterizationErrors | None:
     """Errors of touches by depth rasterized on cells, for the scene's own variant."""
     if not question.by_depth:
         return None
@@ -164,7 +164,10 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 
 
 def _slopes(
-    scene: Scene, question: Question, frequency: NDArray[np.float64], progress: ProgressCallback
+    scene: Scene,
+    question: SurveyOptions,
+    frequency: NDArray[np.float64],
+    progress: ProgressCallback,
 ) -> Slopes:
     fields = fields_of(scene, float(frequency[-1]), question.touch)
     return position_slopes(

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..bounds.bayes import Accuracy
+from ..bounds.bayes import BayesAccuracy
 from ..bounds.readings import Hypothesis, by_rod, hypotheses, kinds, touched_alone
 from ..scene.scene import Scene
 
@@ -21,8 +21,8 @@ class Ways:
     finger that presses, and a finger that only touches.
     """
 
-    accuracy: Mapping[str, Mapping[str, Accuracy]]
-    kinds: Accuracy
+    accuracy: Mapping[str, Mapping[str, BayesAccuracy]]
+    kinds: BayesAccuracy
 
     def summary(self) -> dict[str, Any]:
         """Content of the file."""
@@ -46,7 +46,7 @@ def ways(
     scene: Scene,
     among: Mapping[str, Sequence[Hypothesis]],
     size: float | None,
-    accuracy: Callable[[Sequence[Hypothesis]], Accuracy],
+    accuracy: Callable[[Sequence[Hypothesis]], BayesAccuracy],
 ) -> Ways | None:
     """Accuracies of other kinds of touch; None for a scene pressed by a rod or not pressed.
 
@@ -67,7 +67,7 @@ def by_finger(scene: Scene, size: float | None) -> str:
     return f", by a finger of {1e12 * max(own):.3g} pF" if own else ""
 
 
-def percent(found: Accuracy) -> str:
+def percent(found: BayesAccuracy) -> str:
     """Text of an accuracy and its standard error."""
     return f"{100 * found.share:.1f} ± {100 * found.error:.1f} %"
 
@@ -77,7 +77,7 @@ def digits(value: float, count: int) -> float:
     return float(f"{value:.{count}g}")
 
 
-def numbers(found: Accuracy) -> dict[str, float]:
+def numbers(found: BayesAccuracy) -> dict[str, float]:
     """An accuracy as content of a file."""
     return {
         "best_possible": digits(found.share, 6),

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.bounds.fields import Fields, TouchSize, fields_of
+from rcskin.simulator.bounds.fields import FullFields, TouchSize, fields_of
 from rcskin.simulator.bounds.information import error_model, in_noise, session_errors
 from rcskin.simulator.bounds.position import chosen_touch, errors_of_places, position_slopes
-from rcskin.simulator.bounds.readings import Readings
+from rcskin.simulator.bounds.readings import TouchReadings
 from rcskin.simulator.bounds.touches import errors
-from rcskin.simulator.bounds.touches.about_pixels import DeepOnes
-from rcskin.simulator.bounds.touches.cells import Cells
+from rcskin.simulator.bounds.touches.about_pixels import DepthPixelTouches
+from rcskin.simulator.bounds.touches.cells import CellGrid
 from rcskin.simulator.bounds.touches.deep import Deep
 from rcskin.simulator.bounds.touches.shared import shared_by_cells
 from rcskin.simulator.fem.error_estimate import relative_difference
@@ -102,7 +102,7 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
     sides = loose.skin.length, loose.skin.width
     deep = Deep(loose, (12, 12), (touch.width, touch.height))
     for place in ((0.0158, 0.0147), (0.0112, 0.016)):
-        found, sharp = deep.laid(place, touch), Cells.of(*sides, (12, 12)).laid(place, touch)
+        found, sharp = deep.laid(place, touch), CellGrid.of(*sides, (12, 12)).laid(place, touch)
         np.testing.assert_allclose(found.factors, sharp.factors, atol=0.1 * touch.rise)
         total = sharp.changes["strength"].sum()
         assert found.changes["strength"].sum() == pytest.approx(total, rel=0.08)
@@ -116,7 +116,7 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
     compared(4)
     scene = foam.with_({"pixels": 2, "sweep": {"frequencies": [2e4]}})
     presses = own_presses(scene)
-    whole, laid = (Readings(scene, presses, size=size) for size in (None, SIDE / 2))
+    whole, laid = (TouchReadings(scene, presses, size=size) for size in (None, SIDE / 2))
     told = laid.laid_errors(presses)
     assert whole.laid_errors(presses) is None and 0 < told.deflection < told.cells
     batch = PressBatch.even(np.arange(4)[:, None], np.full((4, 1), foam.pressed_factor - 1))
@@ -126,7 +126,7 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
 
 def test_errors_told_of_places_cover_those_of_others(foam, compared):
     compared(4)
-    touch, fields = chosen_touch(foam, 0.012), Fields(foam, float(foam.frequencies[-1]))
+    touch, fields = chosen_touch(foam, 0.012), FullFields(foam, float(foam.frequencies[-1]))
     inside = np.linspace(0.006, SIDE - 0.006, 5).tolist()
     told = errors_of_places(fields, [(x, y) for x in inside for y in inside], touch)
     deep, solver = Deep(foam, fields.grid, (touch.width, touch.height)), Solver(foam, 1e-4)
@@ -135,11 +135,11 @@ def test_errors_told_of_places_cover_those_of_others(foam, compared):
         exact = pressed_at(foam, touch, solver, *place, touch.rise)
         assert relative_difference(Z, exact).max() <= told.cells
     plain = foam.with_({"press": {"capacitance_factor": 2.0}})
-    assert errors_of_places(Fields(plain, 1e5), [(0.06, 0.06)], chosen_touch(plain)) is None
+    assert errors_of_places(FullFields(plain, 1e5), [(0.06, 0.06)], chosen_touch(plain)) is None
 
 
 def test_touches_of_any_depth_run_through_those_of_a_few(foam):
-    deep = DeepOnes(foam, (9, 9), 0.015, 2.0)
+    deep = DepthPixelTouches(foam, (9, 9), 0.015, 2.0)
     for touches in ([(0, 0.37)], [(4, 1.91)], [(0, 1.1), (1, 0.6)], [(0, 1.1), (8, 0.6)]):
         cells, rises = (np.array(each) for each in zip(*touches, strict=True))
         found = deep.laid(PressBatch.of([(cells, rises)])).one(0)
@@ -211,7 +211,7 @@ def test_size_and_factor_reach_the_frequencies_for_pixels(foam, tmp_path, coarse
 
 def test_touches_that_lie_alike_are_solved_once(foam):
     touch = chosen_touch(foam, 0.012)
-    fields = Fields(foam, float(foam.frequencies[-1]))
+    fields = FullFields(foam, float(foam.frequencies[-1]))
     places = [(0.045, 0.055), (0.055, 0.055)]
     fresh = [Deep(foam, fields.grid, (touch.width, touch.height)) for _ in places]
     one = Deep(foam, fields.grid, (touch.width, touch.height))

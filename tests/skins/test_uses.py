@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.study.point import EvaluationSettings
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position import chosen_touch, places_on
 from rcskin.simulator.bounds.readings import hypotheses
 from rcskin.simulator.calibration.run import calibrate
@@ -44,7 +44,7 @@ def test_slopes_of_a_reduced_model_are_those_of_its_answers(forwards, name, chec
 def test_fields_answer_and_change_as_the_full_solver(kinds, name):
     """A whole pixel pressed, by cells of a pixel each, and its slopes by the factor."""
     scene = kinds[name]
-    fields, pixel = Fields(scene, scene.frequencies[-1], 1), np.array([[0.0, 1.0]])
+    fields, pixel = FullFields(scene, scene.frequencies[-1], 1), np.array([[0.0, 1.0]])
 
     def answer(factor):
         change = {"strength": pixel}
@@ -55,7 +55,7 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
     apart = (answer(2 + STEP).Z - answer(2 - STEP).Z) / (2 * STEP)
     np.testing.assert_allclose(found.by_parameter["strength"], apart, rtol=1e-4)
     stiffer = scene_with(scene, {"sheet_resistance": STEP})
-    moved = Fields(stiffer, scene.frequencies[-1], 1).respond(1 + pixel, {}, scene.frequencies)
+    moved = FullFields(stiffer, scene.frequencies[-1], 1).respond(1 + pixel, {}, scene.frequencies)
     by = found.by_parameter["sheet_resistance"]
     np.testing.assert_allclose((moved.Z - found.Z) / STEP, by, rtol=2e-2, atol=1e-3 * abs(by).max())
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.simulator.bounds.readings import Hypothesis, hypotheses
-from rcskin.simulator.limits.hand import Between, Hand, accuracy_of_hand, distance_of_hand
+from rcskin.simulator.limits.hand import Hand, LimitInterval, accuracy_of_hand, distance_of_hand
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch
@@ -69,7 +69,7 @@ class TwinsHand(Hand):
 
 def known_accuracy(
     scene: Scene, twin: Twin, target: str, *, draws: int, samples: int, against_rest: int
-) -> Between:
+) -> LimitInterval:
     """Of a target of pixels that are pressed, each as often, on the twin's own skin. Arguments as
     of `accuracy_of_hand`."""
     pixels = [each for each in hypotheses(scene, target) if each.pixels]

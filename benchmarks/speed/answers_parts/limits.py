@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
 from rcskin.simulator.limits.identity import upper_bound
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import observed
@@ -41,11 +41,11 @@ def answers(run: Run) -> Iterator[Answer]:
     """Root mean square of what is off over some seeds; a classifier's share right as a bound."""
     scene = load_scene("sheet-5x5")
     presses, among = own_presses(scene), hypotheses(scene, TARGET)
-    known = Readings(scene, presses)
+    known = TouchReadings(scene, presses)
     truth = bayes(known, among, presses, 99, run.sized(TRUE_DRAWS, 1000)).share
     for draws in run.sized(DRAWS, DRAWS[:1]):
         start = time.perf_counter()
-        bayes(Readings(scene, presses), among, presses, 1, draws)
+        bayes(TouchReadings(scene, presses), among, presses, 1, draws)
         whole, start = time.perf_counter() - start, time.perf_counter()
         found = [bayes(known, among, presses, seed, draws).share for seed in range(REPEATED)]
         again = (time.perf_counter() - start) / REPEATED
@@ -69,7 +69,7 @@ def _rms(found: list[float], truth: float) -> float:
     return float(np.sqrt(np.mean(np.square(np.array(found) - truth))))
 
 
-def _judged(classifier, known: Readings, sweeps: int) -> float:
+def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     """Trained on drawn sweeps of the known skin, and judged on as many others."""
     scene, random = known.scene, np.random.default_rng(1)
     among = [each.pixels for each in hypotheses(scene, TARGET)]
@@ -83,7 +83,7 @@ def _judged(classifier, known: Readings, sweeps: int) -> float:
     return float(classifier.score(read[sweeps:], which[sweeps:]))
 
 
-class _InFull(Readings):
+class _InFull(TouchReadings):
     """Readings without a reduced model: one solve for each press."""
 
     def train(self, progress=None) -> None:

@@ -2,6 +2,6 @@
 
 from ..touches.cells import TouchSize
 from .chosen import AnyFields, fields_of
-from .full import CELLS_PER_PIXEL, Fields, Maps
+from .full import CELLS_PER_PIXEL, FullFields, Maps
 
-__all__ = ["CELLS_PER_PIXEL", "AnyFields", "Fields", "Maps", "TouchSize", "fields_of"]
+__all__ = ["CELLS_PER_PIXEL", "AnyFields", "FullFields", "Maps", "TouchSize", "fields_of"]

@@ -10,10 +10,10 @@ from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..touches.cells import TouchSize
-from .full import CELLS_PER_PIXEL, Fields
+from .full import CELLS_PER_PIXEL, FullFields
 from .reduced import ReducedFields, trained
 
-AnyFields = Fields | ReducedFields
+AnyFields = FullFields | ReducedFields
 
 
 UNDER_DEEP, MOST_CELLS = 6, 36
@@ -37,7 +37,7 @@ def fields_of(
             return trained(scene, highest, touch, cells)
         except ToleranceError:
             pass
-    return Fields(scene, highest, cells)
+    return FullFields(scene, highest, cells)
 
 
 def cells_under(scene: Scene, touch: TouchSize) -> int:

@@ -31,7 +31,7 @@ from ...models.response import Response, at_meter
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from .laying import Laying
+from .laying import PartMaps
 
 Maps = Mapping[str, NDArray[np.float64]]
 """Maps of c over the unpressed c, or of its changes, by name."""
@@ -54,7 +54,7 @@ class _Pressed(NamedTuple):
     skin_unknown: bool
 
 
-class Fields:
+class FullFields:
     """A scene on the cells of a grid, at any frequencies up to `highest`."""
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
@@ -116,8 +116,8 @@ class Fields:
         return combination(self._circuit.excitations)
 
     @cached_property
-    def _laying(self) -> Laying:
-        return Laying(self._family.scene)
+    def _laying(self) -> PartMaps:
+        return PartMaps(self._family.scene)
 
     @cached_property
     def _sheet_terms(self) -> list[csc_matrix]:

@@ -17,7 +17,7 @@ from .edges import Edges
 Array = NDArray[np.float64]
 
 
-class Laying:
+class PartMaps:
     """Parts of a scene whose pixels are the cells, from maps.
 
     A map is c over the unpressed c, shape (row, column), or that and the F of fingers in each cell,

@@ -24,10 +24,10 @@ from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Leads
 from ...scene.scene import Scene
-from ..touches.cells import Cells, TouchSize
+from ..touches.cells import CellGrid, TouchSize
 from .full import CELLS_PER_PIXEL, Maps
 from .full import RTOL as MESH_RTOL
-from .laying import Laying
+from .laying import PartMaps
 from .pressed import Potentials, PressedSkin
 
 RTOL = 4e-4
@@ -43,7 +43,7 @@ class ReducedFields:
         self.scene, self.cells, self._leads = scene, cells, leads or scene.leads
         self.grid = scene.divided(cells).pixels.shape
         self._skin, self._pressed = skin, PressedSkin(skin)
-        self._laying = Laying(skin.reduced.scene)
+        self._laying = PartMaps(skin.reduced.scene)
 
     def respond(
         self,
@@ -99,7 +99,7 @@ def trained(
     scene.require_sheets_alone("the information of readings")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
     driven, band = equivalent_scene(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
-    lines = Cells.of(scene.skin.length, scene.skin.width, grid)
+    lines = CellGrid.of(scene.skin.length, scene.skin.width, grid)
 
     def draw(random: np.random.Generator) -> Case:
         return Case(None, *lines.drawn(touch, random))

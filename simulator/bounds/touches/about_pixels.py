@@ -33,7 +33,7 @@ NO_APPLICATOR = Applicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 Index = NDArray[np.int64]
 
 
-class AboutPixels(Protocol):
+class PixelTouches(Protocol):
     """Square touches around the middles of a scene's pixels."""
 
     def laid(self, batch: PressBatch, /) -> PressBatch:
@@ -41,18 +41,20 @@ class AboutPixels(Protocol):
         ...
 
 
-def about_pixels(scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> AboutPixels:
+def about_pixels(
+    scene: Scene, grid: tuple[int, int], size: float, strongest: float
+) -> PixelTouches:
     """Square touches of one size on a grid of cells.
 
     size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
     """
     if felt_beside(scene):
-        return DeepOnes(scene, grid, size, strongest)
-    return SharpOnes(scene, grid, size)
+        return DepthPixelTouches(scene, grid, size, strongest)
+    return SharpPixelTouches(scene, grid, size)
 
 
 def laid_with_fingers(
-    scene: Scene, grid: tuple[int, int], touches: AboutPixels, batch: PressBatch, size: float
+    scene: Scene, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
 ) -> PressBatch:
     """Result of `AboutPixels.laid` for presses that may have fingers, see `Parts`.
 
@@ -92,7 +94,7 @@ def middles(scene: Scene) -> list[Place]:
     return [(u, v) for v in y.tolist() for u in x.tolist()]
 
 
-class SharpOnes:
+class SharpPixelTouches:
     """Touches that end at their edges; factors of overlapping ones multiply."""
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float) -> None:
@@ -114,7 +116,7 @@ class _Depths(NamedTuple):
     rises: Interpolant
 
 
-class DeepOnes:
+class DepthPixelTouches:
     """Touches by depth. A press with touches that interact is solved for on its own."""
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:

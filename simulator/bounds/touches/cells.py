@@ -32,7 +32,7 @@ class TouchSize(NamedTuple):
     finger: float = 0.0
 
 
-class Laid(NamedTuple):
+class RasterizedTouch(NamedTuple):
     """Map of a touch and its derivatives.
 
     factors: c over the unpressed c. changes: derivatives by x and y [1/m] and by the rise
@@ -45,14 +45,14 @@ class Laid(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Cells:
+class CellGrid:
     """Grid of cells by its lines across x and y, m."""
 
     x: Array
     y: Array
 
     @classmethod
-    def of(cls, length: float, width: float, grid: tuple[int, int]) -> Cells:
+    def of(cls, length: float, width: float, grid: tuple[int, int]) -> CellGrid:
         """A uniform grid of rows and columns over a skin."""
         return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
 
@@ -75,12 +75,12 @@ class Cells:
         cells = np.flatnonzero(rises)
         return TouchedCells(cells, rises[cells])
 
-    def laid(self, place: Place, touch: TouchSize) -> Laid:
+    def laid(self, place: Place, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m."""
         changes = self.raised(place, touch)
-        return Laid(1 + touch.rise * changes["strength"], changes)
+        return RasterizedTouch(1 + touch.rise * changes["strength"], changes)
 
-    def with_finger(self, laid: Laid, place: Place, touch: TouchSize) -> Laid:
+    def with_finger(self, laid: RasterizedTouch, place: Place, touch: TouchSize) -> RasterizedTouch:
         """The map with the touch's finger added; unchanged for a rod."""
         if not touch.finger:
             return laid
@@ -93,7 +93,9 @@ class Cells:
             for name, change in laid.changes.items()
         }
         changes["finger"] = np.stack([none, fingers["strength"]])
-        return Laid(np.stack([laid.factors, touch.finger * fingers["strength"]]), changes)
+        return RasterizedTouch(
+            np.stack([laid.factors, touch.finger * fingers["strength"]]), changes
+        )
 
 
 def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:

@@ -27,7 +27,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
-from .cells import Array, Cells, Laid, Place, TouchSize
+from .cells import Array, CellGrid, Place, RasterizedTouch, TouchSize
 from .shared import shared_by_cells
 
 STRIDE = 1
@@ -57,7 +57,7 @@ class Deep:
         self.lattice: Lattice = lattice_of(scene, grid, min(sides))
         self._known: dict[tuple[object, ...], Array] = {}
 
-    def laid(self, place: Place, touch: TouchSize) -> Laid:
+    def laid(self, place: Place, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m.
 
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
@@ -86,7 +86,7 @@ class Deep:
         rises, by_x, by_y, by_strength = self._everywhere(
             self._alike("laid", self.applied(place, rise), here, found), here
         )
-        return Laid(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
+        return RasterizedTouch(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
     def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applicators:
         """The applicator under which c rises by `rise`.
@@ -151,8 +151,8 @@ def around(windows: Sequence[Window]) -> Window:
     return rows, columns
 
 
-def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> Cells | Deep:
+def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> CellGrid | Deep:
     """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
     if felt_beside(scene):
         return Deep(scene, grid, (touch.width, touch.height))
-    return Cells.of(scene.skin.length, scene.skin.width, grid)
+    return CellGrid.of(scene.skin.length, scene.skin.width, grid)

@@ -25,7 +25,7 @@ RTOL = 1e-4
 Impedances = Callable[[PressBatch], NDArray[np.complex128]]
 
 
-class LaidErrors(NamedTuple):
+class RasterizationErrors(NamedTuple):
     """Estimated largest relative errors of Rs and Cp: SAMPLED times those of a sample.
 
     cells: of cells and lattice together, compared with the full model. deflection: of the lattice
@@ -57,7 +57,7 @@ def laid_errors(
     each: Sequence[Applicators],
     own: PressBatch,
     impedances: Impedances,
-) -> LaidErrors:
+) -> RasterizationErrors:
     """Errors of a sample of touches.
 
     own: the touches rasterized on the lattice's cells. impedances: function from presses of these
@@ -67,7 +67,7 @@ def laid_errors(
     cells = off_the_solver(scene, map(as_press, each), found, RTOL)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
     deflection = float(relative_difference(found, by_triangles).max())
-    return LaidErrors(SAMPLED * cells, SAMPLED * deflection)
+    return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection)
 
 
 def off_the_solver(

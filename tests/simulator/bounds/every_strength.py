@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, Accuracy
+from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, BayesAccuracy
 from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
 from rcskin.simulator.bounds.readings import Hypothesis
 from rcskin.simulator.measure.experiment import strengths, together
@@ -14,7 +14,7 @@ def exact(readings, among, presses, seed, draws):
     """As `bayes` of the package."""
     known, measured = compared(readings, among, presses, seed, draws)
     best = posterior(known, measured).max(axis=1)
-    return Accuracy(float(best.mean()), float(best.std(ddof=1) / math.sqrt(draws)))
+    return BayesAccuracy(float(best.mean()), float(best.std(ddof=1) / math.sqrt(draws)))
 
 
 def compared(readings, among, presses, seed, draws):

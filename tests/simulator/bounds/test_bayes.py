@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.limits.identity import distances, upper_bound
 from rcskin.simulator.measure.experiment import own_presses
@@ -28,7 +28,7 @@ def test_without_noise_everything_is_told_and_in_noise_nothing(noisy):
 def test_two_presses_of_known_strength_are_told_as_two_points_in_normal_noise(noisy):
     scene = noisy(readout=noise(0.03), spread=0.0, columns=2, **STRIP)
     presses, among = own_presses(scene), hypotheses(scene, "column")
-    readings = Readings(scene, presses)
+    readings = TouchReadings(scene, presses)
     apart = distances(readings, among, presses)[0, 1]
     exact = ndtr(apart / 2)
     found = bayes(readings, among, presses, seed=1, draws=4000)
@@ -40,7 +40,7 @@ def test_two_presses_of_known_strength_are_told_as_two_points_in_normal_noise(no
 def test_mirror_pixels_are_guessed_whatever_the_meter(noisy):
     scene = noisy(readout=noise(1e-3), rows=2, columns=2, frequencies=(1e3, 1e4))
     presses = own_presses(scene)
-    readings = Readings(scene, presses)
+    readings = TouchReadings(scene, presses)
     for target in ("row", "pixel"):
         among = hypotheses(scene, target)
         found = bayes(readings, among, presses, seed=1, draws=300)

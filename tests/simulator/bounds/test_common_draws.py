@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.common_draws import CommonDraws
-from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, Fields, fields_of
+from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
 from rcskin.simulator.bounds.posterior import posterior
-from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
 from rcskin.simulator.bounds.tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
@@ -53,7 +53,7 @@ def judged(scene, model):
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
-    readings = Readings(scene, own_presses(scene))
+    readings = TouchReadings(scene, own_presses(scene))
     readings._reduced = read(model, scene.interfaces)
     asked = readings, hypotheses(scene, "pixel"), own_presses(scene)
     best = exact(*asked, seed=2, draws=3000)
@@ -106,7 +106,7 @@ def pair_scene(scene):
 
 def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
     presses = own_presses(pair_scene)
-    readings = Readings(pair_scene, presses)
+    readings = TouchReadings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
     asked = readings, hypotheses(pair_scene, "pair"), presses
     best = exact(*asked, seed=2, draws=3000)
@@ -119,7 +119,7 @@ def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
 
 def test_what_tiles_leave_out_is_negligible(pair_scene, model):
     presses = own_presses(pair_scene)
-    readings = Readings(pair_scene, presses)
+    readings = TouchReadings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
     among = hypotheses(pair_scene, "pair")
     known, measured = compared(readings, among, presses, 3, 200)
@@ -147,8 +147,8 @@ def test_other_targets_are_not_judged(scene):
 def test_bounds_on_position_are_those_of_the_full_elements(scene):
     touch, highest = chosen_touch(scene), float(scene.frequencies[-1])
     places = places_on(scene, touch, CELLS_PER_PIXEL)[1::5]
-    both = [fields_of(scene, highest, touch), Fields(scene, highest)]
-    assert not isinstance(both[0], Fields)
+    both = [fields_of(scene, highest, touch), FullFields(scene, highest)]
+    assert not isinstance(both[0], FullFields)
     found, truth = (
         position_slopes(each, places, touch, scene.frequencies).bounds() for each in both
     )

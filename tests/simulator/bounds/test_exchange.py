@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.exchange import best_choice
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
 
@@ -13,7 +13,7 @@ from rcskin.simulator.limits.criteria import identity_criterion, position_criter
 @pytest.mark.parametrize("repeats", [False, True])
 @pytest.mark.parametrize("target", ["position", "column"])
 def test_exchange_finds_the_best_of_all_choices(noisy_strip, target, repeats):
-    fields, f = Fields(noisy_strip, 1e5), noisy_strip.frequencies
+    fields, f = FullFields(noisy_strip, 1e5), noisy_strip.frequencies
     if target == "position":
         touch = chosen_touch(noisy_strip)
         places = places_on(noisy_strip, touch, fields.cells)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
@@ -25,8 +25,10 @@ def test_drawn_skins_have_the_stray_capacitance_that_is_left(make_scene):
 
 def test_limits_are_those_of_what_is_left(make_scene):
     guarded, seen = (behind(make_scene(columns=2), leads) for leads in (GUARDED, SEEN))
-    frequency, at_rest = guarded.frequencies, np.ones(Fields(guarded, 1e5).grid)
-    one, other = (Fields(each, 1e5).respond(at_rest, {}, frequency, {}) for each in (guarded, seen))
+    frequency, at_rest = guarded.frequencies, np.ones(FullFields(guarded, 1e5).grid)
+    one, other = (
+        FullFields(each, 1e5).respond(at_rest, {}, frequency, {}) for each in (guarded, seen)
+    )
     np.testing.assert_allclose(one.Z, other.Z, rtol=1e-13)
     for name, slope in other.by_parameter.items():
         np.testing.assert_allclose(one.by_parameter[name], slope, rtol=1e-12)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.information import error_model
 from rcskin.simulator.bounds.position import Slopes, chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits import position_bound
@@ -20,7 +20,7 @@ TRIALS = 150
 
 def slopes_of(scene, most=4, **question):
     touch = chosen_touch(scene)
-    fields = Fields(scene, float(scene.frequencies[-1]))
+    fields = FullFields(scene, float(scene.frequencies[-1]))
     places = places_on(scene, touch, fields.cells, most)
     return position_slopes(fields, places, touch, scene.frequencies, **question)
 
@@ -88,7 +88,7 @@ def test_one_edge_tells_mirrored_rows_alike_and_nothing_of_y_half_way(noisy):
     fine = {"magnitude_noise": 1e-5, "phase_noise": 1e-5}
     frequencies = np.geomspace(1e3, 1e5, 6).tolist()
     scene = noisy(readout=fine, rows=3, columns=3, frequencies=frequencies)
-    touch, fields = chosen_touch(scene), Fields(scene, 1e5)
+    touch, fields = chosen_touch(scene), FullFields(scene, 1e5)
     middle, width = scene.skin.width / 2, scene.skin.width
     places = [(0.04, 0.018), (0.04, width - 0.018), (0.04, middle)]
     low, high, half = position_slopes(fields, places, touch, scene.frequencies).bounds().y
@@ -105,7 +105,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
         frequencies=np.geomspace(1e3, 3e4, 6).tolist(),
     )
     touch, x = chosen_touch(scene), 0.0375
-    slopes = position_slopes(Fields(scene, 3e4), [(x, 0.01)], touch, scene.frequencies)
+    slopes = position_slopes(FullFields(scene, 3e4), [(x, 0.01)], touch, scene.frequencies)
     bounds = slopes.bounds()
     assert np.isinf(bounds.y).all()
     line, model = Line(scene), error_model(scene, len(scene.frequencies))

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position import position_slopes
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
 from rcskin.simulator.design.reading_pool import terminals
@@ -36,7 +36,7 @@ def test_bounds_are_those_of_the_full_solver(scene):
     found, touches = bench(scene), TouchPositions(scene)
     on = found._trained.readout(None, found.own.material, scene.interfaces)
     told = touches.slopes(on, scene.frequencies, 6)
-    fields = Fields(scene, float(scene.frequencies[-1]), CELLS)
+    fields = FullFields(scene, float(scene.frequencies[-1]), CELLS)
     exact = position_slopes(fields, touches.places, touches.size, scene.frequencies, against_rest=6)
     for name in ("x", "y", "strength"):
         one, other = (getattr(each.bounds(), name) for each in (told, exact))

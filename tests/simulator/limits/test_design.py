@@ -13,7 +13,7 @@ from rcskin.simulator.bounds.sets import (
     too_near,
 )
 from rcskin.simulator.limits.design import design
-from rcskin.simulator.limits.survey import Question, survey
+from rcskin.simulator.limits.survey import SurveyOptions, survey
 from rcskin.simulator.sweeps import InputError
 
 
@@ -32,7 +32,7 @@ def test_the_error_is_that_of_limits(noisy_strip):
     """Of the same frequencies: the median over the sheet, as `rcskin limits` shows it."""
     touch = chosen_touch(noisy_strip)
     found = design(noisy_strip, 3, own_band(noisy_strip), touch)
-    limits = {each.name: each for each in survey(noisy_strip, Question(touch), n=3)}
+    limits = {each.name: each for each in survey(noisy_strip, SurveyOptions(touch), n=3)}
     assert set(found.errors) == {"optimal", "Eq. 6", "log spacing"}
     for name, error in found.errors.items():
         same = limits[f"3, {name}"]

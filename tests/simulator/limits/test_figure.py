@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import same_color
 from matplotlib.figure import Figure
-from rcskin.simulator.bounds.position import Bounds
+from rcskin.simulator.bounds.position import PositionBounds
 from rcskin.simulator.chart_style import FOIL_COLOURS
 from rcskin.simulator.limits import figure as figures
 from rcskin.simulator.limits.figure import draw_maps, draw_sheet
@@ -59,7 +59,7 @@ def test_maps_of_any_skin_stand_in_rows_and_columns_with_their_labels_apart(
     places = np.array(sides) * [[0.3, 0.3], [0.3, 0.7], [0.7, 0.3], [0.7, 0.7]]
     x = np.array([1e-3, 3e-3, 1e-2, 0.1])
     y = np.full(4, np.inf) if untold else x
-    bounds = Bounds(places, x, y, x, np.zeros(4), sides)
+    bounds = PositionBounds(places, x, y, x, np.zeros(4), sides)
     draw_maps(scene, [Variant("", str(k), bounds, x) for k in range(3)], "title", tmp_path)
     drawn.draw_without_rendering()
     boxes = [each.get_position() for each in drawn.axes if each.get_aspect() != "auto"]

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position import chosen_touch
-from rcskin.simulator.bounds.touches.cells import Cells
+from rcskin.simulator.bounds.touches.cells import CellGrid
 from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits.identity import Sampling, identity
 from rcskin.simulator.limits.survey import with_finger
@@ -28,11 +28,11 @@ FINGER = EARTH.with_({"press.finger": 5e-12})
 
 @pytest.fixture(scope="module")
 def fields():
-    return Fields(FINGER, 5e4, cells=2)
+    return FullFields(FINGER, 5e4, cells=2)
 
 
 def laid(fields, place, touch):
-    cells = Cells.of(0.12, 0.12, fields.grid)
+    cells = CellGrid.of(0.12, 0.12, fields.grid)
     return cells.with_finger(cells.laid(place, touch), place, touch)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import Readings, hypotheses
+from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
 from rcskin.simulator.limits.identity import (
     Sampling,
     counts,
@@ -23,7 +23,7 @@ def noise(size):
 def test_the_pairwise_bound_is_one(noisy):
     scene = noisy(readout=noise(0.02), spread=0.2, columns=4, **STRIP)
     presses = own_presses(scene)
-    readings, among = Readings(scene, presses), hypotheses(scene, "column")
+    readings, among = TouchReadings(scene, presses), hypotheses(scene, "column")
     found = bayes(readings, among, presses, seed=1, draws=2000)
     assert 0.3 < found.share - 4 * found.error <= upper_bound(readings, among, presses) < 1
 
@@ -49,7 +49,7 @@ def test_pixels_are_counted_in_the_proportion_of_the_scene(noisy):
 def test_distances_grow_with_what_is_known_of_strengths(noisy):
     scene = noisy(readout=noise(0.01), spread=0.1, columns=3, **STRIP)
     presses, among = own_presses(scene), hypotheses(scene, "column")
-    readings = Readings(scene, presses)
+    readings = TouchReadings(scene, presses)
     free, held = distances(readings, among, presses), distances(readings, among, presses, 0.1)
     assert (held >= free - 1e-12).all() and (np.diag(free) == 0).all()
     assert (free[~np.eye(3, dtype=bool)] > 0).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import fields_of
 from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
-from rcskin.simulator.limits.survey import Question, survey, with_interfaces
+from rcskin.simulator.limits.survey import SurveyOptions, survey, with_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 FREQUENCIES = [1e3, 1e4, 1e5]
@@ -63,7 +63,7 @@ def test_information_of_readings_adds_up(shared):
 
 def test_a_survey_holds_the_scenes_own_beside_sets_that_all_share(shared):
     own = shared.with_(OWN)
-    question = Question(chosen_touch(own), against_rest=4)
+    question = SurveyOptions(chosen_touch(own), against_rest=4)
     part, whole = (survey(scene, question, [3e4]) for scene in (own, shared))
     named = [{each.name: each.bounds for each in variants} for variants in (part, whole)]
     for name in set(named[0]) & set(named[1]) - {"left", "bottom", "all together", "30 kohm/sq"}:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import Fields
+from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.information import error_model
 from rcskin.simulator.bounds.position import SkinUnknowns
 from rcskin.simulator.calibration.measurements import measurements_of
@@ -57,7 +57,7 @@ def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
         assert prior[name].center == each.shift
     frequency = np.array(scene.frequencies)
     limits = SkinUnknowns(
-        Fields(scene, 1e4), frequency, error_model(scene, len(frequency))
+        FullFields(scene, 1e4), frequency, error_model(scene, len(frequency))
     ).deviations
     assert {name: limits[name] for name in told} == {n: s.deviation for n, s in told.items()}
     inversion = UnknownSkin(Forward(scene, rtol=1e-3))
