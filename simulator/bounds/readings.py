@@ -100,7 +100,7 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
     """All hypotheses of a target, ordered by answer, with the finger of the scene's `press`.
 
     column, row, pixel: any one pixel, or none where the scene has a class for the unpressed skin;
-    pair: any two; touches: none, one or two, with equal priors. size: see `Readings`. Raises
+    pair: any two; touches: none, one or two, with equal priors. size: see `TouchReadings`. Raises
     InputError for another target, or too few pixels.
     """
     if target not in TARGETS:
@@ -119,7 +119,7 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
 def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
     """Hypotheses of the kind of touch: a rod, a finger that presses, or one that only touches.
 
-    Any one pixel is touched. size: see `Readings`.
+    Any one pixel is touched. size: see `TouchReadings`.
     """
     pixels = [each for each in hypotheses(scene, "pixel", size) if each.pixels]
     ways = by_rod, lambda each: each, touched_alone

@@ -85,7 +85,7 @@ def _curve(
 class Sampling:
     """Settings for accuracies: number of drawn sweeps and their seed.
 
-    against_rest, size: see `Readings`.
+    against_rest, size: see `TouchReadings`.
     """
 
     seed: int

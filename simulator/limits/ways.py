@@ -50,7 +50,7 @@ def ways(
 ) -> Ways | None:
     """Accuracies of other kinds of touch; None for a scene pressed by a rod or not pressed.
 
-    among: hypotheses by target. size: see `Readings`. accuracy: function of hypotheses.
+    among: hypotheses by target. size: see `TouchReadings`. accuracy: function of hypotheses.
     """
     if not scene.press.finger or scene.pressed_factor == 1:
         return None

@@ -52,7 +52,7 @@ class ReducedFields:
         frequency: NDArray[np.float64],
         of_foam: Maps | None = None,
     ) -> Response:
-        """Response of one map of c; see `Fields.respond`."""
+        """Response of one map of c; see `FullFields.respond`."""
         s, laying, skin = laplace_variable(frequency, self._skin.loss), self._laying, self._pressed
         edges = laying.edges(factors, directions)
         pressed = laying.pressed(factors, edges)
@@ -91,7 +91,7 @@ class ReducedFields:
 def trained(
     scene: Scene, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
 ) -> ReducedFields:
-    """Trains a model for touches of one size on the mesh of `Fields`.
+    """Trains a model for touches of one size on the mesh of `FullFields`.
 
     highest: largest frequency, Hz. cells: along each side of a pixel. Raises ToleranceError where
     the reduced model does not reach its tolerance.

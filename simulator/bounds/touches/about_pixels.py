@@ -56,7 +56,7 @@ def about_pixels(
 def laid_with_fingers(
     scene: Scene, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
 ) -> PressBatch:
-    """Result of `AboutPixels.laid` for presses that may have fingers, see `Parts`.
+    """Result of `PixelTouches.laid` for presses that may have fingers, see `Parts`.
 
     size: of a side, m.
     """
@@ -102,7 +102,7 @@ class SharpPixelTouches:
         self._middles = np.array(middles(scene))
 
     def laid(self, batch: PressBatch) -> PressBatch:
-        """See `AboutPixels`."""
+        """See `PixelTouches`."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
@@ -125,7 +125,7 @@ class DepthPixelTouches:
         self._known: dict[int, _Depths] = {}
 
     def laid(self, batch: PressBatch) -> PressBatch:
-        """See `AboutPixels`.
+        """See `PixelTouches`.
 
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
         interpolation between depths does not converge.
