@@ -44,13 +44,11 @@ def draw(found: pd.DataFrame, question: Question, path: Path) -> None:
     effects, ways = found["effect"].unique(), found["way"].unique()
     figure = Figure(figsize=(8.5, 1.4 + 0.8 * len(effects)), layout="constrained")
     axes, width = figure.subplots(), NARROW / len(ways)
-    place = np.arange(len(effects))
+    place, colours = np.arange(len(effects)), [*COLOURS, "0.5"]
     for k, way in enumerate(ways):
         own = found[found["way"] == way].set_index("effect").reindex(effects)
         at = place + (k - (len(ways) - 1) / 2) * width
-        axes.barh(
-            at, own["mean"], width, xerr=own["error"], color=COLOURS[k % len(COLOURS)], label=way
-        )
+        axes.barh(at, own["mean"], width, xerr=own["error"], color=colours[k], label=way)
     axes.axvline(100 * question.trial.goal, color="0.3", linestyle="--", linewidth=1)
     axes.set_yticks(place, effects)
     axes.invert_yaxis()
