@@ -1,1 +1,1 @@
-"""A scene and a press as quadrilaterals or triangles."""
+"""Meshes of a scene and a press: quadrilaterals or triangles."""

@@ -1,10 +1,11 @@
 """Edges of triangles that are arcs of circles, and triangles with such edges.
 
-Over a chord e the arc of curvature k lies (1 - t²) |e|² k / 4 / (sqrt(1 - q² t²) + sqrt(1 - q²))
-high, t from -1 to 1 along the chord, q = |e| k / 2. With L_i L_j for (1 - t²) / 4 and L_j - L_i for
-t, L the barycentric coordinates, this moves a whole triangle onto its curved one: exactly on the
-arc, not at all on the other edges, and as smoothly as polynomials of any order need it (M. Lenoir,
-SIAM Journal on Numerical Analysis 23 (1986) 562: the s-th derivative falls with h^s).
+The arc of curvature k over a chord e has the height
+(1 - t²) |e|² k / 4 / (sqrt(1 - q² t²) + sqrt(1 - q²)) above it, with t from -1 to 1 along the chord
+and q = |e| k / 2. With L_i L_j in place of (1 - t²) / 4 and L_j - L_i in place of t, L the
+barycentric coordinates, this maps a whole triangle onto its curved one: exactly onto the arc,
+without moving the other edges, and as smoothly as polynomials of any order need it (M. Lenoir, SIAM
+Journal on Numerical Analysis 23 (1986) 562: the s-th derivative falls with h^s).
 """
 
 from __future__ import annotations
@@ -19,27 +20,30 @@ from .edge_numbering import edge_numbers, halves
 Numbers = NDArray[np.int64]
 Points = NDArray[np.float64]
 EDGES = ((0, 1), (1, 2), (0, 2))
-"""Of a triangle whose points ascend, each from the lower point to the higher."""
+"""Edges of a triangle of ascending points, each from the lower to the higher one."""
 
 
 class Arcs(NamedTuple):
-    """Numbers of the ends of arcs, ascending in each column, shape (2, arc), and their curvature
-    in 1/m, shape (arc,): positive where the arc lies left of the chord from the lower end on."""
+    """Arcs between points of a mesh.
+
+    lines: numbers of the ends, ascending in each column, shape (2, arc). curvature: 1/m, shape
+    (arc,); positive where the arc lies left of the chord from the lower end on.
+    """
 
     lines: Numbers
     curvature: NDArray[np.float64]
 
     def of(self, edges: Numbers) -> NDArray[np.float64]:
-        """The curvature of edges by numbers of points, shape (2, edge) to (edge,); 0 if straight.
+        """Curvature of edges by numbers of points, (2, edge) to (edge,); 0 if straight.
 
-        All arcs must be among the edges, and these in the order of `edges_of`.
+        All arcs must be among the edges, and the edges in the order of `edges_of`.
         """
         found = np.zeros(edges.shape[1])
         found[edge_numbers(self.lines, edges)] = self.curvature
         return found
 
     def halved(self, edges: Numbers, new: Numbers) -> Arcs:
-        """Arcs along edges, those in two that have a new point on them; see `halves`."""
+        """Arcs along edges, divided in two by a new point on them; see `halves`."""
         cut = new[edge_numbers(self.lines, edges)] >= 0
         both = self.curvature[cut]
         return Arcs(
@@ -58,7 +62,7 @@ def on_arcs(
 ) -> Points:
     """Points of arcs over the chords from start to stop, m, all of shape (2, arc).
 
-    part: of the chord, where along it they lie, 0 to 1.
+    part: fraction of the chord at which they lie, 0 to 1.
     """
     chord, t = stop - start, 2 * np.asarray(part) - 1
     q = np.linalg.norm(chord, axis=0) * curvature / 2
@@ -67,15 +71,15 @@ def on_arcs(
 
 
 def arc_length(chord: NDArray[np.float64], curvature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of arcs over chords of that length, m."""
+    """Lengths of the arcs over chords of the given lengths, m."""
     q = chord * np.abs(curvature) / 2
     return chord * np.divide(np.arcsin(q), q, out=np.ones_like(q), where=q > 0)
 
 
 def beside_chords(p: Points, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Areas between chords and arcs, negative where these cut into the triangle, m².
+    """Areas between chords and arcs, negative where arcs cut into the triangle, m².
 
-    p, t, curvature and the result's shape as of `mapped`.
+    p, t, curvature: as for `mapped`. The result has the shape of curvature.
     """
     found = np.zeros_like(curvature)
     for (i, j), bend, area in zip(EDGES, curvature, found, strict=True):
@@ -91,11 +95,11 @@ def beside_chords(p: Points, t: Numbers, curvature: NDArray[np.float64]) -> NDAr
 def mapped(
     p: Points, t: Numbers, curvature: NDArray[np.float64], points: Points
 ) -> tuple[Points, Points, Points]:
-    """Places x in m in triangles with arcs for edges, and dx/da and dx/db there.
+    """Positions x in m in triangles with arcs for edges, and dx/da and dx/db there.
 
-    p: m, shape (2, point). t: ascending in each column, shape (3, cell). curvature: of their EDGES,
-    in 1/m, shape (3, cell). points: (a, b) in the unit triangle, shape (2, place). The result's
-    three parts are of shape (2, cell, place).
+    p: m, shape (2, point). t: ascending in each column, shape (3, cell). curvature: that of the
+    EDGES of each cell, 1/m, shape (3, cell). points: (a, b) in the unit triangle, shape (2, place).
+    The three results are of shape (2, cell, place).
     """
     origin, along, across = (p[:, each][:, :, None] for each in t)
     along, across = along - origin, across - origin
@@ -123,5 +127,5 @@ def mapped(
 
 
 def _left_of(chord: Points) -> Points:
-    """The chords turned by a right angle."""
+    """Chords turned anticlockwise by a right angle."""
     return np.stack([-chord[1], chord[0]])

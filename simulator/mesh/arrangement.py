@@ -1,4 +1,4 @@
-"""Lines and circles in the plane, divided wherever they meet anything."""
+"""Lines and circles in the plane, divided where they meet each other or points."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ NO_MARKS = np.empty((0, 2))
 
 
 class Arrangement(NamedTuple):
-    """Points in m, shape (point, 2); pieces by numbers of their ends, shape (piece, 2); and for
-    each the first segment that it is part of, shape (piece,), by which and along which they are in
-    order."""
+    """Segments divided at their crossings.
+
+    points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2), sorted by segment
+    and then along it. segment: the first segment that each piece is part of, shape (piece,).
+    """
 
     points: Points
     pieces: Numbers
@@ -26,10 +28,10 @@ class Arrangement(NamedTuple):
 
 
 def arranged(segments: Points, same: float, marks: Points = NO_MARKS) -> Arrangement:
-    """The arrangement of segments, shape (segment, end, 2), and of points `marks` on them.
+    """Arrangement of segments, shape (segment, end, 2), and points `marks` on them.
 
-    Points nearer to each other or to a segment than `same` [m] are one, or lie on it; those of
-    earlier segments stay where they are.
+    Points nearer to each other than `same` [m] are merged, and a point nearer to a segment than
+    that lies on it. Points of earlier segments keep their places.
     """
     if not len(segments):
         return Arrangement(marks, np.empty((0, 2), np.int64), np.empty(0, np.int64))
@@ -69,17 +71,20 @@ def _merged(points: Points, same: float) -> Points:
 Angles = NDArray[np.float64]
 
 WIDEST = np.pi / 8
-"""Angle of an arc, seen from the centre."""
+"""Largest angle of an arc, seen from the centre, rad."""
 
 CLOSE = 0.05
-"""Of the radius: what is nearer to a circle has a point of it beside."""
+"""Distance to a circle over its radius; nearer points divide it at their angles."""
 
 MOST_ROUNDS = 20
 
 
 class Chords(NamedTuple):
-    """Segments in m, shape (segment, end, 2), and the curvature in 1/m of the arcs over them, shape
-    (segment,): positive where an arc lies left of its chord, 0 where it is straight."""
+    """Straight segments, and chords of arcs.
+
+    segments: m, shape (segment, end, 2). curvature: that of the arcs over them, 1/m, shape
+    (segment,); positive where an arc lies left of its chord, 0 where it is straight.
+    """
 
     segments: Points
     curvature: NDArray[np.float64]
@@ -88,11 +93,11 @@ class Chords(NamedTuple):
 def chords(
     shapes: Sequence[Circle | Points], marks: Points, same: float, widest: float = WIDEST
 ) -> list[Chords]:
-    """Those of circles and of straight segments, shape (segment, end, 2); m.
+    """Chords of circles, and straight segments, shape (segment, end, 2); m.
 
-    marks: points at which circles are divided if they lie on them, shape (point, 2). same: what is
-    nearer than that [m] to a circle lies on it. widest: angle of an arc at most. A circle that
-    comes again has no chords.
+    marks: points that divide the circles on which they lie, shape (point, 2). same: distance [m]
+    within which a point lies on a circle. widest: largest angle of an arc, rad. A circle that
+    repeats an earlier one has no chords.
     """
     straight = np.concatenate(
         [np.empty((0, 2, 2)), *(shape for shape in shapes if not isinstance(shape, Circle))]
@@ -124,7 +129,7 @@ def _around(circle: Circle, angles: Angles) -> Chords:
 def _divided(
     circles: Sequence[Circle], segments: Points, points: Points, same: float, widest: float
 ) -> list[Angles]:
-    """The angles of the points that divide each circle, ascending, rad."""
+    """Angles of the points that divide each circle, ascending, rad."""
     found = []
     for k, circle in enumerate(circles):
         others = [*circles[:k], *circles[k + 1 :]]
@@ -149,18 +154,18 @@ def _divided(
 
 
 def _near(circle: Circle, points: Points, reach: float) -> Angles:
-    """The angles of points within reach [m] of a circle."""
+    """Angles of points within reach [m] of a circle."""
     return circle.angle(points[np.abs(circle.beyond(points)) <= reach])
 
 
 def _feet(circle: Circle, segments: Points) -> Points:
-    """The points of segments that are nearest to a circle's centre, shape (segment, 2)."""
+    """Points of segments that are nearest to a circle's centre, shape (segment, 2)."""
     along, _ = nearest(circle.centre[None], segments)
     return segments[:, 0] + along[0][:, None] * (segments[:, 1] - segments[:, 0])
 
 
 def _towards(circle: Circle, other: Circle) -> Angles:
-    """The angles of the points of a circle that are nearest to and farthest from another."""
+    """Angles of the points of a circle that are nearest to and farthest from another."""
     angle = circle.angle(other.centre)
     return np.array([angle, angle + np.pi])
 
@@ -196,9 +201,10 @@ def _met(circle: Circle, other: Circle, same: float) -> NDArray[np.float64]:
 
 
 def _with_middles(pairs: Sequence[NDArray[np.float64]]) -> tuple[Angles, Angles]:
-    """All angles, then those half-way between the two at which one thing meets a circle.
+    """All angles, then those half-way between two at which one shape meets a circle.
 
-    Between these no chord of the circle may lie along a segment, or along another circle's.
+    The half-way points keep a chord of the circle from lying along a segment or along a chord of
+    another circle.
     """
     every = np.concatenate(pairs)
     middle = every[every[:, 0] != every[:, 1]].mean(axis=1)
@@ -207,7 +213,7 @@ def _with_middles(pairs: Sequence[NDArray[np.float64]]) -> tuple[Angles, Angles]
 
 
 def _distinct(angles: Sequence[float] | Angles, same: float) -> Angles:
-    """Without those that are the same as an earlier one, on the circle, in order."""
+    """Angles in order, without those that equal an earlier one on the circle."""
     kept: list[float] = []
     for angle in angles:
         apart = np.abs(np.array(kept) - angle)
@@ -217,7 +223,7 @@ def _distinct(angles: Sequence[float] | Angles, same: float) -> Angles:
 
 
 def _filled(angles: Angles, widest: float) -> Angles:
-    """With evenly spaced ones between those that are further apart than that, ascending."""
+    """Angles, ascending, with evenly spaced ones added in gaps wider than `widest`."""
     start = np.sort(angles) if len(angles) else np.zeros(1)
     gaps = np.diff(np.append(start, start[0] + 2 * np.pi))
     parts = np.ceil(gaps / widest - 1e-9).astype(int)
@@ -226,7 +232,7 @@ def _filled(angles: Angles, widest: float) -> Angles:
 
 
 def _cut_off(circle: Circle, angles: Angles, points: Points, same: float) -> Angles:
-    """The angles of points between a circle's chords and its arcs, or on the chords."""
+    """Angles of points between a circle's chords and its arcs, or on the chords."""
     at, beyond = circle.angle(points), circle.beyond(points)
     number = np.searchsorted(angles, at, side="right") - 1
     start = angles[number]

@@ -1,4 +1,4 @@
-"""Triangles of a file made to conform: points moved onto curves, edges cut where they cross."""
+"""Makes the triangles of a file conform: moves points onto lines and cuts edges."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from .edge_numbering import edges_of, halves, rim_points
 
 
 def cut(mesh: Domain, segments: Points, same: float) -> Domain:
-    """The mesh with each segment, seen along z, a union of edges as far as it lies on the mesh.
+    """Mesh cut so that each segment, seen along z, is a union of edges.
 
-    segments: m, shape (segment, end, 2). Points nearer to a segment than `same` [m] lie on it. The
-    triangles in which a segment ends are cut through. Labels and foils are inherited.
+    This holds as far as the segment lies on the mesh. segments: m, shape (segment, end, 2). Points
+    nearer to a segment than `same` [m] lie on it. The triangles in which a segment ends are cut
+    through. Labels and foils are inherited.
     """
     for segment in segments:
         mesh = _cut_along(mesh, segment, same)
@@ -52,9 +53,9 @@ def _cut_along(mesh: Domain, segment: Points, same: float) -> Domain:
 
 
 def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -> NDArray[np.bool_]:
-    """Whether the segment runs through the inside of each triangle, shape (triangle,).
+    """True for each triangle that the segment runs through inside, shape (triangle,).
 
-    at_corners, at_edges: where along the segment's line they meet it, NaN where they do not.
+    at_corners, at_edges: where the segment's line meets them, along it; NaN where it does not.
     """
     at = np.concatenate([at_corners, at_edges])
     first = np.where(np.isnan(at), np.inf, at).min(axis=0)
@@ -64,7 +65,7 @@ def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -
 
 
 def _split(t: Numbers, new: Numbers) -> tuple[Numbers, Numbers]:
-    """The triangles within others, shape (3, child), and the number of the one around each.
+    """Triangles after cuts, shape (3, child), and the number of the parent of each.
 
     new: points on the edges 0-1, 1-2, 2-0, at most two of them; -1 where there is none.
     """
@@ -83,20 +84,24 @@ def _split(t: Numbers, new: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _apex(there: NDArray[np.bool_]) -> Numbers:
-    """By how much to turn triangles for edge 0-1 to be one that is cut, and 2-0 the other one."""
+    """Corners to turn triangles by for edge 0-1 to be cut, and 2-0 where two are."""
     one = there & ~np.roll(there, -1, axis=0)
     return one.argmax(axis=0) * one.any(axis=0)
 
 
 REACH = 0.35
-"""How far a point is moved, over the least height of the triangles around it: none turns over."""
+"""Largest distance a point is moved, over the smallest height of its triangles.
+
+No triangle turns over.
+"""
 
 
 def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Points) -> Points:
-    """Points of a mesh in the plane, shape (2, point), the nearest moved onto corners and segments.
+    """Points of a plane mesh, shape (2, point), some moved to corners and segments.
 
-    fixed: points that stay, beside those of the boundary. corners: shape (corner, 2). segments:
-    shape (segment, end, 2); they meet at corners only.
+    Those within reach move, the nearest to each corner first. fixed: points that stay, in addition
+    to those of the boundary. corners: shape (corner, 2). segments: shape (segment, end, 2); they
+    meet at corners only.
     """
     p, reach = p.copy(), _reach(p, t)
     reach[rim_points(t)] = 0.0
@@ -115,7 +120,7 @@ def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Po
 
 
 def _reach(p: Points, t: Numbers) -> NDArray[np.float64]:
-    """How far each point may be moved, m."""
+    """Largest distance that each point may be moved, m, shape (point,)."""
     a, b, c = (p[:, corner] for corner in t)
     longest = np.linalg.norm([a - b, b - c, c - a], axis=1).max(axis=0)
     reach = np.full(p.shape[1], np.inf)
@@ -124,7 +129,7 @@ def _reach(p: Points, t: Numbers) -> NDArray[np.float64]:
 
 
 def _nearest(p: Points, reach: NDArray[np.float64], places: Points) -> list[tuple[int, int]]:
-    """The points within reach of a place, each with the place: one each, the nearest."""
+    """Pairs of a point and the nearest place within its reach, each at most once."""
     from scipy.spatial import KDTree
 
     away, number = map(np.asarray, KDTree(p.T).query(places))

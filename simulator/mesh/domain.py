@@ -1,4 +1,4 @@
-"""A skin as triangles, and what each of them is part of."""
+"""Triangle mesh of a skin, with the pixel and the touches of each triangle."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ NO_EDGES = np.zeros((2, 0), dtype=np.int64)
 class Domain:
     """Triangles that meet edge to edge.
 
-    p: points in m, shape (2 or 3, point). t: numbers of points, ascending in each column, shape
-    (3, triangle). pixel: row * columns + column, both from 0, -1 where there is none, shape
-    (triangle,). covered: whether each of a drawing's touches covers a triangle, shape (touch,
+    p: points in m, shape (2 or 3, point). t: numbers of points, ascending in each column, shape (3,
+    triangle). pixel: row * columns + column, both from 0, -1 where there is none, shape
+    (triangle,). covered: True where a touch of the drawing covers a triangle, shape (touch,
     triangle). foils: for each contact the numbers of points of its facets, ascending in each
-    column, shape (2, facet). seams: likewise of the edges that were asked for, across which
-    something may jump. arcs: the edges that are not straight; none in space. out_of_round: what
-    touches gain or lose of their effect by not being round, at most.
+    column, shape (2, facet). seams: likewise the edges along requested lines, across which
+    something may jump. arcs: the edges that are not straight; none in space. out_of_round: largest
+    fraction of its effect that a touch gains or loses by not being round.
     """
 
     p: Points
@@ -43,13 +43,13 @@ class Domain:
 
     @cached_property
     def flat(self) -> MeshTri:
-        """The triangles for scikit-fem, straight and as they are seen along z."""
+        """Triangles for scikit-fem, straight and as seen along z."""
         p, t = np.ascontiguousarray(self.p[:2]), np.ascontiguousarray(self.t)
         return MeshTri(p, t, sort_t=False)
 
     @cached_property
     def curvature(self) -> NDArray[np.float64]:
-        """Of the edges of each triangle from points 0 to 1, 1 to 2 and 0 to 2, in 1/m.
+        """Curvature of each triangle's edges 0 to 1, 1 to 2 and 0 to 2, 1/m.
 
         Positive where the edge bends to the left, shape (3, triangle).
         """
@@ -58,18 +58,18 @@ class Domain:
 
     @property
     def middles(self) -> Points:
-        """A place within each triangle, m, shape (2, triangle)."""
+        """Place within each triangle, m, shape (2, triangle)."""
         third = np.full((2, 1), 1 / 3)
         return mapped(self.p[:2], self.t, self.curvature, third)[0][:, :, 0]
 
     @property
     def areas(self) -> NDArray[np.float64]:
-        """Of the triangles, m², shape (triangle,)."""
+        """Areas of the triangles, m², shape (triangle,)."""
         return areas(self.p, self.t) + beside_chords(self.p, self.t, self.curvature).sum(axis=0)
 
     @property
     def lengths(self) -> NDArray[np.float64]:
-        """Of the longest edge of each triangle, m, shape (triangle,)."""
+        """Length of the longest edge of each triangle, m, shape (triangle,)."""
         a, b, c = (self.p[:, corner] for corner in self.t)
         return np.linalg.norm([a - b, b - c, c - a], axis=1).max(axis=0)
 
@@ -85,7 +85,7 @@ def areas(p: Points, t: Numbers) -> NDArray[np.float64]:
 
 
 def labelled(drawing: Drawing, mesh: Domain) -> Domain:
-    """Triangles that conform to pixels and touches, labelled by their middles."""
+    """Mesh that conforms to pixels and touches, with labels by triangles' middles."""
     middle = mesh.middles
     of_touches = [
         shape.holds(middle) if isinstance(shape, Circle) else inside(shape, middle)
@@ -102,7 +102,7 @@ def unlabelled(
     seams: Numbers = NO_EDGES,
     arcs: Arcs = NO_ARCS,
 ) -> Domain:
-    """Triangles before it is known what they are part of."""
+    """Mesh whose triangles have no pixel and no touches yet."""
     t = np.sort(t, axis=0)
     pixel, covered = np.full(t.shape[1], -1), np.zeros((0, t.shape[1]), dtype=bool)
     foils = {name: np.sort(facets, axis=0) for name, facets in foils.items()}

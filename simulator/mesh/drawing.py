@@ -1,4 +1,4 @@
-"""What a mesh of a skin conforms to, resolved once from the scene and the press; all in m."""
+"""Drawing of what a mesh conforms to, from the scene and the press; all in m."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ Angular = Touch | Rectangle | Polygon
 
 @dataclass(frozen=True)
 class Drawing:
-    """A skin with its foils, the grid of its pixels, and what is pressed.
+    """Skin with its foils, the grid of its pixels, and the pressed places.
 
-    lines: across x and across y, those around pixels included. touches: what touches cover that
-    have a factor and are no pixels, in order. creases: circles and polylines. between: whether the
-    lines between pixels are drawn.
+    lines: grid lines across x and across y, those around pixels included. touches: shapes of the
+    touches that have a factor and are no pixels, in order. creases: circles and polylines. between:
+    True if the lines between pixels are drawn.
     """
 
     skin: Skin
@@ -42,7 +42,7 @@ class Drawing:
 
     @property
     def edges(self) -> list[Shape]:
-        """Of touches, and the creases: circles, and segments (segment, 2, 2)."""
+        """Edges of touches, and the creases: circles, and segments (segment, 2, 2)."""
         creases = [
             crease if isinstance(crease, Circle) else np.stack([crease[:-1], crease[1:]], axis=1)
             for crease in self.creases
@@ -50,7 +50,10 @@ class Drawing:
         return [*map(closed, self.touches), *creases]
 
     def angular(self, sides: int) -> Drawing:
-        """With regular polygons of so many sides and the same area for touches that are circles."""
+        """Drawing with regular polygons of equal area in place of circular touches.
+
+        sides: number of sides of a polygon.
+        """
         return replace(
             self,
             touches=tuple(
@@ -60,7 +63,7 @@ class Drawing:
         )
 
     def pixel_at(self, x: Points) -> NDArray[np.int64]:
-        """Number of the pixel at positions x, shape (2, point) to (point,); -1 beyond the grid."""
+        """Number of the pixel at positions x, (2, point) to (point,); -1 off the grid."""
         column, row = (
             np.searchsorted(lines, along, side="right") - 1
             for lines, along in zip(self.lines, x, strict=True)
@@ -73,7 +76,7 @@ class Drawing:
 def drawing_of(
     scene: Scene, press: Press, creases: Sequence[Shape], between: bool = True
 ) -> Drawing:
-    """The drawing of a press on a scene."""
+    """Drawing of a press on a scene."""
     return Drawing(
         scene.skin,
         scene.contacts,
@@ -86,31 +89,31 @@ def drawing_of(
 
 
 def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
-    """The touches of a press that have a factor and are no pixels, in order."""
+    """Touches of a press that have a factor and are no pixels, in order."""
     return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
 
 
 def around_pixels(scene: Scene, press: Press) -> list[Points]:
-    """The edges of pixels that a press presses, closed polylines of shape (5, 2)."""
+    """Edges of the pixels that a press presses, closed polylines of shape (5, 2)."""
     boxes = [polygon_of(scene, each) for each in press.touches if isinstance(each, Touch)]
     return [np.concatenate([box, box[:1]]) for box in boxes]
 
 
 def _strips(scene: Scene) -> list[Points]:
-    """The edges of foils that have a width, closed polylines of shape (5, 2)."""
+    """Edges of foils that have a width, closed polylines of shape (5, 2)."""
     corners = [strip(contact, scene.skin) for contact in scene.contacts if contact.width]
     return [np.array([(a, b), (c, b), (c, d), (a, d), (a, b)]) for (a, b), (c, d) in corners]
 
 
 def shape_of(scene: Scene, place: Place) -> Shape:
-    """What a place is."""
+    """Circle of a disc; corners of any other place."""
     if isinstance(place, Disc):
         return Circle(place.x, place.y, place.radius)
     return polygon_of(scene, place)
 
 
 def polygon_of(scene: Scene, place: Angular) -> Points:
-    """The corners of a place that is no disc, shape (corner, 2)."""
+    """Corners of a place that is no disc, shape (corner, 2)."""
     if isinstance(place, Polygon):
         return np.array(place.points, dtype=float)
     left, right, bottom, top = touched_box(scene, place)
@@ -118,7 +121,7 @@ def polygon_of(scene: Scene, place: Angular) -> Points:
 
 
 def polygonal(place: Place, sides: int) -> Angular:
-    """The same place; a disc as the regular polygon of so many sides and the same area."""
+    """Place itself; for a disc the regular polygon of `sides` sides and equal area."""
     if not isinstance(place, Disc):
         return place
     corners = regular(place.x, place.y, place.radius, sides)
@@ -126,5 +129,5 @@ def polygonal(place: Place, sides: int) -> Angular:
 
 
 def closed(shape: Shape) -> Shape:
-    """A circle as it is; of corners (corner, 2) the sides between them, (segment, 2, 2)."""
+    """A circle itself; for corners (corner, 2) their sides, shape (segment, 2, 2)."""
     return shape if isinstance(shape, Circle) else sides(shape)

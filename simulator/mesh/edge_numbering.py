@@ -1,4 +1,4 @@
-"""Edges and facets of triangles by numbers of points, and what becomes of them when cut."""
+"""Edges and facets of triangles by numbers of points, and their halves if cut."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ Numbers = NDArray[np.int64]
 
 
 def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
-    """The edges of triangles by numbers of points, ascending, shape (2, edge); and which three each
-    has, from its corner 0 to 1, 1 to 2 and 2 to 0, shape (3, triangle)."""
+    """Edges of triangles by numbers of points, and the three edges of each triangle.
+
+    Returns the edges, ascending, shape (2, edge), and the numbers of each triangle's edges from
+    corner 0 to 1, 1 to 2 and 2 to 0, shape (3, triangle).
+    """
     pairs = np.sort([t[[0, 1]], t[[1, 2]], t[[2, 0]]], axis=1)
     low, high = pairs[:, 0].ravel(), pairs[:, 1].ravel()
     base = int(t.max()) + 1
@@ -19,13 +22,13 @@ def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def rim_points(t: Numbers) -> Numbers:
-    """The points at edges of just one triangle."""
+    """Points at edges that belong to just one triangle."""
     edges, of_triangle = edges_of(t)
     return np.unique(edges[:, np.bincount(of_triangle.ravel()) == 1])
 
 
 def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
-    """The number among `edges` of each line, -1 for lines that are none, shape (line,)."""
+    """Number of each line among `edges`, -1 if it is no edge, shape (line,)."""
     base = int(max(edges.max(), lines.max(initial=0))) + 1
     keys, asked = edges[0] * base + edges[1], lines[0] * base + lines[1]
     number = np.minimum(np.searchsorted(keys, asked), len(keys) - 1)
@@ -33,9 +36,10 @@ def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
 
 
 def halves(lines: Numbers, edges: Numbers, new: Numbers) -> Numbers:
-    """Lines along edges, those in two that have a new point on them; ascending in each column.
+    """Lines along edges; those with a new point on them are divided in two.
 
-    new: points on `edges`, -1 where there is none, each numbered after all that were there.
+    Both ends ascend in each column of the result. new: points on `edges`, -1 where there is none,
+    each numbered after all existing points.
     """
     point = new[edge_numbers(lines, edges)]
     cut, whole, point = lines[:, point >= 0], lines[:, point < 0], point[point >= 0]

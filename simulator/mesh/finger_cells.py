@@ -1,4 +1,4 @@
-"""Fingers laid on the cells of a grid: each is spread evenly over what it covers of the skin."""
+"""Fingers on the cells of a grid, each spread uniformly over the skin under it."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ def with_fingers_at(
     placed: Footprints,
     grid: tuple[int, int],
 ) -> PressBatch:
-    """The presses with the fingers of their touches, as parts of M that rise by F, see `Parts`.
+    """Presses with the fingers of their touches, as parts of M that rise by F.
 
-    touches: how many each press has, shape (press,). grid: rows and columns of cells.
+    See `Parts`. touches: number in each press, shape (press,). placed: their footprints. grid: rows
+    and columns of cells.
     """
     for number in range(placed.finger.shape[1] if placed.finger.any() else 0):
         own = Footprints._make(each[:, number : number + 1] for each in placed)
@@ -39,7 +40,7 @@ def with_fingers_on(
     cells: NDArray[np.int64],
     grid: tuple[int, int],
 ) -> PressBatch:
-    """As `with_fingers_at`, of touches that cover as many whole cells each.
+    """Presses as from `with_fingers_at` for touches of equally many whole cells.
 
     finger: F, shape (press, touch); 0 where there is none. cells: shape (press, touch, cell).
     """
@@ -54,7 +55,10 @@ def with_fingers_on(
 def _spread(
     scene: Scene, covered: PressBatch, finger: NDArray[np.float64], grid: tuple[int, int]
 ) -> PressBatch:
-    """Of one touch a press. covered: cells, and what part of each. finger: F, shape (press,)."""
+    """Finger of one touch of each press, spread over the cells that it covers.
+
+    covered: cells, and the covered part of each. finger: F, shape (press,).
+    """
     press, area = covered.press, covered.rises
     if not scene.skin.rectangular:
         area = area * pixel_coverage(scene.on_grid(*grid)).part[covered.cells]

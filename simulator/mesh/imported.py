@@ -1,4 +1,4 @@
-"""A flat mesh that conforms to chords, made to conform to the arcs over them."""
+"""Triangles of a mesh file, made to conform to the lines and arcs of a drawing."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from .refining.untangled import untangled
 
 
 def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> Domain:
-    """The mesh with its points between the ends of chords moved onto the arcs.
+    """Mesh with the points between the ends of chords moved onto the arcs.
 
-    drawing: pieces that edges of the mesh make up, points nearer to them than `same` [m] lie on
-    them. curvature: of the arc over each piece in 1/m, 0 where it is straight.
+    drawing: pieces that are unions of the mesh's edges; points nearer to them than `same` [m] lie
+    on them. curvature: that of the arc over each piece, 1/m, 0 where it is straight.
     """
     which = np.flatnonzero(curvature)
     chords, curvature = drawing.points[drawing.pieces[which]], curvature[which]
@@ -49,21 +49,26 @@ def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> 
 
 
 SAME = 1e-8
-"""What is nearer than this times the mesh's extent to a line lies on it."""
+"""Distance over the mesh's extent below which a point lies on a line."""
 
 MENDED = 3
-"""Times that points are taken out and edges turned, for what one allows the other."""
+"""Rounds of removing points and turning edges; each makes room for the other."""
 
 SIDES_IN_SPACE = 128
-"""Of the polygon that a disc is on a mesh in space: its area is the same, as seen along z."""
+"""Sides of the polygon for a disc on a mesh in space.
+
+Its area is that of the disc, as seen along z.
+"""
 
 OUT_OF_ROUND = 2 * (np.pi / SIDES_IN_SPACE) ** 3 / 3
-"""How far it is from the circle at most, over the radius, for the part of a radius that a side is
-long: what is in excess at its corners lacks at its middle."""
+"""Largest distance of that polygon from the circle, times the length of a side.
+
+Both are over the radius. The excess at its corners balances the lack at the middles of its sides.
+"""
 
 WIDEST_ARCS = (WIDEST, WIDEST / 4, WIDEST / 16)
 COARSEST = 2.0
-"""Longest edges of triangles over the length of what they are cut along."""
+"""Longest edge of a triangle over the length of the pieces that it is cut along."""
 
 
 def imported(drawing: Drawing) -> Domain:
@@ -90,9 +95,9 @@ def imported(drawing: Drawing) -> Domain:
 
 
 def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
-    """The mesh cut along circles and segments (segment, 2, 2); a flat one is kept well shaped.
+    """Flat mesh cut along circles and segments (segment, 2, 2), and kept well shaped.
 
-    Where one of its points is caught between a chord and its arc, circles are divided more finely.
+    Circles are divided more finely where a point of the mesh is caught between a chord and its arc.
     """
     if not len(shapes):
         return mesh
@@ -105,7 +110,10 @@ def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
 
 
 def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: float) -> Domain:
-    """The same by arcs of that angle at most; raises ToleranceError where they do not serve."""
+    """Mesh cut along shapes with arcs of at most `widest` [rad].
+
+    Raises ToleranceError where these arcs are too wide.
+    """
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
     kept = mesh.p[:, _kept_edges(mesh)].transpose(2, 1, 0)
     drawn = chords([*shapes, kept], np.empty((0, 2)), same, widest)[:-1]
@@ -128,7 +136,7 @@ def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: floa
 
 
 def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
-    """A mesh in space cut along segments (segment, 2, 2) as they are seen along z."""
+    """Mesh in space cut along segments (segment, 2, 2), as seen along z."""
     straight = [each for each in shapes if not isinstance(each, Circle)]
     if not straight:
         return mesh
@@ -140,7 +148,7 @@ def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
 
 
 def _check_directions(skin: Skin, path: str) -> None:
-    """Raises InputError for what has a direction, of which a mesh in space tells none."""
+    """Raises InputError for keys that need a direction, which a mesh in space lacks."""
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     directed = {
         "skin.top.anisotropy": skin.top.anisotropy,
@@ -154,14 +162,14 @@ def _check_directions(skin: Skin, path: str) -> None:
 
 
 def _kept_edges(mesh: Domain) -> Numbers:
-    """The edges at the boundary and between pixels, by numbers of points, shape (2, edge)."""
+    """Edges at the boundary and between pixels, by numbers of points, (2, edge)."""
     edges, of_triangle = edges_of(mesh.t)
     rim = np.bincount(of_triangle.ravel()) == 1
     return edges[:, _of_several(of_triangle, mesh.pixel) | rim]
 
 
 def _as_fine(mesh: Domain, pieces: Points) -> Domain:
-    """Refined until triangles beside a piece are no more than COARSEST times as long as it."""
+    """Mesh refined until triangles at a piece are at most COARSEST times as long."""
     length = np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1)
     while True:
         middle = mesh.p[:2, mesh.t].mean(axis=1).T
@@ -173,12 +181,12 @@ def _as_fine(mesh: Domain, pieces: Points) -> Domain:
 
 
 def _between(t: Numbers, pixel: Numbers) -> Numbers:
-    """The points at which triangles of more than one pixel meet."""
+    """Points at which triangles of more than one pixel meet."""
     return np.flatnonzero(_of_several(t, pixel))
 
 
 def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
-    """Whether a point or an edge is part of triangles of more than one pixel.
+    """True for points or edges of triangles of more than one pixel.
 
     parts: numbers of the points or edges of each triangle, shape (3, triangle).
     """
@@ -189,7 +197,7 @@ def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
 
 
 def _at(p: Points, places: Points, same: float) -> Numbers:
-    """The points at places, shape (place, 2)."""
+    """Points of the mesh at places, shape (place, 2)."""
     from scipy.spatial import KDTree
 
     return np.flatnonzero(np.asarray(KDTree(places).query(p.T)[0]) <= 2 * same)
@@ -208,7 +216,7 @@ def _grid(drawing: Drawing) -> Points:
 
 
 def _grouped(path: str, surface: MeshSurface, groups: Sequence[Sequence[str]]) -> Numbers:
-    """The pixel of each triangle by the groups of the mesh, -1 for those in none."""
+    """Pixel of each triangle by the groups of the mesh file, -1 for those in none."""
     pixel = np.full(surface.t.shape[1], -1, dtype=np.int64)
     names = [name for row in groups for name in row]
     for number, name in enumerate(names):

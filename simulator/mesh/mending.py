@@ -1,4 +1,4 @@
-"""Triangles that are too flat to serve: edges turned and short ones drawn together."""
+"""Repairs triangles that are too flat: turns edges and collapses short ones."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from .domain import Domain, Numbers, Points
 from .edge_numbering import edge_numbers, edges_of
 
 POOR = 0.2
-"""Shape, 1 of an equilateral triangle, below which a triangle is mended."""
+"""Shape below which a triangle is repaired; an equilateral triangle has 1."""
 
 GAIN = 1.2
-"""By how much the worst triangle around a point must become better at least."""
+"""Smallest factor by which the worst triangle around a point must improve."""
 
 
 def collapsed(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Domain:
-    """The mesh without those `movable` points, shape (point,), that make slivers.
+    """Mesh without those `movable` points, shape (point,), that make slivers.
 
-    lines: the edges along segments by numbers of points, shape (2, edge). Points stay where they
-    are and keep their numbers; `compressed` drops the unused ones.
+    lines: edges along segments by numbers of points, shape (2, edge). Points keep their places and
+    numbers; `compressed` drops the unused ones.
     """
     movable = movable.copy()
     while True:
@@ -39,14 +39,14 @@ def collapsed(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Domai
 
 
 def compressed(mesh: Domain) -> Domain:
-    """The mesh without points that no triangle has."""
+    """Mesh without points that belong to no triangle."""
     used, t = np.unique(mesh.t, return_inverse=True)
     foils = {name: np.searchsorted(used, facets) for name, facets in mesh.foils.items()}
     return replace(mesh, p=mesh.p[:, used], t=t.reshape(3, -1), foils=foils)
 
 
 def _targets(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Numbers:
-    """The neighbour that each movable point may be moved into, the point itself for others."""
+    """Neighbour that each movable point may be moved into, itself for others."""
     on = np.bincount(lines.ravel(), minlength=len(movable))
     edges = edges_of(mesh.t)[0]
     within, free = (np.hstack([each, each[::-1]]) for each in (lines, edges))
@@ -61,7 +61,10 @@ def _targets(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Number
 
 
 def _chosen(mesh: Domain, target: Numbers) -> Numbers:
-    """Where each point goes: of those that gain the worst first, no two with a common triangle."""
+    """Target of each point that moves.
+
+    Points with the worst triangles have priority, and no two that move share a triangle.
+    """
     p, t = mesh.p, mesh.t
     shape = _shape(p[:, t])
     before, after = np.full((2, len(target)), np.inf)
@@ -83,7 +86,7 @@ def _chosen(mesh: Domain, target: Numbers) -> Numbers:
 
 
 def _shape(corners: Points) -> NDArray[np.float64]:
-    """Area over that of an equilateral triangle with sides of the same mean square; signed."""
+    """Signed area over that of an equilateral triangle of equal mean square sides."""
     a, b, c = corners.swapaxes(0, 1)
     u, v, w = b - a, c - b, a - c
     squares = (u**2 + v**2 + w**2).sum(axis=0)
@@ -91,16 +94,17 @@ def _shape(corners: Points) -> NDArray[np.float64]:
 
 
 LEAST = 1e-9
-"""Sine of what angles exceed half a turn by, for an edge to be turned."""
+"""Smallest sine of the excess over 180 degrees of angles opposite a turned edge."""
 
 ROUNDS = 200
 
 
 def flipped(p: Points, t: Numbers, part: Numbers, segments: Points, same: float) -> Numbers:
-    """Triangles in place of t, shape (3, triangle), each within the same part as that it replaces.
+    """Triangles after edges were turned, shape (3, triangle).
 
-    p: m, shape (2, point). part: shape (triangle,). Edges along segments, to within `same` [m], and
-    between parts are kept.
+    Each lies within the same part as the triangle that it replaces. p: m, shape (2, point). part:
+    that of each triangle, shape (triangle,). Edges between parts, and along segments to within
+    `same` [m], are kept.
     """
     lines = edges_along(p, t, segments, same)
     for _ in range(ROUNDS):
@@ -120,14 +124,14 @@ def flipped(p: Points, t: Numbers, part: Numbers, segments: Points, same: float)
 
 
 def edges_along(p: Points, t: Numbers, segments: Points, same: float) -> Numbers:
-    """The edges that lie along a segment, by numbers of points, shape (2, edge)."""
+    """Edges that lie along a segment, by numbers of points, shape (2, edge)."""
     edges, _ = edges_of(t)
     on = distance(p.T, segments) <= 2 * same
     return edges[:, (on[edges[0]] & on[edges[1]]).any(axis=1)]
 
 
 def _sides(of_triangle: Numbers) -> tuple[Numbers, Numbers]:
-    """The triangles at both sides of each edge; one twice at the boundary."""
+    """Triangles on both sides of each edge; at the boundary the same one twice."""
     flat, triangle = of_triangle.ravel(), np.tile(np.arange(of_triangle.shape[1]), 3)
     order = np.argsort(flat, kind="stable")
     _, start, count = np.unique(flat[order], return_index=True, return_counts=True)
@@ -152,7 +156,7 @@ def _opposite(p: Points, t: Numbers) -> tuple[NDArray[np.float64], NDArray[np.fl
 
 
 def _turned(t: Numbers, edges: Numbers, first: Numbers, second: Numbers) -> Numbers:
-    """The triangles with those edges replaced by the other diagonals."""
+    """Triangles with those edges replaced by the other diagonals."""
     ends = edges.sum(axis=0)
     beyond = [t[:, triangle].sum(axis=0) - ends for triangle in (first, second)]
     t = t.copy()

@@ -1,4 +1,4 @@
-"""Whether the triangles of a mesh file are ones that can be computed on."""
+"""Checks that the triangles of a mesh file can be computed on."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from .domain import Numbers, Points, areas
 from .edge_numbering import edges_of
 
 FLAT = 1e-10
-"""Area over the square of the longest edge, of a triangle that counts as none."""
+"""Area over the square of the longest edge up to which a triangle has no area."""
 SAME = 1e-9
-"""What is nearer than this times the mesh's extent is at one place."""
+"""Distance over the mesh's extent below which points are at one place."""
 
 
 def check(path: str, p: Points, t: Numbers) -> None:
-    """Raises InputError unless triangles have areas, meet edge to edge and hang together."""
+    """Raises InputError unless triangles have areas, meet at edges and are connected."""
     problem = _flat(p, t) or _torn(p, t) or _folded(p, t) or _in_parts(t)
     if problem:
         raise InputError(f"{path}: the triangles of `skin.mesh` must {problem}")
@@ -33,7 +33,10 @@ def _flat(p: Points, t: Numbers) -> str | None:
 
 
 def _torn(p: Points, t: Numbers) -> str | None:
-    """More than two triangles at an edge, points at one place, or points within other edges."""
+    """Requirement violated by points on other edges, or edges of over two triangles.
+
+    Points at one place count as points on another edge.
+    """
     from scipy.spatial import KDTree
 
     edges, of_triangle = edges_of(t)
@@ -62,7 +65,7 @@ def _torn(p: Points, t: Numbers) -> str | None:
 
 
 def _folded(p: Points, t: Numbers) -> str | None:
-    """In the plane: triangles that lie on one side of the edge between them."""
+    """Requirement violated by plane triangles on the same side of their common edge."""
     if len(p) == 3:
         return None
     edges, of_triangle = edges_of(t)

@@ -1,4 +1,4 @@
-"""A skin drawn by its outline: everything that the mesh conforms to, meshed and labelled."""
+"""Mesh of a skin that is given by its outline; it is labelled by a drawing."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .mesher import MeshedDrawing, meshed
 from .refining.untangled import untangled
 
 SAME = 1e-8
-"""What is nearer than this times the skin's longer side is at one place."""
+"""Distance over the skin's longer side below which points are at one place."""
 
 
 def drawn(drawing: Drawing, size: float) -> Domain:
-    """Triangles of a drawing without mesh; see `skin_mesh.domain`."""
+    """Triangles of a drawing without a mesh file; see `skin_mesh.domain`."""
     skin = drawing.skin
     around = curves(skin)
     marks = np.array([end for foil in drawing.foils for end in foil.ends(skin)])
@@ -47,7 +47,7 @@ def drawn(drawing: Drawing, size: float) -> Domain:
 
 
 def _grid(drawing: Drawing) -> list[Points]:
-    """Segments (segment, 2, 2) between pixels; m."""
+    """Segments (segment, 2, 2) between pixels, m."""
     if not drawing.between:
         return []
     x, y = drawing.lines
@@ -63,7 +63,7 @@ def _clipped(
     around: Sequence[Curve],
     found: Sequence[Chords],
 ) -> Arrangement:
-    """The boundary, and the pieces within the outline and in none of its holes."""
+    """Boundary, and the pieces inside the outline and outside its holes."""
     middle = _middles(whole, curvature[whole.segment]).T
     outline, *holes = around
     kept = outline.holds(middle)
@@ -83,9 +83,9 @@ def _on_boundary(
     around: Sequence[Curve],
     found: Sequence[Chords],
 ) -> tuple[Numbers, NDArray[np.float64]]:
-    """The closed curve that each piece is part of, -1 inside, and how far along it, m.
+    """Closed curve that each piece is part of, -1 inside, and distance along it, m.
 
-    Both of shape (piece,); the latter is that of the piece's middle.
+    Both are of shape (piece,); the distance is that of the piece's middle.
     """
     rims = found[: len(around)]
     of_curve = np.repeat(np.arange(len(rims)), [len(each.curvature) for each in rims])
@@ -102,7 +102,7 @@ def _on_boundary(
 
 
 def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
-    """How far along a curve its chords begin, m."""
+    """Distances along a curve at which its chords begin, m."""
     shape = curve.shape
     if isinstance(shape, Circle):
         return shape.radius * shape.angle(rim.segments[:, 0])
@@ -110,13 +110,13 @@ def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
 
 
 def _middles(drawing: Arrangement, bends: NDArray[np.float64]) -> Points:
-    """Of pieces or the arcs over them, m, shape (piece, 2)."""
+    """Middles of pieces or of the arcs over them, m, shape (piece, 2)."""
     start, stop = (drawing.points[end].T for end in drawing.pieces.T)
     return on_arcs(start, stop, bends).T
 
 
 def _arcs(mesh: MeshedDrawing, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
-    """The mesh's lines along pieces that bend."""
+    """Arcs of the mesh: its lines along pieces that bend."""
     bent = bends[mesh.piece] != 0
     lines, piece = mesh.lines[:, bent], mesh.piece[bent]
     run = mesh.p[:, lines[1]] - mesh.p[:, lines[0]]

@@ -1,4 +1,4 @@
-"""Which pixels hold a part of the skin, and where."""
+"""Part of each pixel that is skin."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ..scene.scene import Scene
 
 
 class PixelCoverage(NamedTuple):
-    """Of each pixel, row by row.
+    """Part of each pixel that is skin, row by row.
 
-    part: of its area on the grid that is skin, as seen along z, shape (pixel,). middle: of that
-    skin, m, shape (2, pixel); nothing where there is none.
+    part: fraction of the pixel's area on the grid that is skin, as seen along z, shape (pixel,).
+    middle: middle of that skin, m, shape (2, pixel); 0 where there is none.
     """
 
     part: NDArray[np.float64]
@@ -25,12 +25,12 @@ class PixelCoverage(NamedTuple):
 
     @property
     def numbers(self) -> NDArray[np.int64]:
-        """Of the pixels that hold any skin, from 0, ascending."""
+        """Numbers of the pixels that contain any skin, from 0, ascending."""
         return np.flatnonzero(self.part)
 
 
 def pixel_coverage(scene: Scene) -> PixelCoverage:
-    """What each pixel of a scene holds. Raises InputError where a mesh file does not serve."""
+    """Skin in each pixel of a scene. Raises InputError for an unusable mesh file."""
     return _held(scene)  # pyright: ignore[reportArgumentType]
 
 

@@ -1,4 +1,7 @@
-"""Meshes that conform to pixels and contact ends, finer where the field is steep."""
+"""Quadrilateral meshes that conform to pixels and foil ends, finer where needed.
+
+Cells are small where the field is steep.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,10 @@ from .rings import QuadrilateralCells, rectangles, ringed
 def nodes(
     lines: NDArray[np.float64], cells: int, widths: Mapping[float, float], growth: float = np.inf
 ) -> NDArray[np.float64]:
-    """Nodes on all `lines`, `cells` even cells between neighbours, finer where asked.
+    """Nodes on all `lines`, `cells` equal cells between them, finer where requested.
 
-    widths: by line (given to within rounding) the width in m that cells beside it do not exceed;
-    they are halved towards it until they are that narrow. growth: cells are divided until none is
+    widths: by line (given to within rounding) the largest width in m of the cells next to it; cells
+    are halved towards the line until they are that narrow. growth: cells are divided until none is
     more than that many times as wide as its neighbour.
     """
     if cells == 1 and growth == np.inf and all(width == np.inf for width in widths.values()):
@@ -59,7 +62,7 @@ def _halved(
 
 
 def _steps(cell: float, widest: float) -> NDArray[np.float64]:
-    """Distances from the line at which a cell beside it is divided, ascending."""
+    """Distances from the line at which a cell next to it is divided, ascending."""
     divisions = int(np.ceil(np.log2(max(1.0, cell / widest)) - SAME_LINE))
     return cell * 0.5 ** np.arange(divisions, 0.0, -1.0)
 
@@ -86,14 +89,14 @@ GROWTH = 4.0
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely a sheet is resolved.
+    """Fineness of the elements of a sheet.
 
     order: polynomial order of the elements. cells: cells between neighbouring conforming lines.
-    layers: rings around the ends of foils, for the square-root singularity there. edge_cell: width
-    in m that cells do not exceed next to contacted edges, for the layer of the field there.
+    layers: rings around the ends of foils, for the square-root singularity there. edge_cell:
+    largest width in m of cells next to contacted edges, for the layer of the field there.
     touch_cell: the same next to the lines `touched`, where the capacitance jumps. lines: those that
-    the mesh conforms to beside the pixels' and the ends of foils. corners: crossings of lines with
-    rings around them too, by x, y in m and how many.
+    the mesh conforms to in addition to the pixels' and the ends of foils. corners: other crossings
+    of lines with rings around them: x, y in m and the number of rings.
     """
 
     order: int
@@ -114,9 +117,9 @@ class Resolution:
 
 @dataclass(frozen=True)
 class PixelMesh:
-    """A mesh with the pixel that every element lies in, or the part of one between further lines.
+    """Mesh with the pixel of each element, or its part of one between other lines.
 
-    pixel: row * columns + column, both from 0, of those between `tile_lines`, shape (element,).
+    pixel: row * columns + column, both from 0, of the tiles between `tile_lines`, shape (element,).
     """
 
     skin: Skin
@@ -125,7 +128,7 @@ class PixelMesh:
     pixel: NDArray[np.int64]
 
     def facets(self, contact: Contact) -> NDArray[np.int64]:
-        """The boundary facets under a foil."""
+        """Boundary facets under a foil."""
         start, stop = contact.ends(self.skin)
         along = 1 if contact.edge in ("left", "right") else 0
         boundary = self.mesh.boundary_facets()
@@ -135,7 +138,7 @@ class PixelMesh:
         return boundary[on_edge & (start[along] < middle) & (middle < stop[along])]
 
     def edges(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """The element at each boundary facet, and which of its edges that is.
+        """Element at each boundary facet, and which of its edges the facet is.
 
         Returns element, shape (facet,), and length in m at the edge and 0 at the other three, shape
         (facet, 4).
@@ -150,7 +153,7 @@ class PixelMesh:
 
 
 def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
-    """The mesh of a scene at a resolution, conforming to its pixels and the ends of `contacts`."""
+    """Mesh of a scene at a resolution, conforming to pixels and ends of `contacts`."""
     skin = scene.skin
     tips = singular_ends(contacts, skin) if resolution.layers else []
     rings = {(x, y): count for x, y, count in resolution.corners}
@@ -188,7 +191,7 @@ def _patch(
     resolution: Resolution,
     tips: Sequence[tuple[float, float]],
 ) -> float:
-    """Width in m of the square cells around the tips: none reaches another line, or another tip."""
+    """Width of the square cells around the tips, m; none reaches another line or tip."""
     widths = [resolution.edge_cell, resolution.touch_cell]
     for axis, length in enumerate((scene.skin.length, scene.skin.width)):
         lines = _lines(scene, axis, contacts, resolution)
@@ -236,7 +239,10 @@ def _at_corner(ringed: tuple[float, float, int], skin: Skin) -> bool:
 
 
 def _apart(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.float64]:
-    """With one more in the middle of cells between two that have rings: no cell has rings twice."""
+    """Nodes with one more in the middle of cells between two ringed ones.
+
+    No cell then has rings twice.
+    """
     at = np.zeros(len(nodes), dtype=bool)
     at[np.abs(nodes[:, None] - np.array(ringed)).argmin(axis=0)] = True
     shared = np.flatnonzero(at[:-1] & at[1:])

@@ -1,8 +1,8 @@
 """Cells around a singular point: rings that shrink towards it by a constant ratio.
 
-A square cell with a corner at the point becomes a small square there and, around it, layer upon
-layer of two trapezoids. All layers have one shape, and nothing outside the cell is touched: the
-cells stay as wide as they are high, however small, and each layer costs a few unknowns only.
+A square cell with a corner at the point becomes a small square there and, around it, layers of two
+trapezoids each. All layers have the same shape, and nothing outside the cell changes. Cells stay as
+wide as they are high, however small, and each layer costs only a few unknowns.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class QuadrilateralCells:
     """Quadrilaterals x0 + a along + b across + a b twist, a and b in [0, 1].
 
     p: points in m, shape (2, point). t: the points of each cell, at (a, b) = (0, 0), (1, 0), (1, 1)
-    and (0, 1), shape (4, cell). along, across, twist: in m, shape (2, cell); they keep the shape of
-    a cell that is too small to be told from its points. Cells that share an edge run along it in
-    the same direction.
+    and (0, 1), shape (4, cell). along, across, twist: m, shape (2, cell); they keep the shape of a
+    cell that is too small for its points to resolve. Cells that share an edge run along it in the
+    same direction.
     """
 
     p: NDArray[np.float64]
@@ -40,7 +40,7 @@ class QuadrilateralCells:
 
 
 def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> QuadrilateralCells:
-    """The cells between lines, row after row. x, y: ascending, in m."""
+    """Cells between lines, row after row. x, y: ascending, m."""
     rows, columns = len(y) - 1, len(x) - 1
     low = (np.arange(rows)[:, None] * len(x) + np.arange(columns)).ravel()
     along, across = np.zeros((2, 2, rows * columns))
@@ -57,9 +57,9 @@ def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> QuadrilateralC
 def ringed(
     cells: QuadrilateralCells, tips: NDArray[np.int64], layers: ArrayLike
 ) -> QuadrilateralCells:
-    """Rectangles, those with a corner at one of the points `tips` divided into rings.
+    """Rectangles, divided into rings where a corner is one of the points `tips`.
 
-    layers: how many, of all or of each tip.
+    layers: number of rings, one for all tips or one for each.
     """
     around = np.broadcast_to(layers, tips.shape)
     tips, around = tips[around > 0], around[around > 0]
@@ -75,7 +75,10 @@ def ringed(
 
 class _Builder:
     def __init__(self, cells: QuadrilateralCells, scales: dict[int, NDArray[np.float64]]) -> None:
-        """scales: of the rings around each tip, the outermost 1."""
+        """Starts with undivided cells.
+
+        scales: sizes of the rings around each tip, the outermost 1.
+        """
         self.cells, self.scales = cells, scales
         self.points = [cells.p]
         self.count = cells.p.shape[1]
@@ -103,7 +106,7 @@ class _Builder:
     def _trapezoids(
         self, scale: NDArray, side: NDArray, diagonal: NDArray, away: NDArray, sideways: NDArray
     ) -> None:
-        """The layers on one side of the diagonal: along them outwards, across as x or y grows."""
+        """Adds the layers on one side of the diagonal: a outwards, b as x or y grows."""
         outer, inner = scale[:-1], scale[1:]
         if sideways.sum() > 0:
             first, second, start = side, diagonal, away
@@ -115,7 +118,7 @@ class _Builder:
         self.parts.append((t, along, step * inner, step * (outer - inner)))
 
     def _chain(self, tip: int, towards: int) -> NDArray[np.int64]:
-        """Points between `towards`, which is the first, and the tip, which is left out."""
+        """Points from `towards`, which is the first, to the tip, which is left out."""
         if (tip, towards) not in self._chains:
             start, end = self.cells.p[:, [tip]], self.cells.p[:, [towards]]
             scale = self.scales[tip]

@@ -1,4 +1,4 @@
-"""Meshes of triangles for skins of any outline, and those that mesh files bring."""
+"""Triangle meshes of skins of any outline, and of skins that mesh files describe."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from .imported import imported
 from .outline_mesh import drawn
 
 KEPT = 8
-"""Meshes, the same of all depths or factors of an applicator: the latest asked for."""
+"""Number of meshes cached, those requested last.
+
+All depths or factors of an applicator share one.
+"""
 Corners = tuple[tuple[float, ...], ...]
 
 
@@ -27,17 +30,17 @@ def domain(
     creases: Sequence[Shape] = (),
     between: bool = True,
 ) -> Domain:
-    """The skin of a scene as triangles that conform to all at which something jumps.
+    """Triangles of a scene's skin that conform to all lines where something jumps.
 
     These are its outline and holes, the ends of foils, the edges of the press's touches that have a
     factor, and `creases`, circles and polylines of shape (point, 2). All are in m. Edges along
-    circles are arcs. size: the longest edge asked for [m]; edges are shorter where something small
-    is near. between: whether the triangles conform to the lines between all pixels, too; if not,
-    one belongs to the pixel that its middle lies in. A mesh that a file brings keeps its own size,
+    circles are arcs. size: requested longest edge [m]; edges are shorter near small features.
+    between: True if the triangles also conform to the lines between all pixels; otherwise a
+    triangle belongs to the pixel that its middle lies in. A mesh from a file keeps its own size,
     and is cut where it does not conform.
 
-    Raises InputError where a mesh file does not serve, or the mesher is not installed;
-    ToleranceError where lines or circles lie too near to each other.
+    Raises InputError if a mesh file cannot be used or the mesher is not installed; ToleranceError
+    if lines or circles lie too near to each other.
     """
     if not between and scene.pixels.groups is None:
         creases = [*creases, *around_pixels(scene, press)]

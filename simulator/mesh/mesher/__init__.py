@@ -1,4 +1,4 @@
-"""Triangles of a plane drawing, the same each time: its pieces divided, points strewn between."""
+"""Mesher of a plane drawing: divides its pieces and adds points; reproducible."""
 
 from __future__ import annotations
 
@@ -17,8 +17,12 @@ Numbers = NDArray[np.int64]
 
 
 class MeshedDrawing(NamedTuple):
-    """Points in m, shape (2, point); triangles, shape (3, triangle), and the edges along pieces of
-    the drawing, shape (2, line), by numbers of points; the piece of each line, shape (line,)."""
+    """Triangles of a drawing.
+
+    p: points in m, shape (2, point). t: triangles by numbers of points, shape (3, triangle). lines:
+    edges along pieces of the drawing by numbers of points, shape (2, line). piece: that of each
+    line, shape (line,).
+    """
 
     p: Points
     t: Numbers
@@ -29,14 +33,14 @@ class MeshedDrawing(NamedTuple):
 def meshed(
     points: Points, pieces: Numbers, curvature: Points, curve: Numbers, size: float
 ) -> MeshedDrawing:
-    """Triangles with edges of at most about `size` [m] that conform to every piece of a drawing.
+    """Triangles that conform to every piece of a drawing.
 
-    points: m, shape (point, 2). pieces: numbers of their ends, shape (piece, 2). curvature: of the
-    arcs over pieces, 1/m, shape (piece,); 0 where they are straight. curve: the closed curve that a
-    piece is part of, 0 around the drawing and 1, 2, ... around holes, -1 inside, shape (piece,).
+    size: edges have at most about this length [m]. points: m, shape (point, 2). pieces: numbers of
+    their ends, shape (piece, 2). curvature: that of the arcs over pieces, 1/m, shape (piece,); 0
+    where they are straight. curve: the closed curve that a piece is part of, 0 around the drawing
+    and 1, 2, ... around holes, -1 inside, shape (piece,).
 
-    Raises InputError where the library of triangulations is missing, ToleranceError where pieces
-    cross.
+    Raises InputError if the library of triangulations is missing, ToleranceError if pieces cross.
     """
     sizing = Sizing(points, pieces, size)
     points, lines, piece = divided(points, pieces, curvature, sizing)

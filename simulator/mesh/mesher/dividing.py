@@ -1,4 +1,4 @@
-"""Pieces of a drawing, straight or arcs, divided into lines of the length that is asked for."""
+"""Divides pieces of a drawing, straight or arcs, into lines of requested length."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from .sizing import Sizing
 
 Numbers = NDArray[np.int64]
 PART = 0.25
-"""Of the length asked for: within so much of a piece it is taken as even."""
+"""Slice of a piece over the edge length there, which is constant in the slice."""
 ROUNDING = 0.01
 
 
 def divided(
     points: Points, pieces: Numbers, curvature: NDArray[np.float64], sizing: Sizing
 ) -> tuple[Points, Numbers, Numbers]:
-    """The points of all lines, m, the drawing's first, shape (point, 2); the lines by numbers of
-    their ends, shape (2, line); the piece of each, shape (line,).
+    """Points, lines, and the piece of each line after division.
 
-    points, pieces and curvature are those of `meshed`.
+    Returns the points, m, those of the drawing first, shape (point, 2); the lines by numbers of
+    their ends, shape (2, line); the piece of each, shape (line,). points, pieces and curvature are
+    those of `meshed`.
     """
     ends = points[pieces]
     cuts, piece = _cuts(ends, curvature, sizing)
@@ -40,7 +41,7 @@ def divided(
 def _cuts(
     ends: Points, curvature: NDArray[np.float64], sizing: Sizing
 ) -> tuple[NDArray[np.float64], Numbers]:
-    """Where pieces are cut, as parts of their chords, in order, and which piece each cut is of."""
+    """Cuts as fractions of the chords of pieces, in order, and the piece of each cut."""
     whole, start, width, count = _slices(ends, curvature, sizing)
     total = np.bincount(whole, count, minlength=len(ends))
     lines = np.maximum(np.ceil(total - ROUNDING), 1).astype(int)
@@ -56,8 +57,11 @@ def _cuts(
 def _slices(
     ends: Points, curvature: NDArray[np.float64], sizing: Sizing
 ) -> tuple[Numbers, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Parts of pieces so short that edges along them are equally long: the piece of each, where on
-    its chord it begins, how much of it it is, and how many edges it takes; in order."""
+    """Slices of pieces in which edges are equally long, in order.
+
+    Returns the piece of each slice, its start and its width as fractions of the chord, and how many
+    edges it takes.
+    """
     whole, start, width = np.arange(len(ends)), np.zeros(len(ends)), 1.0
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     found = []

@@ -1,9 +1,9 @@
-"""Points strewn between lines until triangles are as small as is asked for.
+"""Adds points between lines until triangles are as small as requested.
 
-Every triangle that is too large asks for a point where it would make an equilateral one with its
-shortest edge, or for its circumcentre if that is nearer (S. Rebay, Journal of Computational Physics
-106 (1993) 125-138). Points come in rounds, those first whose triangles are largest for their place,
-and only where they have room: so they come to an end, and lines are never divided again.
+Every triangle that is too large requests a point where that makes an equilateral triangle with its
+shortest edge, or at its circumcentre if that is nearer (S. Rebay, Journal of Computational Physics
+106 (1993) 125-138). Points are added in rounds, first those of the triangles that are largest for
+their place, and only where there is room: so the rounds end, and lines are never divided again.
 """
 
 from __future__ import annotations
@@ -17,21 +17,25 @@ from .triangulation import triangulated
 
 Numbers = NDArray[np.int64]
 WIDEST = 1.05 / np.sqrt(3)
-"""Radius of the circle about a triangle over the length asked for; 1 / sqrt(3) if equilateral."""
+"""Largest circumradius of a triangle over the requested length.
+
+It is 1 / sqrt(3) for an equilateral triangle.
+"""
 APART = 0.57
-"""Distance of a new point from all others over the length asked for there, at least."""
+"""Smallest distance of a new point from all others over the requested length."""
 BESIDE = 0.35
-"""Distance of a new point from the middle of a line over the line's length, at least."""
+"""Smallest distance of a new point from the middle of a line over its length."""
 NEAREST = 3
-"""Lines that are looked at; a drawing has at least as many."""
+"""Number of lines that are checked; a drawing has at least as many."""
 
 
 def filled(
     points: Points, lines: Numbers, curve: Numbers, sizing: Sizing
 ) -> tuple[Points, Numbers]:
-    """Points, the given ones first, shape (point, 2), and triangles as of `triangulated`.
+    """Points, the given ones first, shape (point, 2), and their triangles.
 
-    points, lines, curve: likewise. Some of the new points may be part of no triangle.
+    points, lines, curve and the triangles are as for `triangulated`. Some of the new points may be
+    part of no triangle.
     """
     while True:
         t = triangulated(points, lines, curve)
@@ -47,7 +51,7 @@ def filled(
 
 
 def _asked(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[np.float64]]:
-    """A place for each triangle that is too large, and how much so."""
+    """New place for each triangle that is too large, and its urgency."""
     centre, radius = _circles(points, t)
     urgency = radius / sizing(points[t].mean(axis=0))
     large = (urgency > WIDEST) & np.isfinite(centre).all(axis=1)
@@ -55,7 +59,7 @@ def _asked(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[
 
 
 def _circles(points: Points, t: Numbers) -> tuple[Points, NDArray[np.float64]]:
-    """Centres, shape (triangle, 2), and radii of the circles through the corners of triangles."""
+    """Circumcentres, shape (triangle, 2), and circumradii of triangles, m."""
     origin, first, second = points[t]
     u, v = first - origin, second - origin
     across = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
@@ -66,7 +70,7 @@ def _circles(points: Points, t: Numbers) -> tuple[Points, NDArray[np.float64]]:
 
 
 def _fronts(points: Points, t: Numbers, centre: Points, sizing: Sizing) -> Points:
-    """Apexes over the shortest edges of triangles, no further from these than the centres are."""
+    """Apexes over the shortest edges of triangles, or circumcentres where nearer."""
     corners = points[t]
     sides = np.roll(corners, -1, axis=0) - corners
     length = np.linalg.norm(sides, axis=2)
@@ -85,7 +89,7 @@ def _within_box(new: Points, points: Points) -> NDArray[np.bool_]:
 
 
 def _beside(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
-    """Whether places keep off the middles of lines."""
+    """True for places that keep off the middles of lines."""
     from scipy.spatial import KDTree
 
     start, stop = points[lines]
@@ -95,14 +99,14 @@ def _beside(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
 
 
 def _apart(new: Points, points: Points, reach: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether places are further than that from all points."""
+    """True for places that are at least `reach` away from all points."""
     from scipy.spatial import KDTree
 
     return KDTree(points).query(new)[0] >= reach
 
 
 def _chosen(new: Points, reach: NDArray[np.float64], urgency: NDArray[np.float64]) -> Points:
-    """Of places that are within reach of each other the most urgent ones."""
+    """The most urgent places among those within reach of each other."""
     from scipy.spatial import KDTree
 
     if not len(new):

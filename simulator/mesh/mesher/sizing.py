@@ -1,4 +1,4 @@
-"""How long the edges of triangles shall be at any place."""
+"""Requested length of the edges of triangles at any place."""
 
 from __future__ import annotations
 
@@ -9,16 +9,22 @@ from ...scene.planar import Points
 from .spacing import spacings
 
 GROWTH = 0.7
-"""Rise of the length of edges with the distance from where they are short."""
+"""Increase of the edge length with the distance from where edges are short."""
 STEPS = 2
-"""Lengths of edges told apart within a factor of 2."""
+"""Number of steps in which the edge length changes by a factor of 2."""
 
 
 class Sizing:
-    """By steps: size / 2^(k / STEPS) where pieces ask for that or less, longer elsewhere."""
+    """Edge length in steps.
+
+    It is size / 2^(k / STEPS) where pieces need that or less, and longer elsewhere.
+    """
 
     def __init__(self, points: Points, pieces: NDArray[np.int64], size: float) -> None:
-        """points, pieces: an arrangement; size: the longest edge, m."""
+        """Collects the places of each step.
+
+        points, pieces: an arrangement; size: the longest edge, m.
+        """
         from scipy.spatial import KDTree
 
         places, sizes = spacings(points, pieces)

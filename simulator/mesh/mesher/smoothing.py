@@ -1,4 +1,4 @@
-"""Points moved to where the triangles around them are better shaped."""
+"""Moves points to where the triangles around them are better shaped."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from .triangulation import triangulated
 Numbers = NDArray[np.int64]
 ROUNDS = 8
 STEP = 0.5
-"""Of the way to the mean of the places where triangles would be equilateral."""
+"""Fraction of the way to the mean of places where triangles are equilateral."""
 FLAT = 1e-3
-"""Shape below which a triangle weighs no more."""
+"""Shape below which the weight of a triangle grows no further."""
 SAME = 1e-9
 
 
 def smoothed(
     points: Points, t: Numbers, lines: Numbers, curve: Numbers, fixed: int
 ) -> tuple[Points, Numbers]:
-    """The same number of points, of which the first `fixed` stay, and the triangles between them.
+    """Points after moving, and the triangles between them.
 
-    points, lines, curve and the result are as of `triangulated`.
+    The number of points stays, and the first `fixed` do not move. points, lines, curve and the
+    result are as for `triangulated`.
     """
     for _ in range(ROUNDS):
         points = _moved(points, t, fixed)
@@ -31,7 +32,7 @@ def smoothed(
 
 
 def _moved(points: Points, t: Numbers, fixed: int) -> Points:
-    """Points moved where no triangle around them becomes worse than the worst of them was."""
+    """Moves points where no triangle around them becomes worse than the worst was."""
     free = np.isin(np.arange(len(points)), t)
     free[:fixed] = False
     before = _worst(points, t)
@@ -45,9 +46,9 @@ def _moved(points: Points, t: Numbers, fixed: int) -> Points:
 
 
 def _better(points: Points, t: Numbers) -> Points:
-    """The mean of the apexes of equilateral triangles over the edges across from each point.
+    """Mean of the apexes of equilateral triangles over the edges opposite each point.
 
-    Where its triangles are badly shaped they weigh more; points without triangles stay.
+    Badly shaped triangles weigh more; points without triangles stay.
     """
     weight = 1 / np.maximum(_shape(points, t), FLAT) ** 2
     towards, total = np.zeros_like(points), np.zeros(len(points))
@@ -62,7 +63,7 @@ def _better(points: Points, t: Numbers) -> Points:
 
 
 def _worst(points: Points, t: Numbers) -> NDArray[np.float64]:
-    """The least shape of the triangles around each point, shape (point,)."""
+    """Smallest shape of the triangles around each point, shape (point,)."""
     shape, least = _shape(points, t), np.full(len(points), np.inf)
     for corner in t:
         np.minimum.at(least, corner, shape)
@@ -70,7 +71,10 @@ def _worst(points: Points, t: Numbers) -> NDArray[np.float64]:
 
 
 def _shape(points: Points, t: Numbers) -> NDArray[np.float64]:
-    """Of triangles: 1 if equilateral, 0 if flat, less if clockwise; shape (triangle,)."""
+    """Shape of triangles: 1 if equilateral, 0 if flat, negative if clockwise.
+
+    Shape (triangle,).
+    """
     a, b, c = points[t]
     u, v, w = b - a, c - a, c - b
     squared = (u**2).sum(axis=1) + (v**2).sum(axis=1) + (w**2).sum(axis=1)

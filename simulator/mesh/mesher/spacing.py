@@ -1,4 +1,4 @@
-"""How small triangles must be, and where, for all that lies close together to be resolved."""
+"""Edge lengths that resolve all that lies close together."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from numpy.typing import NDArray
 from ...scene.planar import Points, distance
 
 ASPECT = 2.0
-"""Length of edges over the width of the strip between two pieces."""
+"""Edge length over the width of the strip between two pieces."""
 DEEPEST = 40
-"""Halvings of a piece."""
+"""Largest number of times that a piece is halved."""
 
 
 def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray[np.float64]]:
-    """Places in m, shape (place, 2), and the length in m that edges shall have there.
+    """Places in m, shape (place, 2), and the requested edge length there, m.
 
-    points, pieces: an arrangement. At the ends of pieces that is the length of the shortest piece
-    there; along a piece it is ASPECT times the distance to the nearest one that it does not meet.
+    points, pieces: an arrangement. At an end of pieces the length is that of the shortest piece
+    there; along a piece it is ASPECT times the distance to the nearest piece that it does not meet,
+    at most the length of the piece.
     """
     ends = points[pieces]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
@@ -43,7 +44,7 @@ def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray
 def _to_others(
     middle: Points, whole: NDArray[np.int64], ends: Points, pieces: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """From places on pieces to the nearest piece that theirs does not meet, m."""
+    """Distance from places on pieces to the nearest piece that theirs does not meet."""
     apart = distance(middle, ends)
     for end in pieces[whole].T:
         for other in pieces.T:

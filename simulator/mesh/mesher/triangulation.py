@@ -1,4 +1,4 @@
-"""Triangles between points and lines that are given: constrained Delaunay triangulations."""
+"""Constrained Delaunay triangulations of given points and lines."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ TOO_NEAR = "lines of the skin or of the press are too near to others to mesh"
 
 
 def triangulated(points: Points, lines: Numbers, curve: Numbers) -> Numbers:
-    """The triangles within a drawing by numbers of points, anticlockwise, shape (3, triangle).
+    """Triangles within a drawing by numbers of points, shape (3, triangle).
 
-    points: m, shape (point, 2). lines: numbers of their ends, shape (2, line), each an edge of the
-    result. curve: the closed curve that a line is part of as of `meshed`, shape (line,).
+    They run anticlockwise. points: m, shape (point, 2). lines: numbers of their ends, shape (2,
+    line), each an edge of the result. curve: the closed curve that a line is part of, as for
+    `meshed`, shape (line,).
 
-    Raises InputError where the library is missing, ToleranceError where lines cross.
+    Raises InputError if the library is missing, ToleranceError if lines cross.
     """
     t = _between(points, lines)
     edges, of_triangle = edges_of(t)
@@ -32,7 +33,7 @@ def triangulated(points: Points, lines: Numbers, curve: Numbers) -> Numbers:
 
 
 def _between(points: Points, lines: Numbers) -> Numbers:
-    """All triangles of the points' convex hull."""
+    """Triangles of the points' convex hull."""
     try:
         import pythoncdt as cdt
     except ImportError as error:
@@ -53,10 +54,10 @@ def _between(points: Points, lines: Numbers) -> Numbers:
 
 
 def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[np.bool_]:
-    """Which triangles lie inside the outline and in none of its holes, shape (triangle,).
+    """True for triangles inside the outline and in none of its holes, (triangle,).
 
-    of_triangle: the edges of triangles as of `edges_of`. walls, outline: edges along all closed
-    curves, and along the one around the drawing.
+    of_triangle: edges of triangles, as from `edges_of`. walls, outline: numbers of the edges along
+    all closed curves, and along the one around the drawing.
     """
     part = _parts(of_triangle, walls)
     count = np.bincount(of_triangle.ravel())
@@ -67,7 +68,7 @@ def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[n
 
 
 def _parts(of_triangle: Numbers, walls: Numbers) -> Numbers:
-    """The same number for triangles that no wall parts, shape (triangle,)."""
+    """Number of the part of each triangle, shape (triangle,); walls separate parts."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -1,1 +1,1 @@
-"""Meshes made finer where that is asked for."""
+"""Local refinement of meshes."""

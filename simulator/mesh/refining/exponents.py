@@ -1,7 +1,7 @@
-"""Powers of the distance that fields go by at the corners of a mesh.
+"""Exponents of the distance from a corner of a mesh with which fields vary there.
 
-At a corner the field goes like r^a: a = pi / omega within an angle omega, half of that where a foil
-ends, and as `wedges` tells where the conductance jumps.
+At a corner the field varies as r^a: a = pi / omega within an angle omega, half of that where a foil
+ends, and as `wedges` computes it where the conductance jumps.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from ..edge_numbering import edge_numbers, edges_of
 from .wedges import around, between
 
 WHOLE = 0.02
-"""Exponents nearer to a whole number are of smooth fields."""
+"""Distance from a whole number below which an exponent means a smooth field."""
 JUMP = 1e-6
-"""Of a conductance: what is rounding."""
+"""Relative difference of two conductances up to which it is rounding."""
 LOW, HIGH = (0, 1, 0), (1, 2, 2)
-"""Which corner of a triangle is the lower and which the higher end of each edge of `edges_of`."""
+"""Corners at the lower and the higher end of a triangle's edges of `edges_of`."""
 
 
 @dataclass(frozen=True)
 class SheetAtCorners:
-    """What one field is in.
+    """Sheet of one field, at the corners of the triangles.
 
-    foils: the names of those that hold it, and films of those that feed it through a resistance.
-    angle: of each triangle at each of its corners; conductance: there; both as if the sheet were
-    stretched so that it conducts alike along all directions, shape (3, triangle). Without, it
-    does, and the conductance jumps nowhere.
+    foils: names of those that fix the field. films: names of those that feed it through a
+    resistance. angle: angle of each triangle at each of its corners. conductance: that of the sheet
+    there. Both are of shape (3, triangle), after a stretch that makes the sheet conduct equally
+    along all directions. Without them it conducts so anyway, and the conductance jumps nowhere.
     """
 
     foils: Sequence[str]
@@ -42,9 +42,9 @@ class SheetAtCorners:
 
 
 def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> NDArray[np.float64]:
-    """The power of the distance that fields go by from each point, inf where they are smooth.
+    """Exponents of the distance with which fields vary at points, shape (point,).
 
-    Of several sheets the least. Shape (point,).
+    inf where fields are smooth; the minimum over several sheets.
     """
     edges, of_triangle = edges_of(mesh.t)
     rim = edges[:, np.bincount(of_triangle.ravel()) == 1]
@@ -55,7 +55,7 @@ def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> NDArray[
 def _powers(
     mesh: Domain, sheet: SheetAtCorners, rim: Numbers, of_triangle: Numbers
 ) -> NDArray[np.float64]:
-    """Of one sheet, shape (point,). rim: its edges, shape (2, edge)."""
+    """Exponents of one sheet, shape (point,). rim: edges of the boundary, (2, edge)."""
     points, at = mesh.p.shape[1], np.unique(rim)
     angle = _angles(mesh) if sheet.angle is None else sheet.angle
     whole = np.bincount(mesh.t.ravel(), angle.ravel(), points)
@@ -78,7 +78,7 @@ def _powers(
 
 
 def _numbered(mesh: Domain, foils: Sequence[str], rim: Numbers) -> Numbers:
-    """From 1 the foil on each edge of the rim, 0 where there is none."""
+    """Number of the foil on each edge of the rim from 1 on; 0 where there is none."""
     found = np.zeros(rim.shape[1], dtype=np.int64)
     for number, name in enumerate(foils, 1):
         own = edge_numbers(mesh.foils[name], rim)
@@ -87,7 +87,7 @@ def _numbered(mesh: Domain, foils: Sequence[str], rim: Numbers) -> Numbers:
 
 
 def _extremes(numbers: Numbers, rim: Numbers, points: int) -> tuple[Numbers, Numbers]:
-    """The least and the largest number of the edges of the rim at each point."""
+    """Smallest and largest of the numbers of the rim's edges at each point."""
     least, most = np.full(points, numbers.max() + 1), np.zeros(points, dtype=np.int64)
     for ends in rim:
         np.minimum.at(least, ends, numbers)
@@ -96,7 +96,7 @@ def _extremes(numbers: Numbers, rim: Numbers, points: int) -> tuple[Numbers, Num
 
 
 def _jumps(t: Numbers, of_triangle: Numbers, conductance: NDArray[np.float64]) -> Numbers:
-    """How many edges at each point the conductance jumps across, shape (point,)."""
+    """Number of edges at each point across which the conductance jumps, (point,)."""
     edge = of_triangle.ravel()
     order = np.argsort(edge, kind="stable")
     twice = np.flatnonzero(np.diff(edge[order]) == 0)
@@ -116,7 +116,7 @@ def _crossed(
     jumps: Numbers,
     rim: Numbers,
 ) -> list[int]:
-    """The points at which the conductance jumps, but those where it jumps across a smooth line."""
+    """Points at which the conductance jumps, except across a smooth line."""
     on_rim = np.zeros(len(jumps), dtype=bool)
     on_rim[rim] = True
     low, high = np.full(len(jumps), np.inf), np.zeros(len(jumps))
@@ -137,7 +137,7 @@ def _power_at(
     conductance: NDArray[np.float64],
     held: Numbers,
 ) -> float:
-    """By the wedges at a point, in turn. held: the edges of foils."""
+    """Exponent at a point by the wedges around it. held: edges of foils."""
     corner, triangle = np.nonzero(t == point)
     sides = [set(t[:, k].tolist()) - {point} for k in triangle.tolist()]
     turn, first, last = _in_turn(sides)
@@ -153,9 +153,10 @@ def _power_at(
 
 
 def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
-    """The triangles around a point one after the other, and the points where they begin and end.
+    """Triangles around a point in order, and the points where they begin and end.
 
-    sides: the other two points of each. Where rims touch in a point, those between two of them.
+    sides: the other two points of each triangle. Where rims touch in the point, the triangles are
+    those between two rims.
     """
     ends = [end for side in sides for end in side if sum(end in each for each in sides) == 1]
     first = last = min(ends) if ends else min(sides[0])
@@ -168,7 +169,7 @@ def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
 
 
 def _angles(mesh: Domain) -> NDArray[np.float64]:
-    """Of each triangle at its corners, shape (3, triangle)."""
+    """Angles of triangles at their corners, rad, shape (3, triangle)."""
     corners = mesh.p[:, mesh.t]
     at = _between(*(np.roll(corners, -turn, axis=1) - corners for turn in (1, 2)))
     for (i, j), bend in zip(EDGES, mesh.curvature, strict=True):

@@ -1,8 +1,8 @@
-"""Triangles halved as often as their parts of an error ask for: what is left is told in advance.
+"""Halves triangles until predicted errors are small enough.
 
-Of the part of a triangle one within it, of A of its area, keeps A^(p + 1), where the field is
-smooth and p is the order of the elements. At a corner the field goes like r^a, and the one there
-keeps A^a.
+Every triangle has a part of each error. A child with the fraction A of its parent's area keeps the
+fraction A^(p + 1) of the parent's part where the field is smooth, p being the order of the
+elements. At a corner, where the field varies as r^a, the child there keeps the fraction A^a.
 """
 
 from __future__ import annotations
@@ -17,12 +17,15 @@ from .exponents import WHOLE
 from .untangled import finer
 
 LEFT = 0.7
-"""Of the error that is enough: what lies in triangles that are not marked."""
+"""Fraction of the sufficient error that lies in triangles that are not marked."""
 STRENGTH = 0.12
-"""Over (1 - a)^2: of Rs and Cp, what a corner takes of triangles as large as the skin."""
+"""Part of Rs and Cp due to a corner, over (1 - a)^2.
+
+It is that with triangles as large as the skin.
+"""
 MOST_ROUNDS = 16
 MOST_GROWN = 8.0
-"""Triangles at most, over those before: what is told further in advance is not sure."""
+"""Largest ratio of triangles after and before; predictions beyond are unreliable."""
 
 
 def graded(
@@ -32,11 +35,11 @@ def graded(
     order: int,
     exponents: NDArray[np.float64],
 ) -> tuple[Domain, NDArray[np.float64]]:
-    """The mesh with triangles halved until about as much is left of each error as is enough, and
-    the parts of its triangles then, as they are told in advance.
+    """Mesh with triangles halved until about `enough` is left of each error.
 
-    parts: of each triangle in some errors, shape (error, triangle). order: of the elements.
-    exponents: of points as of `corner_exponents`. Raises as `finer`.
+    Also returns the predicted parts of its triangles. parts: of each triangle in some errors, shape
+    (error, triangle). order: that of the elements. exponents: at points, as from
+    `corner_exponents`. Raises what `finer` raises.
     """
     pixel, found, most = mesh.pixel, mesh, MOST_GROWN * mesh.t.shape[1]
     for _ in range(MOST_ROUNDS):
@@ -53,10 +56,11 @@ def graded(
 
 
 def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.float64]:
-    """About what each corner takes of Rs and Cp on a coarse mesh, told before there is any answer.
+    """Approximate part of each corner in Rs and Cp on a coarse mesh.
 
-    Of each triangle there, shape (corner, triangle). On 20 random skins half of the corners took
-    between a third and three times that. exponents: of points as of `corner_exponents`.
+    It needs no solution. Shape (corner, triangle): the part is spread over the triangles at the
+    corner. On 20 random skins half of the corners had between a third and three times that.
+    exponents: at points, as from `corner_exponents`.
     """
     area, corners = areas(mesh.p, mesh.t), np.flatnonzero(exponents < 1 - WHOLE)
     parts = np.zeros((len(corners), len(area)))
@@ -68,7 +72,7 @@ def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def fewest(parts: NDArray[np.float64], held: float) -> NDArray[np.int64]:
-    """The fewest triangles whose parts are so much together, by number, ascending; one at least."""
+    """Fewest triangles whose parts sum to `held`, by number, ascending; at least one."""
     order = np.argsort(-parts, kind="stable")
     return np.sort(order[: int(np.searchsorted(np.cumsum(parts[order]), held)) + 1])
 
@@ -76,7 +80,7 @@ def fewest(parts: NDArray[np.float64], held: float) -> NDArray[np.int64]:
 def _kept(
     before: Domain, after: Domain, order: int, exponents: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Of the part of the triangle that each lies in what it is told to keep, shape (triangle,)."""
+    """Predicted fraction that each triangle keeps of its parent's part, (triangle,)."""
     area, whole = areas(after.p, after.t), areas(before.p, before.t)
     of_corners = np.append(exponents, np.inf)[np.minimum(after.t, len(exponents))].min(axis=0)
     return np.minimum(area / whole[after.pixel], 1.0) ** np.minimum(of_corners, order + 1)

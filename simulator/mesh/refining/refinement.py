@@ -1,9 +1,9 @@
-"""Finer triangles where they are asked for: red, green and blue refinement by longest edges.
+"""Refines marked triangles: red, green and blue refinement by longest edges.
 
-A marked triangle has all its edges halved, and becomes four of its own shape (red). Then every
+A marked triangle has all its edges halved and becomes four of its own shape (red). Then every
 triangle of which an edge is halved has its longest edge halved too, and becomes two (green), three
-(blue) or four. Angles stay bounded from below, since only longest edges are cut alone:
-C. Carstensen, Constructive Approximation 20 (2004) 549-564.
+(blue) or four. Angles stay bounded from below, since an edge that is cut alone is always the
+longest: C. Carstensen, Constructive Approximation 20 (2004) 549-564.
 """
 
 from __future__ import annotations
@@ -19,22 +19,26 @@ from ..edge_numbering import edges_of, halves
 
 
 def refined(domain: Domain, marked: ArrayLike) -> Domain:
-    """The domain with the marked triangles, by number, cut in four, and those beside as needed.
+    """Domain with the marked triangles, by number, cut in four.
 
-    New points on arcs lie on these. Labels, foils, seams and arcs are inherited.
+    Their neighbours are cut as needed. New points on arcs lie on these. Labels, foils, seams and
+    arcs are inherited.
     """
     return _cut(domain, edges_of(domain.t)[1][:, np.asarray(marked, dtype=np.int64)])
 
 
 def arcs_halved(domain: Domain, marked: ArrayLike) -> Domain:
-    """The same with the arcs of the marked triangles, by number, cut in two."""
+    """Domain with the arcs of the marked triangles, by number, cut in two.
+
+    Otherwise as `refined`.
+    """
     some = np.asarray(marked, dtype=np.int64)
     own = edges_of(domain.t)[1][:, some]
     return _cut(domain, own[domain.curvature[:, some] != 0])
 
 
 def _cut(domain: Domain, marked: Numbers) -> Domain:
-    """With these edges halved, by number, and the longest of each triangle that has one."""
+    """Domain with these edges halved, by number, and the longest of cut triangles."""
     edges, of_triangle = edges_of(domain.t)
     turn = _longest_first(domain.p, domain.t)
     t = np.take_along_axis(domain.t, turn, axis=0)
@@ -62,14 +66,17 @@ def _cut(domain: Domain, marked: Numbers) -> Domain:
 
 
 def _longest_first(p: Points, t: Numbers) -> Numbers:
-    """Corners in turn such that the longest edge leads from the first to the second, (3, cell)."""
+    """Order of corners, shape (3, cell): the longest edge joins the first two."""
     a, b, c = (p[:, corner] for corner in t)
     squared = np.array([((u - v) ** 2).sum(axis=0) for u, v in ((a, b), (b, c), (c, a))])
     return (np.arange(3)[:, None] + squared.argmax(axis=0)) % 3
 
 
 def _halved(of_triangle: Numbers, marked: Numbers) -> NDArray[np.bool_]:
-    """Edges to halve: those that are marked, and the longest of each triangle, shape (edge,)."""
+    """True for edges to halve, shape (edge,).
+
+    These are the marked ones, and the longest edge of every triangle with a halved edge.
+    """
     halved = np.zeros(of_triangle.max() + 1, dtype=bool)
     halved[marked] = True
     while True:
@@ -81,7 +88,7 @@ def _halved(of_triangle: Numbers, marked: Numbers) -> NDArray[np.bool_]:
 
 
 def _split(t: Numbers, middle: Numbers) -> tuple[Numbers, Numbers]:
-    """The triangles within others, shape (3, child), and the number of the one around each.
+    """Triangles after cuts, shape (3, child), and the number of the parent of each.
 
     middle: points in the middle of the edges 0-1, 1-2, 2-0, -1 where there is none.
     """

@@ -1,4 +1,4 @@
-"""Triangles that stay upright however their arcs bend: edges are turned, then arcs halved."""
+"""Keeps triangles upright however their arcs bend: turns edges, then halves arcs."""
 
 from __future__ import annotations
 
@@ -14,21 +14,26 @@ from ..edge_numbering import edge_numbers, edges_of
 from .refinement import arcs_halved, refined
 
 STEPS = 6
-"""Parts of an edge, at the ends of which triangles are looked at."""
+"""Number of parts of an edge; triangles are checked at the ends of the parts."""
 LEAST = 1e-3
-"""Area of a bent triangle over that of the straight one, but at its corners: where a circle touches
-a line it falls evenly from 1 to 0 there."""
+"""Smallest area of a bent triangle over that of the straight one, but at corners.
+
+Where a circle touches a line, it falls linearly from 1 to 0 at the corner.
+"""
 ROUNDING = 1e-6
 MOST_ROUNDS = 10
 
 
 def finer(mesh: Domain, marked: ArrayLike) -> Domain:
-    """The mesh with the marked triangles, by number, cut in four; raises as `untangled`."""
+    """Mesh with the marked triangles, by number, cut in four.
+
+    Raises what `untangled` raises.
+    """
     return untangled(refined(mesh, marked))
 
 
 def untangled(mesh: Domain) -> Domain:
-    """The mesh with none of its triangles turned over by its arcs, or nearly.
+    """Mesh in which arcs turn no triangle over, or nearly.
 
     Raises ToleranceError where triangles would be halved without end.
     """
@@ -43,7 +48,7 @@ def untangled(mesh: Domain) -> Domain:
 
 
 def _tangled(mesh: Domain) -> Numbers:
-    """The triangles that their arcs turn over, and those that lie upon a neighbour."""
+    """Triangles that their arcs turn over, and those that lie upon a neighbour."""
     curvature = mesh.curvature
     bent = np.flatnonzero(curvature.any(axis=0))
     turned = bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
@@ -51,7 +56,7 @@ def _tangled(mesh: Domain) -> Numbers:
 
 
 def _folded(mesh: Domain) -> Numbers:
-    """Of two triangles on the same side of their common edge the smaller one."""
+    """Smaller one of each two triangles on the same side of their common edge."""
     edges, of_triangle = edges_of(mesh.t)
     order = np.argsort(of_triangle.ravel(), kind="stable")
     edge, triangle = of_triangle.ravel()[order], np.tile(np.arange(mesh.t.shape[1]), 3)[order]
@@ -65,9 +70,10 @@ def _folded(mesh: Domain) -> Numbers:
 
 
 def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Least area over that of the straight triangle, shape (triangle,); t of ascending points.
+    """Smallest area ratio of a bent and the straight triangle, shape (triangle,).
 
-    At corners, where it may be none, LEAST more; -1 of a straight triangle that has no area.
+    t: of ascending points. At corners, where the ratio may be 0, LEAST is added. It is -1 for a
+    straight triangle without area.
     """
     a, b = (each.ravel() / STEPS for each in np.meshgrid(*2 * [np.arange(STEPS + 1.0)]))
     within = a + b < 1 + ROUNDING
@@ -81,7 +87,7 @@ def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArra
 
 
 def _turned(mesh: Domain) -> Domain:
-    """The mesh with edges of tangled triangles turned within pairs where that makes both better."""
+    """Mesh with edges of tangled triangles turned within pairs if both improve."""
     for triangle in _tangled(mesh).tolist():
         edges, of_triangle = edges_of(mesh.t)
         fixed = np.zeros(edges.shape[1], dtype=bool)
@@ -101,9 +107,9 @@ def _turned(mesh: Domain) -> Domain:
 
 
 def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
-    """By how much the worst of a pair of triangles is better in another mesh.
+    """Improvement of the worst of a pair of triangles in another mesh.
 
-    Infinite where one no longer lies upon the other, negative so where it does.
+    Infinite if they no longer lie upon each other, minus infinity if they then do or one is flat.
     """
     before, after = (np.abs(_area(each, each.t[:, pair])) for each in (mesh, other))
     if after.sum() > before.sum() * (1 + ROUNDING) or after.min() < ROUNDING * before.max():
@@ -115,7 +121,7 @@ def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
 
 
 def _with_diagonal(mesh: Domain, pair: Numbers, edge: Numbers, beyond: Numbers) -> Domain:
-    """With the edge between `beyond` in place of that between a pair of triangles."""
+    """Mesh with the edge between `beyond` in place of the edge between two triangles."""
     t = mesh.t.copy()
     t[:, pair] = np.sort([edge, np.full(2, beyond[0]), np.full(2, beyond[1])], axis=0)
     return replace(mesh, t=t)

@@ -1,8 +1,8 @@
-"""Powers of the distance that a potential goes by where wedges of several conductances meet.
+"""Exponents of a potential where wedges of several conductances meet.
 
 In a wedge u = r^p (a cos p t + b sin p t), t the angle; u and the current across are the same on
-both sides of an edge between two. Wedges that conduct along a direction are told as stretched so
-that they conduct alike. Source: R. B. Kellogg, Appl. Anal. 4 (1975) 101.
+both sides of an edge between two. Anisotropic wedges are given as stretched so that they conduct
+equally along all directions. Source: R. B. Kellogg, Appl. Anal. 4 (1975) 101.
 """
 
 from __future__ import annotations
@@ -13,26 +13,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST, MOST, STEP = 0.01, 5.0, 0.02
-"""Powers that are told of: beyond, all is as smooth as elements are."""
+"""Range and step of the exponents searched.
+
+Beyond the range, all is as smooth as elements are.
+"""
 ZOOMS, ZOOMED = 4, 21
 Wedges = Sequence[tuple[float, float]]
-"""The angle of each and its conductance, anticlockwise."""
+"""Angle and conductance of each wedge, anticlockwise."""
 
 
 def around(wedges: Wedges) -> float:
-    """The least power at a point with wedges all around, 1 where they are alike."""
+    """Smallest exponent at a point with wedges all around, 1 where they are equal."""
     return min(_first(lambda p: 2 - np.trace(_transfer(wedges, p)), 1.0), 1.0)
 
 
 def between(wedges: Wedges, begins: bool, stops: bool) -> float:
-    """The least power at a point of the rim. begins, stops: whether a foil holds u at that side."""
+    """Smallest exponent at a point of the rim.
+
+    begins, stops: True if a foil fixes u at that side.
+    """
     sign = 1 if begins or stops else -1
     return _first(lambda p: sign * _transfer(wedges, p)[0 if stops else 1, 1 if begins else 0])
 
 
 def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From potential and current over p at the first edge to those at the last, for all powers,
-    shape (2, 2, power)."""
+    """Matrices from potential and current over p at the first edge to the last.
+
+    They are given for all powers, shape (2, 2, power).
+    """
     M = np.eye(2)[:, :, None] * np.ones(len(powers))
     for angle, S in wedges:
         cos, sin = np.cos(powers * angle), np.sin(powers * angle)
@@ -44,7 +52,7 @@ def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64
 def _first(
     values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], most: float = MOST
 ) -> float:
-    """The first power at which values that begin above 0 are no more, inf without."""
+    """First power at which values that begin above 0 no longer are; inf if none."""
     low, high, count = LEAST, most, round((most - LEAST) / STEP) + 1
     for _ in range(ZOOMS + 1):
         powers = np.linspace(low, high, count)
@@ -58,9 +66,10 @@ def _first(
 def stretched(
     along: NDArray[np.float64], across: NDArray[np.float64], S: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Angles between edges, stretched so that S conducts alike, and its conductance then.
+    """Angles between edges after a stretch that makes S isotropic, and S then.
 
-    along, across: shape (2, ...). S: its xx, yy and xy, shape (3, ...). Both of shape (...).
+    along, across: shape (2, ...). S: its xx, yy and xy, shape (3, ...). Both results are of shape
+    (...).
     """
     xx, yy, xy = S
     alike = np.sqrt(xx * yy - xy**2)
