@@ -62,13 +62,13 @@ def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, ma
     write(touched, path)
     code, out, err = run("check", path, "--noise", "1e-3")
     assert code == 0 and "0 of 1 spectra break a law" in out
-    assert "what is read is a transfer impedance" in err
+    assert "readings are transfer impedances" in err
     rod = touched.assign_coords(press=("sweep", ["1,2:2.0"]))
     for unsaid in (touched.drop_attrs(), rod):
         write(unsaid, plain)
         code, out, err = run("check", plain, "--noise", "1e-3")
         assert code == 1 and "1 of 1 spectra break a law" in out
-        assert "a body or a finger that takes current to earth breaks these laws" in out
+        assert "a body or a finger that takes current to earth also breaks these laws" in out
 
 
 def test_foam_that_creeps_while_it_is_read_is_said_to_creep(run, make_scene, tmp_path):

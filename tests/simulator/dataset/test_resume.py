@@ -167,7 +167,7 @@ def test_spoilt_files_of_the_work_are_told_with_what_to_do(make, toy, tmp_path):
     sound = (folder / "plan.json").read_bytes()
     for content in (b"", b"\xff", b"[1, 2]", sound[:-20]):
         (folder / "plan.json").write_bytes(content)
-        with pytest.raises(InputError, match=r"plan\.json: .*; remove the folder \S+ to begin"):
+        with pytest.raises(InputError, match=r"plan\.json: .*; remove the folder \S+ to start"):
             make("out", plan)
     (folder / "plan.json").write_bytes(sound)
     (folder / "model.npz").write_bytes(b"")

@@ -93,7 +93,7 @@ def test_a_scene_is_written_with_its_interfaces():
         ('named = "top-left"', "A to B"),
         ('named = "top-left to nowhere"', "nowhere"),
         ('named = "top-left to top-left"', "shorts"),
-        ("all = []", "`readings` must name"),
+        ("all = []", "`readings` must give at least one interface"),
         ('every = "pairs"', "readings.every"),
     ],
 )
