@@ -46,7 +46,7 @@ def test_bounds_are_those_of_the_full_solver(scene):
 
 def test_a_share_is_no_wish_of_positions(run, refused, strip_file):
     code, _, err = run("design", strip_file, "--target", "position", "--want", 0.9)
-    assert code == 2 and "positions have `within`" in err and err.count("\n") == 1
+    assert code == 2 and "use `within`" in err and err.count("\n") == 1
     assert "within belongs to the target position" in refused("design", strip_file, "--within", 3)
 
 
