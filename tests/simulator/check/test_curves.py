@@ -161,9 +161,7 @@ def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, t
     write(make_sweeps(many, ["left"], **labels), path)
     assert len(list(curves_of(read(path), "left", QUANTITIES["Rs"]))) == MAX_DRAWN
     code, _, err = run("plot", path, "-o", tmp_path / "out.html", "--what", "Rs")
-    assert (
-        code == 0 and err == f"rcskin: note: {path}: 400 of 401 sweeps are drawn at even steps\n"
-    )
+    assert code == 0 and err == f"rcskin: note: {path}: 400 of 401 sweeps are drawn at even steps\n"
 
 
 @pytest.fixture

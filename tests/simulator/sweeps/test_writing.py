@@ -203,7 +203,8 @@ def test_what_is_finished_stays_where_the_target_is_open_elsewhere(tmp_path, mon
         raise PermissionError(13, "it is open in another program")
 
     monkeypatch.setattr(whole.os, "replace", refuse)
-    with pytest.raises(OutputError, match=r"out\.csv: cannot be replaced .* The finished output is in (.*)"):
+    finished = r"out\.csv: cannot be replaced .* The finished output is in (.*)"
+    with pytest.raises(OutputError, match=finished):
         with whole.kept_file(path) as unfinished:
             unfinished.write_text("hours of work")
     (beside,) = tmp_path.glob("finished-*.csv")
