@@ -1,1 +1,1 @@
-"""A scene's family of skins and presses in a small basis, certified."""
+"""Certified reduced models of a scene's family of skins and presses."""

@@ -1,4 +1,4 @@
-"""What a reduced model is trained on: presses on skins of the family, drawn at random."""
+"""Training cases of a reduced model: random presses on skins of the family."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ TWICE = 2
 
 @dataclass(frozen=True)
 class Case:
-    """A press on a skin of the family: the touched pixels and by how much c rises there.
+    """A press on a skin of the family: the touched pixels and the rises of c there.
 
     variation: None for the scene's own skin. cells: row * columns + column, from 0; fingers and
-    what else a press may change beyond the pixels as `Parts` numbers them.
+    other parts that a press may change beyond the pixels are numbered as in `Parts`.
     """
 
     variation: Variation | None
@@ -33,12 +33,12 @@ class Case:
     rises: NDArray[np.float64]
 
     def map_on(self, scene: Scene) -> NDArray[np.float64]:
-        """How much of each part of M there is over the scene's own, shape (part,), see `Parts`."""
+        """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
         pressed = parts_of(scene).pressed(self.cells, self.rises)
         return pressed if self.variation is None else pressed * self.variation.factors(scene)
 
     def press_on(self, scene: Scene) -> Press:
-        """Of its pixels by capacitance factors, with the fingers on them."""
+        """Press of the case's pixels by capacitance factors, with the fingers on them."""
         columns, parts = scene.pixels.columns, parts_of(scene)
         of = dict(zip(self.cells.tolist(), self.rises.tolist(), strict=True))
         pixels = dict.fromkeys(k if k < parts.foam else k - parts.foam for k in of)
@@ -58,7 +58,7 @@ class Case:
 def touched(
     scene: Scene, cells: NDArray[np.int64], rises: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """By what touches multiply c, shape (part,), see `foam_parts`."""
+    """Factors on c by touches, shape (part,), see `foam_parts`."""
     factors = np.ones(foam_parts(scene))
     on_foam = cells < len(factors)
     np.add.at(factors, cells[on_foam], rises[on_foam])
@@ -68,24 +68,27 @@ def touched(
 Draw = Callable[[np.random.Generator], Case]
 
 MOST_AT_ONCE = 2
-"""Pixels that one press touches."""
+"""Largest number of pixels that one press touches."""
 
 
 LARGEST_FINGER = 10e-12
-"""F: twice that of a finger on 576 mm² behind as much as 1 mm of air, eps0 A / t = 5.1 pF;
-a model is trained for as much, or for what its scene names beyond it."""
+"""Capacitance of a finger up to which every model is trained, F. It is twice eps0 A / t = 5.1 pF of
+a finger on 576 mm² behind 1 mm of air. A scene that names stronger fingers is trained beyond it."""
 
 
 BEYOND_NAMED = 1.25
-"""Of the strongest finger: what a scene names is then well within what is drawn."""
+"""Strongest finger that is drawn over the strongest one that a scene names, which is then well
+within the range."""
 AT_ENDS = 0.25
-"""Of what is drawn of fingers, over their range: as much beside either end is taken for that end,
-and so many of the touches do not press. A finger of the scene that only touches is both."""
+"""Fingers are drawn beyond either end of their range by this share of it, and clipped to that end.
+The same share of touches does not press. A finger that only touches may thus be drawn at an end."""
 
 
 def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
-    """One or several pixels pressed at random on the scene's own skin, factors within a range; by
-    fingers of any capacitance up to the `strongest_finger` where the scene has an earth."""
+    """Draw of one or several random pixels on the scene's own skin, with factors in a range.
+
+    If the scene has an earth, fingers of any capacitance up to `strongest_finger` press them.
+    """
     pixels, parts = scene.pixels.rows * scene.pixels.columns, parts_of(scene)
     strongest = strongest_finger(scene) if parts.fingers else 0.0
 
@@ -105,7 +108,7 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
 
 
 def strongest_finger(scene: Scene) -> float:
-    """More than any finger that a scene names, or LARGEST_FINGER, F."""
+    """Strongest finger in the training, F: LARGEST_FINGER, or more than the scene names."""
     drawn = scene.dataset.press.finger
     pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene))
     named = [0.0 if drawn is None else drawn.high, *(finger_of(p, None, scene) for p in pixels)]
@@ -113,9 +116,10 @@ def strongest_finger(scene: Scene) -> float:
 
 
 def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> list[Case]:
-    """Draws that touch every cell, most of them twice, each one some that is touched less so far.
+    """Draws that touch every cell, most of them twice.
 
-    Cells that draws hardly ever touch are left out: it ends after `idle` draws in vain.
+    Each draw but the first touches some cell that the earlier ones touch less than twice. Cells
+    that draws hardly ever touch are left out: the search ends after `idle` useless draws in a row.
     """
     touched, kept, vain = np.zeros(cells, dtype=np.int64), list[Case](), 0
     while vain < idle and touched.min() < TWICE:
@@ -130,14 +134,14 @@ def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> 
 
 
 def sharing_skins(cases: list[Case], presses: int) -> list[Case]:
-    """The same presses, so many of them on the skin of the first, as a skin costs more."""
+    """Same presses, each group of `presses` on the skin of its first: a skin costs more."""
     return [
         replace(case, variation=cases[k - k % presses].variation) for k, case in enumerate(cases)
     ]
 
 
 def by_skin(cases: list[Case], scene: Scene) -> list[list[int]]:
-    """Indices of the cases on each skin; each on its own where presses change the sheets."""
+    """Indices of the cases on each skin; each case is on its own if presses change the sheets."""
     if gauged(scene.skin):
         return [[k] for k in range(len(cases))]
     found: dict[int, list[int]] = {}

@@ -1,8 +1,9 @@
-"""A bound on what a reduced skin leaves out of Rs and Cp: from the residual, of second order.
+"""Certificates: bounds on the errors of Rs and Cp of a reduced skin, from its residual.
 
-With r = (K + s M) u of the reduced potentials u of an excitation, |Q - Q_r| <= sqrt(2) r*(K + omega
-M)^-1 r, of which K^-1 in place of the inverse is an upper bound, and K of the scene's own skin over
-the least factor on its conductance another. Interfaces are sums of excitations, and bounds add.
+With the residual r = (K + s M) u of the reduced potentials u of an excitation, |Q - Q_r| <= sqrt(2)
+r*(K + omega M)^-1 r, which is of second order. K^-1 in place of the inverse gives an upper bound.
+K^-1 of the scene's own skin, over the least factor on its conductance, gives another. Interfaces
+are sums of excitations, and bounds add.
 """
 
 from __future__ import annotations
@@ -31,12 +32,12 @@ def certificate(
     least: float,
     combination: Combination,
 ) -> NDArray[np.float64]:
-    """Bounds on the relative errors of Rs and Cp, shape (2, press, interface, s); of the reduction.
+    """Bounds on the relative errors of Rs and Cp by the reduction.
 
-    masses: M of each press in the space, F. potential: of each excitation in the full space, real
-    parts beside imaginary ones, V, shape (unknown, 2 * press * excitation * s). current: K of the
-    skin times that inside, A. Q: S, shape (press, excitation, s). s: rad/s. least: as
-    `least_conductance`.
+    Shape (2, press, interface, s). masses: M of each press in the space, F. potential: potentials
+    of each excitation in the full space, real parts before imaginary ones, V, shape (unknown, 2 *
+    press * excitation * s). current: K of the skin times these potentials at the inner unknowns, A.
+    Q: S, shape (press, excitation, s). s: rad/s. least: see `least_conductance`.
     """
     charge = _charges(masses, potential)[: space.inner]
     power = residual_power(space, current, charge, np.tile(s, Q.size // len(s)))
@@ -48,7 +49,7 @@ def certificate(
 
 
 def _charges(masses: Sequence[Mass], potential: NDArray[np.float64]) -> NDArray[np.float64]:
-    """M of each press times its own potentials, in C."""
+    """M of each press times the potentials of that press, C."""
     own = potential.reshape(len(potential), 2, len(masses), -1)
     each = [mass @ own[:, :, k].reshape(len(own), -1) for k, mass in enumerate(masses)]
     return np.stack([found.reshape(len(own), 2, -1) for found in each], axis=2).reshape(
@@ -62,9 +63,10 @@ def residual_power(
     charge: NDArray[np.float64],
     s: NDArray[np.complex128],
 ) -> NDArray[np.float64]:
-    """r*K^-1 r in W of r = K u + s M u, shape (s,).
+    """Power r*K^-1 r of the residual r = K u + s M u, W, shape (s,).
 
-    current, charge: K u and M u inside, real parts beside imaginary ones, shape (inner, 2 s).
+    current, charge: K u and M u at the inner unknowns, real parts before imaginary ones, shape
+    (inner, 2 s).
     """
     real, imag = np.split(charge, 2, axis=1)
     turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
@@ -73,9 +75,9 @@ def residual_power(
 
 
 def least_conductance(weights: Weights, circuit: Circuit, modes_of_sheet: int, parts: int) -> float:
-    """A lower bound of the factor on K anywhere. Raises InputError where it is not above zero.
+    """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero.
 
-    parts: of each term of a sheet.
+    parts: number of parts that each term of a sheet is split into.
     """
     if weights is None:
         return 1.0

@@ -1,4 +1,4 @@
-"""Factors of M of as low a rank as the tolerance allows: what a sweep costs goes with it."""
+"""Factors of M of the lowest rank that the tolerance allows; the cost of a sweep grows with it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .model import Reduced
 from .skin import ReducedSkin
 
 COMPRESSED_SHARE = 0.01
-"""Of the tolerance: what factors of lower rank may change."""
+"""Relative change that factors of lower rank may cause, over the tolerance."""
 
 
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
-    """The same with pixels' factors of lower rank, as far as that leaves these cases unchanged."""
+    """Model with factors of lower rank, as far as that leaves these cases unchanged."""
     exact = _impedances(reduced, cases)
     share = COMPRESSED_SHARE * reduced.rtol
     while True:
@@ -33,7 +33,7 @@ def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
 
 
 def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
-    """The skin of each case; that of the scene is set up once."""
+    """Skin of each case; the scene's own skin is built once."""
     own = reduced.skin(None)
     return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
 
@@ -49,8 +49,10 @@ def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
 
 
 def typical(reduced: Reduced) -> NDArray[np.float64]:
-    """How large potentials are in the model's coordinates, V, shape (N + n,): 1 at terminals, as
-    much as the skin at rest has of the basis."""
+    """Typical size of potentials in the model's coordinates, V, shape (N + n,).
+
+    It is 1 at terminals, and in the basis the largest norm of the unpressed skin's coefficients.
+    """
     skin = reduced.skin(None)
     none = np.zeros(0, dtype=np.int64)
     at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
@@ -60,5 +62,5 @@ def typical(reduced: Reduced) -> NDArray[np.float64]:
 
 
 def sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:
-    """Of potentials: 1 V at terminals; most: of the basis."""
+    """Sizes of potentials, V: 1 at terminals and `most` in the basis."""
     return np.concatenate([np.ones(terminals), np.full(basis, most)])

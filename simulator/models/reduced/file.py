@@ -1,4 +1,4 @@
-"""A reduced model on disk: its arrays and what they belong to, in one NumPy archive."""
+"""Reduced models on disk: arrays, scene and mesh in one NumPy archive."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from .model import Reduced
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
 FIXED = "fixed"
-"""Of a scene with surroundings alone."""
+"""Name of an array that only models of scenes with surroundings have."""
 
 
 def save(reduced: Reduced, path: Path) -> None:
-    """Write a model; the same model gives the same bytes of arrays."""
+    """Writes a model. Equal models give equal bytes of arrays."""
     mesh, of_mesh = _told_mesh(reduced.mesh)
     told = {
         "scene": scene_text(reduced.scene),
@@ -52,9 +52,10 @@ def save(reduced: Reduced, path: Path) -> None:
 
 
 def load(path: Path) -> Reduced:
-    """The model in a file.
+    """Reads a model.
 
-    Raises InputError where that is none, or not what its digest says, or its arrays do not fit.
+    Raises InputError if the file holds no model, its digest does not match, or its arrays do not
+    fit.
     """
     try:
         with inputs.check_input(path, inputs.MODEL).open("rb") as file:
@@ -113,8 +114,10 @@ def _check_finite(arrays: Mapping[str, NDArray]) -> None:
 
 
 def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
-    """Raises ValueError where arrays are not of the sizes that `Reduced` says. fields: those of the
-    sheets and of the conductors beside them."""
+    """Raises ValueError unless arrays have the shapes that `Projection` documents.
+
+    fields: number of fields, of the sheets and of the conductors beside them.
+    """
     N, n = len(arrays["conductance"]), arrays["basis"].shape[1]
     sizes = {
         "frequency": (arrays["frequency"].size,),
@@ -134,7 +137,7 @@ def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
 
 
 def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:
-    """What is told of a mesh in words, and its arrays."""
+    """Description of a mesh for the file's JSON, and its arrays."""
     if isinstance(mesh, Resolution):
         return {"resolution": asdict(mesh)}, {}
     domain = mesh.domain

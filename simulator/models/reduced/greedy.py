@@ -1,7 +1,8 @@
-"""Reduction of a scene's family to a small real basis, greedily over skins, presses, frequencies.
+"""Greedy reduction of a scene's family to a small real basis.
 
-The first vectors come from a sample of presses at real shifts, compressed by their energy in K;
-then, batch by batch, the draws whose certificates are worst add what the basis lacks, until fresh
+It is greedy over skins, presses and frequencies. The first vectors come from snapshots of a sample
+of presses at real shifts, compressed by their energy in K. Then fresh draws come in batches. The
+draws with the worst certificates add what the basis lacks, until the certificates of enough fresh
 draws keep the tolerance.
 """
 
@@ -41,34 +42,37 @@ from .indented.resolving import resolved as resolved_under_applicators
 from .model import Reduced
 
 IDLE_DRAWS = 50
-"""In a row that touch no new cell: enough to begin with."""
+"""Number of useless draws in a row after which the first sample is complete, see `covering`."""
 AT_ONCE, PRESSES_ON_SKIN = 64, 8
 BATCH = 32
 FEWEST_QUIET, MOST_QUIET = 64, 192
 LARGEST = 1200
 TRAINING = "training a reduced model"
-"""What its progress is reported as."""
+"""Label of the reduction's progress."""
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
-"""Of what may be dropped of a snapshot: what it may be off by, in the norm of K."""
+"""Error of a snapshot over what may be dropped of it, both in the norm of K."""
 WORTH_ADDING = 0.1
-"""Of the most that any of the worst cases lacks: so much is added whatever the tolerance."""
+"""At most this share of the largest energy that a snapshot lacks stays missing, whatever the
+tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
 TRAINED_SHARE = 1e-4
-"""Of what factors of lower rank may change: what they leave out of a part's energy while the basis
-grows."""
+"""Energy of a part that its factor omits while the basis grows, over the change that factors of
+lower rank may cause."""
 DROPPED_SHARE = 0.1
-"""Of the tolerance: what any snapshot of unit energy may lose of that."""
+"""Energy that a snapshot of unit energy may lose, over the tolerance."""
 ESSENCE_SHARE = 1e-4
-"""Of what may be dropped of a snapshot: what is, before those of all skins are put together."""
+"""Energy that a snapshot loses when the snapshots of its skin are compressed, before those of all
+skins are joined, over the energy that it may lose in all."""
 
 NOTHING_CHARGED = 1e-24
-"""Energy of a snapshot over that of 1 V in a sheet: less is rounding, of an excitation that charges
-nothing, such as both terminals against an earth that nothing has a capacitance to."""
+"""Smallest energy of a snapshot over that of 1 V in a sheet. Less is rounding: the excitation
+charges nothing, for example both terminals against an earth that nothing has a capacitance to."""
 
 Shared = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""Vectors in the inner unknowns, shape (inner, k), and snapshots as sums of them, (k, snapshot)."""
+"""Vectors in the inner unknowns, shape (inner, k), and the coefficients of snapshots in these,
+shape (k, snapshot)."""
 
 
 def reduce(
@@ -84,14 +88,15 @@ def reduce(
     readings: Sequence[Interface] | None = None,
     by_depth: bool | None = None,
 ) -> Reduced:
-    """A reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
+    """Reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
-    draw: of what the model is trained on, by default one or two touched pixels. modes: of each
-    sheet's conductance, see `variation.WAVES`. alike: whether both sheets vary in the same way, so
-    that one field may serve. frequency: Hz, ascending; those of the scene's sweep for None.
-    readings: how two fields are driven; by the scene's interfaces for None. by_depth: whether
-    pixels are pressed by depth or force; as the scene presses them for None. Raises ToleranceError
-    where mesh or basis do not get there, InputError where the pixels do not fit in memory.
+    draw: draws the cases that the model is trained on, by default one or two touched pixels. modes:
+    number of modes of each sheet's conductance, see `parameters.HALF_WAVES`. alike: True if both
+    sheets vary in the same way, so that one field may serve. frequency: Hz, ascending; by default
+    those of the scene's sweep. readings: interfaces whose excitations drive two fields; by default
+    those of the scene. by_depth: True if pixels are pressed by depth or force; by default as the
+    scene presses them. Raises ToleranceError if the mesh or the basis does not reach rtol,
+    InputError if the pixels do not fit in memory.
     """
     check_surroundings(scene)
     applied = spreading(scene, by_depth)
@@ -110,12 +115,12 @@ def reduce(
 
 
 class Basis:
-    """Vectors of a family's space, orthonormal in K, growing."""
+    """Growing basis of a family's space, orthonormal in K."""
 
     def __init__(
         self, family: Family, rtol: float, mesh_error: float, frequency: NDArray[np.float64]
     ) -> None:
-        """frequency: Hz, ascending; the basis is for all between the first and the last."""
+        """frequency: Hz, ascending; the basis serves all between the first and the last."""
         self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
         self.frequency, loss = frequency, family.scene.skin.foam.loss
         self.vectors: NDArray[np.float64] = np.zeros((family.space.inner, 0))
@@ -132,9 +137,10 @@ class Basis:
         progress: ProgressCallback,
         most: int = MOST_QUIET,
     ) -> Reduced:
-        """Until enough fresh draws in a row keep what the mesh leaves of the tolerance.
+        """Adds vectors until enough fresh draws in a row keep the tolerance.
 
-        most: so many of them are always enough.
+        The tolerance of the basis is what the mesh leaves of rtol. most: number of fresh draws that
+        is always enough.
         """
         pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
         limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
@@ -160,7 +166,7 @@ class Basis:
         return compressed(reduced, [draw(random) for _ in range(BATCH)])
 
     def _add(self, cases: list[Case]) -> None:
-        """What the snapshots of these cases have beyond the basis, as far as it matters."""
+        """Adds the relevant components of these cases' snapshots outside the basis."""
         found, shares = map(list, zip(*self._snapshots(cases), strict=True))
         found, share = self._beyond(np.hstack(found)), np.asarray(block_diag(*shares), dtype=float)
         root = _root(found.T @ (self._K @ found))
@@ -175,11 +181,14 @@ class Basis:
         self.vectors = np.hstack([self.vectors, new]).astype(np.float64)
 
     def _beyond(self, found: NDArray) -> NDArray[np.float64]:
-        """What is K-orthogonal to the basis."""
+        """Components that are orthogonal to the basis in K."""
         return found - self.vectors @ (self.vectors.T @ (self._K @ found))
 
     def _snapshots(self, cases: list[Case]) -> Iterator[Shared]:
-        """Deviations from the lifted terminals' potentials at the shifts, each of unit energy."""
+        """Snapshots at the shifts, each of unit energy, as sums of few vectors.
+
+        They are deviations from the lifted terminals' potentials.
+        """
         for group in by_skin(cases, self.family.scene):
             space = self.family.skin(weights_of_case(self.family, cases[group[0]]))
             for start in range(0, len(group), PRESSES_ON_SKIN):
@@ -187,7 +196,7 @@ class Basis:
                 yield self._essence(self._at_shifts(space, some))
 
     def _essence(self, snapshots: NDArray[np.float64]) -> Shared:
-        """A few vectors, orthonormal in K, that hold snapshots as exactly as these are."""
+        """Few vectors, orthonormal in K, that represent snapshots to the accuracy of these."""
         power, turn = np.linalg.eigh(snapshots.T @ (self._K @ snapshots))
         lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
         kept = lost > ESSENCE_SHARE * DROPPED_SHARE * self.rtol
@@ -229,7 +238,7 @@ class Basis:
         return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
 
     def _reduced(self) -> Reduced:
-        """The model as it now is."""
+        """Reduced model in the present basis."""
         family = self.family
         reduced = Reduced(
             scene=family.scene,
@@ -262,7 +271,7 @@ class Basis:
 
 
 def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Of each case, the largest bound on the relative errors of Rs and Cp. s: rad/s."""
+    """Largest bound on the relative errors of Rs and Cp in each case, shape (case,). s: rad/s."""
     found = np.empty(len(cases))
     for group in by_skin(cases, reduced.scene):
         own = [cases[k] for k in group]
@@ -275,13 +284,13 @@ def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> ND
 
 
 def _root(gram: NDArray[np.float64]) -> NDArray[np.float64]:
-    """R with R'R a Gram matrix, of vectors that may depend on each other."""
+    """R with R'R equal to a Gram matrix, whose vectors may be linearly dependent."""
     power, turn = np.linalg.eigh(gram)
     return np.sqrt(np.maximum(power, 0.0))[:, None] * turn.T
 
 
 def _done(error: float, begun: float, limit: float) -> float:
-    """Share of the way down from an error to a limit, in decades."""
+    """Progress from a first error down to a limit by decades, 0 to 1."""
     left = max(np.nan_to_num(error, nan=begun), limit)
     way = np.log(begun) - np.log(limit)
     return float(np.clip((np.log(begun) - np.log(left)) / way, 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""A reduced model: the impedance of any skin of a scene's family, under any press."""
+"""Reduced model: the impedance of any skin of a scene's family, under any press."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .skin import ReducedSkin
 
 @dataclass(frozen=True, repr=False)
 class Reduced(Projection, Tabular):
-    """The arrays of a family, and its skins."""
+    """Reduced model of a scene's family of skins and presses."""
 
     def impedance(
         self, press: Press | str, frequency: NDArray[np.float64]
     ) -> NDArray[np.complex128]:
         """Z in ohm of the scene's own skin, shape (interface, frequency). frequency: Hz.
 
-        press: or its text. Touches that are no pixels count by the area they cover of each. Raises
-        InputError for a text that is no press on the scene.
+        press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
+        that it covers there. Raises InputError for a text that is no press on the scene.
         """
         pressed = press_on(self.scene, press) if isinstance(press, str) else press
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
@@ -41,8 +41,9 @@ class Reduced(Projection, Tabular):
     def skin(
         self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
     ) -> ReducedSkin:
-        """One skin of the family, the scene's own for None; pressed: as of `ReducedSkin`.
+        """One skin of the family; the scene's own skin if `variation` is None.
 
-        Raises InputError where the fields of the family cannot follow the variation.
+        pressed: see `ReducedSkin`. Raises InputError if the fields of the family cannot represent
+        the variation.
         """
         return ReducedSkin(self, variation, pressed)

@@ -1,10 +1,13 @@
-"""The arrays of a reduced model: a scene's family of skins and presses in a small real basis.
+"""Arrays of a reduced model: Galerkin projection of a scene's family onto a small basis.
 
-Coordinates are the terminals' potentials, lifted into the sheets as without any capacitance, and a
-basis that is orthonormal in K: Galerkin's method in it has poles on the negative axis only and is
-passive for every skin and press. Free of any rebuilding are, exactly: a common factor of all
-resistances or of all capacitance, the loss tangent, and any map of c over the pixels; and, as K is
-a sum of terms they weigh: each sheet's resistance, its slow variation, each contact resistance.
+The coordinates are the terminals' potentials, lifted into the sheets as if there were no
+capacitance, and a real basis that is orthonormal in K. Galerkin's method in these has poles on the
+negative axis only and is passive for every skin and press.
+
+The following may change without another reduction and enter exactly: a common factor of all
+resistances or of all capacitance, the loss tangent, and any map of c over the pixels. K is a sum of
+affine terms, so their weights may change as well: each sheet's resistance, its cosine modes and
+each contact resistance.
 """
 
 from __future__ import annotations
@@ -24,15 +27,15 @@ from .families.resolving import family_on
 
 @dataclass(frozen=True, repr=False)
 class Projection:
-    """What `greedy.reduce` leaves of a scene's family: arrays, and how to build the full one.
+    """Arrays of a scene's family from `greedy.reduce`, and the data to build the full model.
 
-    rtol: of Rs and Cp, asked of mesh and reduction together. mesh_error: estimated, of the mesh's
-    share. frequency: Hz, ascending; rtol is kept at these and between them. terminal_field: shape
-    (N,). conductance: between terminals, S, shape (N, N). basis: V in the full space's inner
-    unknowns, shape (inner, n). stiffness: of each term of K, S, shape (term, N + n, N + n).
-    factors: F of each part of M that a press may change, M = F'F in F, shape (part, rank, N + n);
-    of a finger for each F that it has. fixed: M of each of the others, F, shape (part, N + n, N +
-    n). The parts are numbered as by `Parts`.
+    rtol: tolerance of Rs and Cp, for mesh and reduction together. mesh_error: estimated share of
+    the mesh. frequency: Hz, ascending; rtol is kept at these and between them. terminal_field:
+    field of each terminal, shape (N,). conductance: between terminals, S, shape (N, N). basis: V,
+    in the full space's inner unknowns, shape (inner, n). stiffness: terms of K, S, shape (term, N +
+    n, N + n). factors: F of each part of M that a press may change, M = F'F in F, shape (part,
+    rank, N + n); of a finger for 1 F. fixed: M of each of the other parts, F, shape (part, N + n, N
+    + n). The parts are numbered as in `Parts`.
     """
 
     scene: Scene
@@ -52,7 +55,7 @@ class Projection:
 
     @property
     def size(self) -> int:
-        """How many vectors the basis has."""
+        """Number of vectors in the basis."""
         return self.basis.shape[1]
 
     @property
@@ -62,13 +65,13 @@ class Projection:
 
     @cached_property
     def on_skin(self) -> NDArray[np.bool_]:
-        """Whether any skin is in each pixel, shape (pixel,)."""
+        """True for each pixel that contains any skin, shape (pixel,)."""
         rows, columns = self.grid
         return np.asarray(self.factors.any(axis=(1, 2)))[: rows * columns]
 
     @cached_property
     def family(self) -> Family:
-        """The full model, built again where it is not at hand."""
+        """Full model; it is built again if it is not at hand."""
         return self.built or family_on(self.scene, self.circuit, self.mesh, self.modes)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""A scene's pixels pressed by capacitance factors, answered by its reduced model."""
+"""Presses of a scene's pixels by capacitance factors, solved by its reduced model."""
 
 from __future__ import annotations
 
@@ -19,19 +19,22 @@ from .greedy import reduce
 from .skin import KRYLOV_SHARE, ReducedSkin
 
 TRAINED = (0.5, 3.0)
-"""Factors of capacitance that a model is trained on."""
+"""Range of capacitance factors that a model is trained on."""
 
 
 class OfPixels:
-    """Trained at first use. rtol: of Rs and Cp. frequency: Hz, ascending."""
+    """Reduced model of presses by capacitance factors, trained at first use.
+
+    rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
+    """
 
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
     def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
-        """The answer at frequencies in Hz within those, and its error.
+        """Result at frequencies in Hz within those of the model, with its error.
 
-        Raises InputError for touches unlike those that it is trained on.
+        Raises InputError for touches that the model is not trained on.
         """
         _check_trained(press, self.scene)
         skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
@@ -51,7 +54,7 @@ def rung_of(
     rises: NDArray[np.float64],
     frequency: NDArray[np.float64],
 ) -> ModelResult:
-    """What a reduced skin answers of one press, and the certified error with that of its mesh."""
+    """Result of a reduced skin for one press; its error is certified, and includes the mesh."""
     model, s = skin.reduced, laplace_variable(frequency, skin.loss)
     at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
     told = f"reduced to {model.size} vectors, {model.circuit.description}"
@@ -69,7 +72,7 @@ def _check_trained(press: Press, scene: Scene) -> None:
 
 
 def check_finger(touch: AnyTouch, scene: Scene) -> None:
-    """Raises InputError for a finger that no model of the scene is trained on."""
+    """Raises InputError for a finger stronger than those that the scene's models are trained on."""
     if touch.finger and touch.finger > strongest_finger(scene):
         strongest = f"{strongest_finger(scene):g} F"
         raise InputError(f"trained on fingers up to {strongest}, got {touch}")

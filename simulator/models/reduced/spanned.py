@@ -1,6 +1,7 @@
-"""Potentials of presses by a reduced model, in the steps of the sweep, from which residuals follow.
+"""Potentials of presses from the Lanczos vectors of their sweeps, for residuals.
 
-A certificate holds for any potentials; these are close to what the whole basis makes.
+A certificate holds for any potentials; these are close to those of Galerkin's method in the whole
+basis.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from .dense import Feed, Rest, aligned
 from .kernel import farthest_of, lanczos_steps, room_for
 
 RTOL = 1e-12
-"""What Lanczos' method may leave of Rs and Cp; of the potentials it leaves the square root."""
+"""Tolerance of Lanczos' method for Rs and Cp; that of the potentials is its square root."""
 Touched = tuple[NDArray[np.int64], NDArray[np.float64]]
 Potentials = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
@@ -26,8 +27,10 @@ def spanned_by_all(
     presses: Iterable[tuple[Rest, NDArray[np.int64], NDArray[np.float64]]],
     s: NDArray[np.complex128],
 ) -> Potentials:
-    """What `spanned` finds of each press and drive: potentials beside each other, shape (m, press *
-    drive * s), and Y of shape (press, drive, s)."""
+    """Potentials and Y of each press and excitation, see `spanned`.
+
+    The potentials have shape (m, press * drive * s), Y has shape (press, drive, s).
+    """
     found = []
     for rest, cells, weights in presses:
         own, touched = aligned(rest), (cells, weights)
@@ -42,7 +45,7 @@ def spanned(
 ) -> Potentials:  # pragma: no cover
     """Potentials of one press at 1 V, shape (m, s), and Y in S, shape (s,).
 
-    touched, s, rtol: cells and their rises, and the others as of `swept`.
+    touched: cells and their rises. s, rtol: see `swept`.
     """
     m = rest.rows.shape[1]
     room, basis = room_for(rest, feed), np.empty((MOST_STEPS, m))
@@ -69,7 +72,10 @@ def spanned(
 def _shares(
     s: complex, diagonal: NDArray, squared: NDArray, share: NDArray
 ) -> None:  # pragma: no cover
-    """-s (1 + s T)^-1 e1 b_0 into `share`, by elimination. diagonal, squared: as of Lanczos."""
+    """Writes -s (1 + s T)^-1 e1 b_0 into `share`, by elimination.
+
+    diagonal, squared: of T, see `lanczos_steps`.
+    """
     steps = len(share)
     pivot = np.empty(steps, np.complex128)
     for step in range(steps):

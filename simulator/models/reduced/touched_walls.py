@@ -1,4 +1,4 @@
-"""Walls around the touches of a reduced skin, and how they change with the factors beside them."""
+"""Walls around the touches of a reduced skin, and their slopes by the factors beside them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from .skin import ReducedSkin
 
 
 class TouchedWalls(NamedTuple):
-    """Of each touch of presses that touch as many cells each, shape (press, touch, most).
+    """Walls around each touch of presses with equally many touches, shape (press, touch, most).
 
-    parts: of M, some one where a touch has fewer. rises: 0 there, and where another touch of the
-    press has the same. slopes: of its rise by that of the touch, over c there at rest.
+    parts: of M, an arbitrary one if a touch has fewer walls. rises: 0 there, and if another touch
+    of the press has the same wall. slopes: derivative of its rise by that of the touch, over the
+    unpressed c there.
     """
 
     parts: NDArray[np.int64]
@@ -26,7 +27,7 @@ class TouchedWalls(NamedTuple):
 def walls_around(
     skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]
 ) -> TouchedWalls | None:
-    """Those of touches, shape (press, touch); None where the scene has none."""
+    """Walls around touches of shape (press, touch); None if the scene has none."""
     parts, walls, rest = skin.parts, skin.parts.walls, skin.rest_factors
     if not walls.count:
         return None
@@ -53,7 +54,7 @@ def walls_around(
 def with_walls(
     cells: NDArray[np.int64], rises: NDArray[np.float64], walls: TouchedWalls | None
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Touches, and the walls around them."""
+    """Touches, followed by the walls around them."""
     if walls is None:
         return cells, rises
     own, weights = walls.parts.reshape(len(cells), -1), walls.rises.reshape(len(cells), -1)
@@ -63,9 +64,10 @@ def with_walls(
 def by_walls(
     skin: ReducedSkin, factor: NDArray[np.float64], squares: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """What all walls add to u'Mu by each part of the foam over c there at rest, (s, part).
+    """Share of all walls in the derivatives of u'Mu by each part of the foam, (s, part).
 
-    factor: of each part. squares: u'Mu by each wall, shape (s, wall).
+    The derivatives are over the unpressed c of the part. factor: of each part of the foam. squares:
+    u'Mu by each wall, shape (s, wall).
     """
     parts, rest = skin.parts, skin.rest_factors
     pairs, found = parts.walls.pairs, np.zeros((parts.foam, len(squares)), dtype=np.complex128)
