@@ -1,1 +1,1 @@
-"""Pictures of a skin's fields: maps, movies, files for ParaView, and pages to turn about."""
+"""Pictures of a skin's fields: maps, movies, files for ParaView, turnable pages."""

@@ -1,4 +1,4 @@
-"""What stands around a painted panel: axes in mm, numbers of rows and columns, its colour bar."""
+"""Annotations of a painted panel: axes in mm, row and column numbers, colour bar."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 MILLI = 1e3
 ROUND_LENGTHS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-"""Of a scale bar, mm."""
+"""Lengths of a scale bar, mm."""
 NUMBER_ROOM = 0.2
-"""Of a number of a row or column, inches."""
+"""Room for the number of a row or column, inches."""
 NUMBERS_WIDTH = 0.45
-"""Of the numbers of rows with their word, inches."""
+"""Width of the numbers of rows with their word, inches."""
 BAR_WIDTH, BAR_ROOM = 0.13, 1.05
-"""Of a colour bar, without and with its numbers and unit, inches."""
+"""Width of a colour bar, without and with its numbers and unit, inches."""
 NUMBER_COLOUR = "0.35"
 HALO_WIDTH, SHADE_WIDTH = 1.3, 0.6
-"""Of the white and the black of a line between pixels, points."""
+"""Widths of the white and the black of a line between pixels, points."""
 MOST_NAMED = 12
-"""Pixels of a grid along a side up to which each is named."""
+"""Largest number of pixels along a grid's side at which each is named."""
 FACING = 0.3
-"""Of a normal towards the eye: pixels that show less of themselves are not named."""
+"""Component of a normal towards the eye up to which pixels are not named."""
 
 
 def millimetres(axes: Axes, skin: SkinSurface) -> None:
-    """Axes along the skin's sides, beside its foils."""
+    """Draws axes in mm along the skin's sides, next to its foils."""
     from matplotlib.ticker import MaxNLocator
 
     for axis, side, values in zip(
@@ -54,7 +54,7 @@ def millimetres(axes: Axes, skin: SkinSurface) -> None:
 
 
 def rows_and_columns(axes: Axes, lines: tuple[Real, Real], panel_width: float) -> None:
-    """Numbers of columns above the skin and of rows at its right.
+    """Writes the numbers of columns above the skin and of rows at its right.
 
     lines: between pixels, across x and y, m. panel_width: inches.
     """
@@ -77,7 +77,10 @@ def rows_and_columns(axes: Axes, lines: tuple[Real, Real], panel_width: float) -
 
 
 def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
-    """Thin and unbroken at any size, for they lie along rows of the picture's own pixels."""
+    """Draws the lines between pixels.
+
+    They are thin and unbroken at any size, since they lie along rows of the picture's own pixels.
+    """
     limits = axes.axis()
     for line in marks.pixels:
         x, y = MILLI * camera.project(line)
@@ -87,7 +90,10 @@ def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
 
 
 def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> None:
-    """Row,column on pixels that face the eye: of many pixels in a grid, on one row and column."""
+    """Writes row,column on pixels that face the eye.
+
+    In a grid of many pixels only one row and one column have names.
+    """
     from matplotlib.patheffects import withStroke
 
     facing = _facing(camera, skin, marks.middles)
@@ -111,7 +117,10 @@ def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> 
 
 
 def _facing(camera: Camera, skin: SkinSurface, middles: Real) -> Real:
-    """How much the skin is turned to the eye at places (3, row, column); 0 off the skin."""
+    """Component of the normal towards the eye at places (3, row, column).
+
+    Shape (row, column); 0 off the skin.
+    """
     places = middles.reshape(3, -1)
     there = np.isfinite(places).all(axis=0)
     found = np.zeros(places.shape[1])
@@ -120,7 +129,7 @@ def _facing(camera: Camera, skin: SkinSurface, middles: Real) -> Real:
 
 
 def scale_bar(axes: Axes, camera: Camera) -> None:
-    """A length in mm, where there are no axes."""
+    """Draws a length in mm, where there are no axes."""
     axes.set_xticks([])
     axes.set_yticks([])
     left, right, bottom, top = camera.extent
@@ -131,9 +140,10 @@ def scale_bar(axes: Axes, camera: Camera) -> None:
 
 
 def colour_bar(axes: Axes, shown: DisplayedQuantity, off: float, panel_width: float) -> None:
-    """At the panel's right, in the same room whatever its numbers are: movies stand still.
+    """Draws the colour bar at the panel's right.
 
-    off: how far from the panel. panel_width: both in inches.
+    It takes the same room whatever its numbers are: movies stand still. off: distance from the
+    panel. panel_width: both in inches.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize

@@ -1,4 +1,4 @@
-"""From where the skin is looked at, in parallel projection, so that lengths can be read off."""
+"""Cameras in parallel projection, so that lengths can be read off a picture."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 TILT, TURN = np.radians(26), np.radians(-24)
-"""Of a view from the side: above the horizon's plane, and about the vertical."""
+"""Angles of a view from the side: above the horizon, and about the vertical, rad."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """right, up, towards: unit vectors of the picture and to the eye. low, high: what is in it, m.
+    """Parallel projection of a picture.
 
-    low and high are coordinates (2,) along right and up.
+    right, up, towards: unit vectors of the picture and to the eye, (3,). low, high: corners of the
+    picture, m, coordinates (2,) along right and up. above: True for a view from above with x to the
+    right and y up.
     """
 
     right: Real
@@ -32,7 +34,7 @@ class Camera:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """left, right, bottom, top in mm."""
+        """Left, right, bottom and top of the picture, mm."""
         left, bottom, right, top = 1e3 * np.concatenate([self.low, self.high])
         return left, right, bottom, top
 
@@ -43,11 +45,11 @@ class Camera:
         return height / width
 
     def project(self, places: Real) -> Real:
-        """Where places (3, ...) are in the picture, m, (2, ...)."""
+        """Coordinates of places (3, ...) in the picture, m, (2, ...)."""
         return np.stack([np.tensordot(axis, places, 1) for axis in (self.right, self.up)])
 
     def aim(self, plotter: pv.Plotter) -> None:
-        """Point the plotter's camera."""
+        """Points the plotter's camera."""
         across, height = (self.low + self.high) / 2
         depth = float(self.towards @ np.array(plotter.bounds).reshape(3, 2).mean(axis=1))
         focus = across * self.right + height * self.up + depth * self.towards
@@ -61,12 +63,15 @@ class Camera:
 
 
 def from_above(places: Real, margin: float) -> Camera:
-    """x to the right, y up. places: (3, n) that must be in the picture, with a margin in m."""
+    """Camera with x to the right and y up.
+
+    places: (3, n) that must be in the picture, with a margin in m.
+    """
     return _around(np.eye(3), places, margin, above=True)
 
 
 def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
-    """Along `facing` (3,) but turned and from higher up, y upwards in the picture."""
+    """Camera in the direction `facing` (3,), but turned and higher up, y upwards."""
     up = np.array([0.0, 1.0, 0.0])
     front = facing - (facing @ up) * up
     front = front / np.linalg.norm(front) if np.linalg.norm(front) > 1e-6 else np.eye(3)[2]
@@ -77,7 +82,7 @@ def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
 
 
 def obliquely(places: Real, margin: float) -> Camera:
-    """Down on a skin that lies in the plane z = 0, from its front and right."""
+    """Camera that looks down on a skin in the plane z = 0, from its front and right."""
     up = np.array([0.0, 0.0, 1.0])
     level = np.array([np.sin(-TURN), -np.cos(TURN), 0.0])
     towards = np.cos(1.4 * TILT) * level + np.sin(1.4 * TILT) * up

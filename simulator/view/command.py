@@ -152,7 +152,10 @@ def _stage(
 
 
 def _frequencies(asked: list[float] | None, known: list[float], every: bool) -> list[float]:
-    """Hz, ascending: those asked for, else all that are known or the one in their middle."""
+    """Frequencies to show, Hz, ascending: the requested ones, else all or one.
+
+    Without a request it is all known ones if `every`, else the one in their middle.
+    """
     from ..sweeps import InputError
 
     for frequency in asked or []:
@@ -190,7 +193,7 @@ def _temporary_page() -> Path:
 
 
 def _open(page: Path) -> None:
-    """Open a page in the browser, if there is any."""
+    """Opens a page in the browser, if there is one."""
     import webbrowser
 
     try:

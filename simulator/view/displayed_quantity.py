@@ -1,4 +1,4 @@
-"""One quantity at one moment: its values with their scale, and what is told about them."""
+"""Values of one quantity at one moment, with their scale and texts."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
-"""Degrees between lines of equal phase."""
+"""Degrees between lines of equal phase, to choose from."""
 MOST_CONTOURS = 9
 
 
 @dataclass(frozen=True)
 class DisplayedQuantity:
-    """values (point,) in `unit`; contours: lines (3, n) on the skin. moment: frequency and Z.
+    """Values of a quantity and how they are displayed.
 
-    frequency: alone, as text; empty where the values are those of all frequencies.
+    values: (point,) in `unit`. contours: lines (3, n) on the skin. moment: frequency and Z, as
+    text. frequency: alone, as text; empty where the values are those of all frequencies.
     """
 
     title: str
@@ -51,7 +52,7 @@ class DisplayedQuantity:
 
     @property
     def beyond(self) -> Literal["neither", "min", "max", "both"]:
-        """At which end of the scale values lie beyond it."""
+        """Ends of the scale beyond which values lie."""
         low, high = self.limits
         rounding = 1e-9 * (high - low)
         below = bool(self.values.min() < low - rounding)
@@ -68,7 +69,7 @@ def at_frequencies(
     numbers: Sequence[int],
     own: bool = False,
 ) -> list[DisplayedQuantity]:
-    """The quantity at frequencies by number; `own` as for `scales`."""
+    """Quantity at frequencies by number; `own` as for `scales`."""
     values = [quantity.values(fields, at) for at in numbers]
     ends = scales(quantity, values, point_areas(fields), own)
     drawn = [
@@ -81,7 +82,7 @@ def at_frequencies(
 
 
 def _and_scale(shown: DisplayedQuantity) -> str:
-    """Its note, and the ends of its colours, which other frames do not share."""
+    """Note of a frame, and the ends of its colours, which other frames do not share."""
     scale = f"colours: {span_text(*shown.limits, shown.unit)}"
     return f"{shown.note}, {scale}" if shown.note else scale
 
@@ -148,17 +149,17 @@ def over_the_phase(
 
 
 def heading(fields: SolutionFields, at: int) -> str:
-    """The frequency and Z there."""
+    """Frequency and Z, as text."""
     return f"{frequency_text(fields.frequency[at])}, Z = {impedance_text(fields.Z[at])}"
 
 
 def frequency_text(frequency: float) -> str:
-    """Such as 12.5 kHz."""
+    """Frequency as text, such as 12.5 kHz."""
     return f"{frequency / 1e3:.4g} kHz"
 
 
 def impedance_text(Z: complex) -> str:
-    """Such as 21.3 − 105j kohm, or 20.9 kohm − 1.14j Mohm."""
+    """Impedance as text, such as 21.3 − 105j kohm, or 20.9 kohm − 1.14j Mohm."""
     real, unit = _in_ohm(Z.real)
     imaginary, other = _in_ohm(abs(Z.imag))
     sign = "−" if Z.imag < 0 else "+"
@@ -173,7 +174,7 @@ def _in_ohm(value: float) -> tuple[str, str]:
 def phase_contours(skin: SkinSurface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:
     """Lines (3, n) of equal phase of V (point,), and the degrees between them.
 
-    Where the phase is a, V exp(-ja) is real and positive: nothing jumps at 180 degrees.
+    Where the phase is a, V exp(-ja) is real and positive, so that nothing jumps at 180 degrees.
     """
     turned = np.degrees(np.angle(V * np.exp(-1j * np.angle(V.mean()))))
     span = np.ptp(turned)

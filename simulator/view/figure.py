@@ -1,4 +1,4 @@
-"""Pictures with their words: title, headings, colour bars, axes, names of the foils."""
+"""Pictures with their texts: title, headings, colour bars, axes, foil names."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ if TYPE_CHECKING:
     from .foils import Foil
 
 SINGLE, PANEL, LEAST_WIDTH = 5.0, 2.3, 5.0
-"""Width of a picture's panel, of one among several, and the least for the title, inches."""
+"""Width of a single panel, of one of several, and the least for a title, inches."""
 HIGHEST = 5.6
-"""Of a panel, inches."""
+"""Largest height of a panel, inches."""
 BESIDE = 1.85
-"""For what stands beside each panel, inches."""
+"""Width of what stands next to each panel, inches."""
 LINE, AXES_HEIGHT, TITLE_AND_FOILS = 0.16, 0.85, 0.65
-"""Heights of a heading's line, of axes and numbers, of title and names of foils, inches."""
+"""Heights of a heading's line, axes and numbers, and title and foil names, inches."""
 LEGEND_WIDTH = 2.2
-"""Of a foil's name with its colour, inches."""
+"""Width of a foil's name with its colour, inches."""
 PIXELS_PER_INCH = 260
 FAR_SIDE = -0.1
-"""Of a normal along the line of sight: where the skin is turned away."""
+"""Component of a normal towards the eye below which the skin is turned away."""
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A field in its scenery, as a camera sees it."""
+    """Field in its scenery, as a camera sees it."""
 
     scenery: Scenery
     shown: DisplayedQuantity
@@ -55,13 +55,13 @@ class Panel:
 
 
 def draw(path: Path, rows: Sequence[Sequence[Panel]], title: str) -> None:
-    """Write a picture of panels in rows, whole or not at all."""
+    """Writes a picture of panels in rows, whole or not at all."""
     with chart(path, *_size(rows)) as figure:
         compose(figure, rows, title)
 
 
 def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
-    """The same picture as an array (height, width, 3) with even sides, for movies."""
+    """Picture of panels as an array (height, width, 3) with even sides, for movies."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -89,18 +89,18 @@ def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
 
 
 def _width(panel: Panel, alone: bool) -> float:
-    """Of a panel's picture, inches."""
+    """Width of a panel's picture, inches."""
     return min(SINGLE if alone else PANEL, HIGHEST / panel.camera.aspect)
 
 
 def _words_height(row: Sequence[Panel]) -> float:
-    """Of what stands above and below the pictures of a row, inches."""
+    """Height of what stands above and below the pictures of a row, inches."""
     lines = max(_heading(panel.shown).count("\n") + 1 for panel in row)
     return LINE * lines + (AXES_HEIGHT if any(panel.camera.above for panel in row) else 0.1)
 
 
 def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None:
-    """Put panels and words into a figure."""
+    """Puts panels and texts into a figure."""
     columns = max(map(len, rows))
     alone = columns == len(rows) == 1
     all_axes = figure.subplots(len(rows), columns, squeeze=False)
@@ -143,7 +143,7 @@ def _heading(shown: DisplayedQuantity) -> str:
 
 
 def _name_foils(figure: Figure, panel: Panel) -> None:
-    """The foils' names and colours below all panels."""
+    """Writes the foils' names and colours below all panels."""
     from matplotlib.patches import Patch
 
     foils = panel.scenery.marks.foils
@@ -158,7 +158,7 @@ def _name_foils(figure: Figure, panel: Panel) -> None:
 
 
 def _told(foil: Foil, panel: Panel) -> str:
-    """The foil's name, and whether it is on the far side of what the skin is wrapped on."""
+    """Label of a foil, which notes if it is behind the body the skin is wrapped on."""
     skin = panel.scenery.skin
     normal = skin.normals[:, skin.nearest(foil.middle[:, None])[0]]
     behind = normal @ panel.camera.towards < FAR_SIDE

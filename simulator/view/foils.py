@@ -1,4 +1,4 @@
-"""The foils of a skin as they are drawn, on rectangles and on meshes."""
+"""Foils of a skin as they are drawn, on rectangles and on meshes."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ Role = Literal["high", "low", "floating"]
 
 PIECES = 64
 BAND = {"top": (0.012, 0.03), "bottom": (0.036, 0.054)}
-"""Of the skin's size: from the edge outwards, where the foils of each sheet are drawn."""
+"""Band outside the edge, over the skin's size, for the foils of each sheet."""
 
 
 @dataclass(frozen=True)
 class Foil:
-    """A foil as drawn.
+    """Foil as drawn.
 
     quads: corners of the pieces of its ribbon in space, m, (3, 4, piece).
     """
@@ -42,12 +42,12 @@ class Foil:
 
     @property
     def label(self) -> str:
-        """Its name and what it does."""
+        """Name of the foil and its role."""
         return f"{self.name} ({self.role})"
 
     @property
     def middle(self) -> Real:
-        """The mean of its corners, m, (3,)."""
+        """Mean of the foil's corners, m, (3,)."""
         return self.quads.reshape(3, -1).mean(axis=1)
 
 
@@ -60,8 +60,8 @@ def foils(
 ) -> tuple[Foil, ...]:
     """All foils of a scene, driven and floating.
 
-    laid: flat places (2, n) in space, (3, n), on the skin and off its edges. mesh: of a skin that
-    a file brings.
+    laid: maps flat places (2, n) to space, (3, n), on the skin and off its edges. mesh: that of a
+    skin that a file describes.
     """
     drawn: list[Foil] = []
     for contact in scene.contacts:
@@ -79,7 +79,7 @@ def foils(
 
 
 def _pieces(line: Real) -> Real:
-    """The ends (3, 2, n) of the pieces of a line (3, n + 1)."""
+    """Ends (3, 2, n) of the pieces of a line (3, n + 1)."""
     return np.stack([line[:, :-1], line[:, 1:]], axis=1)
 
 
@@ -90,7 +90,7 @@ def _role(contact: Contact, interface: Interface) -> Role:
 
 
 class SkinMesh:
-    """The triangles of a scene's mesh, in space as the skin is drawn."""
+    """Triangles of a scene's mesh, in space as the skin is drawn."""
 
     def __init__(self, scene: Scene, press: Press, skin: SkinSurface) -> None:
         from ..mesh.skin_mesh import domain
@@ -102,9 +102,9 @@ class SkinMesh:
 
     @cached_property
     def _edges(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """Edges (2, edge), and for each of both sides its triangle and the point across, (2, edge).
+        """Edges (2, edge), and the triangle and the opposite point on both sides of each.
 
-        -1 where there is no triangle.
+        Both are of shape (2, edge); -1 where there is no triangle.
         """
         a, b, c = self._domain.t
         ends = np.hstack([np.stack([a, b]), np.stack([a, c]), np.stack([b, c])])
@@ -120,7 +120,7 @@ class SkinMesh:
 
     @property
     def _pixels(self) -> NDArray[np.int64]:
-        """On both sides of each edge, (2, edge); -1 off the pixels and off the skin."""
+        """Pixels on both sides of each edge, (2, edge); -1 off pixels and skin."""
         _, triangle, _ = self._edges
         return np.where(triangle < 0, -1, self._domain.pixel[triangle])
 
@@ -138,7 +138,7 @@ class SkinMesh:
         yield from self._lines(edges[:, one != other])
 
     def middles(self) -> Real:
-        """Of pixels, weighed by the area of their triangles, m, (3, pixel)."""
+        """Middles of pixels, weighted by the area of their triangles, m, (3, pixel)."""
         corners = self._p[:, self._domain.t]
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0)
         area, pixel = np.linalg.norm(across, axis=0), self._domain.pixel
@@ -152,7 +152,10 @@ class SkinMesh:
         yield from self._p[:, edges].transpose(2, 0, 1)
 
     def foil(self, name: str) -> tuple[Real, Real]:
-        """Ends of a foil's facets in space and the way off the skin there, both (3, 2, facet)."""
+        """Ends of a foil's facets, and unit vectors off the skin there.
+
+        Both are in space, of shape (3, 2, facet).
+        """
         facets = self._domain.foils[name]
         edges, _, across = self._edges
         places = {(int(a), int(b)): number for number, (a, b) in enumerate(edges.T)}

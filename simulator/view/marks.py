@@ -1,4 +1,4 @@
-"""What is drawn on the skin: its foils, its pixels, the places pressed, arrows of current."""
+"""Marks drawn on the skin: foils, pixels, pressed places, arrows of current."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ STEPS = 60
 """Pieces of a line, so that it follows a curved skin."""
 CIRCLE = 120
 EDGE_ON = 0.15
-"""Of a normal towards the eye: where less of it shows, what lies there cannot be read."""
+"""Component of a normal towards the eye up to which marks cannot be read."""
 ARROWS_ALONG = 16
-"""Arrows along the longer side."""
+"""Number of arrows along the longer side."""
 FAINTEST = 0.02
-"""Arrows are left out where the current is less, over the largest."""
+"""Current over the largest one up to which arrows are left out."""
 
 
 @dataclass(frozen=True)
 class Marks:
     """Lines (3, n) in space, the foils, and the middles of pixels.
 
-    middles: in space, m, (3, row, column); nan off the skin. grid_lines: where the lines between
-    pixels cross x and y, m; None where pixels are groups of a mesh's elements.
+    middles: in space, m, (3, row, column); nan off the skin. grid_lines: positions along x and y of
+    the lines between pixels, m; None where pixels are groups of a mesh's elements.
     """
 
     foils: tuple[Foil, ...]
@@ -54,14 +54,17 @@ class Marks:
 
 @dataclass(frozen=True)
 class Arrows:
-    """Unit vectors (3, n) along the skin at places (3, n), and how long each is drawn, m."""
+    """Arrows along the skin.
+
+    places: m, (3, n). directions: unit vectors, (3, n). length: drawn length of each, m.
+    """
 
     places: Real
     directions: Real
     length: float
 
     def facing(self, skin: SkinSurface, towards: Real | None) -> Arrows:
-        """Those on the side of the skin that is towards an eye (3,); all where it may move."""
+        """Arrows on the side of the skin that faces an eye (3,); all if it may move."""
         if towards is None or not self.places.size:
             return self
         seen = towards @ skin.normals[:, skin.nearest(self.places)] > EDGE_ON
@@ -75,7 +78,7 @@ def marks(
     skin: SkinSurface,
     laid: Callable[[Real], Real],
 ) -> Marks:
-    """All that is drawn on the skin besides the field; `laid` as for `foils`."""
+    """Marks on the skin, without the field; `laid` as for `foils`."""
     mesh = SkinMesh(scene, press, skin) if scene.skin.mesh else None
     if mesh and scene.pixels.groups:
         grid, middles = list(mesh.pixel_lines()), mesh.middles()
@@ -99,14 +102,14 @@ def _grid_lines(scene: Scene, laid: Callable[[Real], Real]) -> tuple[Real, Real]
 
 
 def _middles(scene: Scene, skin: SkinSurface) -> Real:
-    """Of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
+    """Middles of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
     flat = cell_centres(scene, scene.pixels.shape).reshape(2, -1)
     places, _, _ = skin.carry(flat)
     return np.where(skin.covers(flat), places, np.nan)
 
 
 def _around(scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None) -> Iterator[Real]:
-    """Lines (3, n) around the places that are pressed."""
+    """Lines (3, n) around the pressed places."""
     for touch in press.touches:
         place = place_of(touch)
         if mesh and scene.pixels.groups and isinstance(place, Touch):
@@ -116,14 +119,14 @@ def _around(scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None
 
 
 def pixel_grid(scene: Scene) -> list[Real]:
-    """The lines between pixels, flat (2, n)."""
+    """Lines between pixels, flat (2, n)."""
     length, width = scene.skin.length, scene.skin.width
     upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(scene, 0)[1:-1]]
     return upright + [_between((0.0, y), (length, y)) for y in pixel_lines(scene, 1)[1:-1]]
 
 
 def outline(touch: AnyTouch, scene: Scene) -> Real:
-    """A closed flat line (2, n) around a touch."""
+    """Closed flat line (2, n) around a touch."""
     place = place_of(touch)
     corners = polygon_of(scene, polygonal(place, CIRCLE))
     steps = 1 if isinstance(place, Disc) else STEPS
@@ -135,7 +138,7 @@ def _between(low: Point, high: Point, steps: int = STEPS) -> Real:
 
 
 def _on_skin(flat: Real, skin: SkinSurface) -> list[Real]:
-    """The parts of a flat line that lie on the skin, in space."""
+    """Parts of a flat line that lie on the skin, in space."""
     middle = skin.x.mean(axis=1, keepdims=True)
     inside = skin.covers(flat + 1e-6 * (middle - flat))
     places, _, _ = skin.carry(flat)
@@ -144,7 +147,10 @@ def _on_skin(flat: Real, skin: SkinSurface) -> list[Real]:
 
 
 def arrows(skin: SkinSurface, current: Real, highest: float) -> Arrows:
-    """Arrows along a real current density (2, point), where it is not faint beside the highest."""
+    """Arrows along a real current density (2, point), except where it is faint.
+
+    highest: density that it is compared with.
+    """
     spans = np.ptp(skin.x, axis=1)
     step = spans.max() / ARROWS_ALONG
     axes = [

@@ -1,4 +1,4 @@
-"""Pictures one after the other: GIF by pillow, MP4 by ffmpeg."""
+"""Movies of pictures: GIF by pillow, MP4 by ffmpeg."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ GREYS = 24
 
 
 def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
-    """Write frames (height, width, 3), all of one size, as a GIF that loops or as an MP4.
+    """Writes frames (height, width, 3) as a GIF that loops or as an MP4.
 
-    colour_maps: names of those that a GIF, which has 256 colours, must be true to.
+    All frames have one size. colour_maps: names of the maps that a GIF, which has 256 colours, must
+    reproduce.
     """
     with whole_file(path) as unfinished:
         if path.suffix == ".gif":
@@ -29,9 +30,10 @@ def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str
 
 
 def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
-    """256 colours, (256, 3): the maps, greys, and those of foils, paler too for smooth edges.
+    """256 colours, (256, 3): the maps, greys, and those of foils.
 
-    Half of those of the maps are as the lines between pixels make them.
+    Foils have paler ones too, for smooth edges. Half of the maps' colours are as the lines between
+    pixels make them.
     """
     from matplotlib import colormaps
     from matplotlib.colors import to_rgb
@@ -79,7 +81,7 @@ def _write_mp4(path: Path, frames: Iterable[Image]) -> None:
 
 
 def _check_movie(path: Path, count: int) -> None:
-    """Raises OutputError where ffmpeg, which does not say so, could not write all frames."""
+    """Raises OutputError if ffmpeg could not write all frames; it does not say so."""
     from imageio_ffmpeg import count_frames_and_secs
 
     with suppress(RuntimeError):

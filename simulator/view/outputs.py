@@ -1,4 +1,4 @@
-"""What comes of fields by the kind of file: pictures, movies, files for ParaView, a page."""
+"""Output of fields by the kind of file: picture, movie, file for ParaView, page."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ PICTURES = (*STILLS, *MOVIES)
 DATA = (".vtu", ".xdmf")
 ENDINGS = (*PICTURES, *DATA, ".html")
 WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio", ".html": "plotly"}
-"""Libraries that endings need besides that of all surfaces."""
+"""Libraries that endings need in addition to the one for all surfaces."""
 SURFACES = "pyvista"
 EXTRA = "view"
 ANIMATIONS = ("frequency", "phase")
 ACROSS = 3
-"""Panels in a row, where all are of one frequency."""
+"""Number of panels in a row if all are of one frequency."""
 PHASES = 24
-"""Frames of one period."""
+"""Number of frames of one period."""
 MOVIE_DPI = 100
 LONG = 60.0
-"""Seconds that are told of beforehand."""
+"""Drawing time in seconds above which a movie is announced by a note."""
 LONGEST_PRESS = 60
 LEGEND_LINE = 0.05
-"""Of a window's height."""
+"""Height of a legend's line over the window's."""
 ROOM_FOR_WORDS = 1.35
-"""Times what is seen in a window, for its title and colour bar."""
+"""Factor on what a window shows, for its title and colour bar."""
 
 
 def check_output(path: Path) -> None:
-    """Raises InputError where what writes the file, or draws it, is not installed."""
+    """Raises InputError if a library that writes or draws the file is missing."""
     writer = WRITTEN_BY.get(path.suffix)
     require_packages(path, EXTRA, SURFACES, *([writer] if writer else []))
     if path.suffix in PICTURES:
@@ -54,7 +54,7 @@ def check_output(path: Path) -> None:
 
 
 def check_shown() -> None:
-    """Raises InputError where what shows a window, or a page in its place, is not installed."""
+    """Raises InputError if a library for a window, or for a page, is missing."""
     require_packages("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
 
 
@@ -66,10 +66,10 @@ def write_output(
     progress: ProgressCallback = silent,
     tell: Callable[[str], None] = lambda note: None,
 ) -> None:
-    """Write the fields in the way that the file's ending asks for, whole or not at all.
+    """Writes the fields in the format of the file's ending, whole or not at all.
 
-    progress: of a movie's pictures. tell: takes a note on a movie that takes minutes. Raises
-    InputError where nothing of the kind can be shown, or written here.
+    progress: reports on a movie's pictures. tell: receives a note on a movie that takes minutes.
+    Raises InputError where nothing of the kind can be shown, or written here.
     """
     check_output(path)
     if path.suffix in MOVIES:
@@ -91,7 +91,10 @@ def title(stage: ViewedPress) -> str:
 
 
 def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
-    """A row for each quantity with a panel for each frequency; rows of ACROSS if that is one."""
+    """Rows of panels: one for each quantity, with a panel for each frequency.
+
+    If there is one panel for each quantity, rows have ACROSS panels.
+    """
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
     if max(map(len, rows)) > 1:
         return rows
@@ -100,7 +103,10 @@ def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
 
 
 def panels_of(stage: ViewedPress, quantity: ViewedQuantity, own: bool = False) -> list[Panel]:
-    """A panel for each frequency, or the only one. own: each with a colour scale of its own."""
+    """Panels of a quantity, one for each frequency, or the only one.
+
+    own: True if each has its own colour scale.
+    """
     skin = stage.skin(quantity)
     numbers = [0] if quantity.everywhere else range(len(stage.fields.frequency))
     return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers, own))
@@ -113,7 +119,7 @@ def _write_picture(path: Path, stage: ViewedPress, what: str) -> None:
 
 
 def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
-    """Write a page to turn the skin about in a browser."""
+    """Writes a page on which the skin can be turned in a browser."""
     from .turnable import write_page
 
     quantities = chosen(what, stage.fields)
@@ -122,7 +128,7 @@ def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
 
 
 def _frequencies(stage: ViewedPress, what: str) -> list[list[Panel]]:
-    """The panels of each picture of a movie over the frequencies."""
+    """Panels of each picture of a movie over the frequencies."""
     if all(quantity.everywhere for quantity in chosen(what, stage.fields)):
         raise InputError(f"--what {what}: is the same at all frequencies; write a .png")
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
@@ -132,7 +138,7 @@ def _frequencies(stage: ViewedPress, what: str) -> list[list[Panel]]:
 
 
 def _phases(stage: ViewedPress, what: str) -> list[list[Panel]]:
-    """The panels of each picture of a movie over one period."""
+    """Panels of each picture of a movie over one period."""
     if what not in ("potential", "current"):
         raise InputError(f"--animate phase: --what must be potential or current, got {what!r}")
     rows = []
@@ -180,7 +186,7 @@ def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
 
 
 def show(stage: ViewedPress, what: str) -> None:
-    """Open a window with the first frequency of each quantity and wait until it is closed."""
+    """Opens a window with the first frequency of each quantity, until it is closed."""
     from .painting import add_all, window
 
     panels = [panels_of(stage, quantity)[0] for quantity in chosen(what, stage.fields)]
@@ -200,7 +206,7 @@ def show(stage: ViewedPress, what: str) -> None:
 
 
 def _add_legend(plotter: pv.Plotter, foils: Sequence[Foil]) -> None:
-    """What each foil is, in a corner."""
+    """Adds each foil's name, role and colour in a corner."""
     from .painting import foil_colours
 
     colours = foil_colours(foils)

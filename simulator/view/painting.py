@@ -1,4 +1,4 @@
-"""Where pictures are drawn: off screen, on any machine, or in a window where there is a display."""
+"""Draws pictures off screen, on any machine, or in a window on a display."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ ON_EGL, ON_MESA = "vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow"
 
 
 def has_display() -> bool:
-    """Whether a window can be opened."""
+    """True if a window can be opened."""
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY")) and bool(_library("libGL.so.1")) and _x_server_answers()
 
 
 def _library(name: str) -> CDLL | None:
-    """A library of the system; None where it is not installed."""
+    """Library of the system; None if it is not installed."""
     from ctypes import CDLL
 
     try:
@@ -66,7 +66,10 @@ def _x_server_answers() -> bool:
 
 @contextmanager
 def off_screen(width: int, height: int) -> Iterator[pv.Plotter]:
-    """A plotter of that size in pixels that needs no display; InputError as of `check_drawing`."""
+    """Plotter of that size in pixels that needs no display.
+
+    Raises InputError as `check_drawing` does.
+    """
     import pyvista as pv
 
     with _window_class_without_screen():
@@ -91,12 +94,16 @@ def _window_class_without_screen() -> Iterator[None]:
 
 
 def check_drawing() -> None:
-    """Raises InputError where nothing is there to draw with, of which VTK would crash."""
+    """Raises InputError if there is nothing to draw with; VTK would crash then."""
     _window_class()
 
 
 def _window_class() -> str | None:
-    """Left to VTK where there is no X, or only that, or where a class is chosen already."""
+    """Window class for drawing off screen; None leaves the choice to VTK.
+
+    It is None on other systems than Linux, if a class is chosen already, and if only a display can
+    draw.
+    """
     if not sys.platform.startswith("linux") or WINDOW_CLASS in os.environ:
         return None
     if _egl_has_a_device():
@@ -124,7 +131,7 @@ def _egl_has_a_device() -> bool:
 
 
 def window(title: str, count: int) -> pv.Plotter:
-    """A plotter of that many views side by side, in a window of its own."""
+    """Plotter of that many views next to each other, in a window of its own."""
     import pyvista as pv
 
     return pv.Plotter(title=title, shape=(1, count), window_size=[900, 800], theme=_theme())
@@ -144,9 +151,9 @@ Image = NDArray[np.uint8]
 
 ROLE_COLOURS = {"high": COLOURS[1], "low": COLOURS[0], "floating": "#5A5A5A"}
 PALER = (1.0, 0.5, 0.75, 0.25)
-"""Shares of their role's colour that foils of one role get, in turn."""
+"""Fractions of their role's colour that foils of one role get, in turn."""
 LIFTED = 2e-3
-"""Of the skin's size: how far lines lie above it."""
+"""Height of lines above the skin over its size."""
 
 BODY, ARROW, GRID = "#F2EEE8", "#FFFFFF", "#7F7F7F"
 
@@ -156,7 +163,7 @@ HALO, SHADE = 0.3, 0.5
 
 
 def under_grid(colours: Real) -> Real:
-    """Colours, of shares from 0 to 1, where the lines between pixels lie over them."""
+    """Colours, as fractions from 0 to 1, as seen under the lines between pixels."""
     return (1 - SHADE) * ((1 - HALO) * colours + HALO)
 
 
@@ -170,12 +177,15 @@ class Scenery:
 
     @property
     def without_grid(self) -> Scenery:
-        """The same but for the lines between pixels."""
+        """Scenery without the lines between pixels."""
         return replace(self, marks=replace(self.marks, pixels=()))
 
 
 def paint(scenery: Scenery, shown: DisplayedQuantity, camera: Camera, pixels: int) -> Image:
-    """The picture (height, width, 3) without any text; `pixels`: along its longer side."""
+    """Picture (height, width, 3) without any text.
+
+    pixels: number along its longer side.
+    """
     width, height = camera.high - camera.low
     scale = pixels / max(width, height)
     with off_screen(round(scale * width), round(scale * height)) as plotter:
@@ -195,10 +205,11 @@ def add_all(
     bar: bool = False,
     towards: Real | None = None,
 ) -> None:
-    """Put field and scenery into a plotter.
+    """Puts field and scenery into a plotter.
 
-    lit: with shades, for shapes in space. bar: with a colour bar of pyvista's. towards: to the eye,
-    (3,), where that stays: then nothing stands out behind the edge of what is seen.
+    lit: True for shading, for shapes in space. bar: True for a colour bar by pyvista. towards: unit
+    vector to the eye, (3,), if the eye stays there: then nothing stands out behind the edge of what
+    is visible.
     """
     skin, marks = scenery.skin, scenery.marks
     _add_field(plotter, skin, shown, lit, bar)
@@ -245,7 +256,7 @@ def _add_field(
 
 
 def foil_colours(foils: Sequence[Foil]) -> dict[str, str]:
-    """A colour for each foil by name: its role's, paler for others of that role."""
+    """Colour of each foil by name: its role's, paler for other foils of that role."""
     from matplotlib.colors import to_hex, to_rgb
 
     counts = dict.fromkeys(ROLE_COLOURS, 0)
@@ -259,7 +270,7 @@ def foil_colours(foils: Sequence[Foil]) -> dict[str, str]:
 
 
 def ribbon(foil: Foil) -> pv.PolyData:
-    """A foil for pyvista."""
+    """Foil for pyvista."""
     corners = foil.quads.reshape(3, -1)
     cells = np.arange(corners.shape[1]).reshape(4, -1)
     return polygons(corners, cells)
@@ -281,13 +292,16 @@ def _add_lines(
 
 
 def lifted(line: Real, skin: SkinSurface, times: float = 1.0, towards: Real | None = None) -> Real:
-    """A line (3, n) on the skin raised a little, to be seen: off it, or towards an eye (3,)."""
+    """Line (3, n) on the skin, raised a little to be visible.
+
+    It is raised off the skin, or towards an eye (3,).
+    """
     way = skin.normals_near(line) if towards is None else towards[:, None]
     return line + times * LIFTED * skin.size * way
 
 
 def arrow_mesh(arrows: Arrows) -> pv.PolyData:
-    """Arrows for pyvista, their middles at their places."""
+    """Arrows for pyvista, with their middles at their places."""
     import pyvista as pv
 
     starts = arrows.places - 0.5 * arrows.length * arrows.directions

@@ -1,4 +1,4 @@
-"""All fields at all frequencies for ParaView: one VTU file, or XDMF with frequency for time."""
+"""Files for ParaView with all fields: VTU, or XDMF with frequency for time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CELLS = {3: "triangle", 4: "quad"}
 def write_dataset(
     path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
 ) -> None:
-    """Write .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
+    """Writes .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
     with whole_file(path) as unfinished:
         if path.suffix == ".vtu":
             _write_vtu(unfinished, fields, skin, about)
@@ -34,7 +34,7 @@ def write_dataset(
 
 
 def everywhere(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
-    """What is the same at all frequencies: name with unit, values by point."""
+    """Fields that are the same at all frequencies: name with unit, values by point."""
     yield "capacitance_F_per_m2", fields.capacitance
     yield "capacitance_factor", fields.factor
     yield "deflection_m", fields.deflection
@@ -42,7 +42,7 @@ def everywhere(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
 
 
 def at_frequency(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
-    """What is there at a frequency by number: name with unit, values by point."""
+    """Fields at a frequency by number: name with unit, values by point."""
     for number, sheet in enumerate(SHEETS):
         V, J = fields.potential[number, at], fields.current[number, at]
         for part, take in (("re", np.real), ("im", np.imag)):
@@ -75,12 +75,12 @@ def _write_vtu(
     for name, text in about.items():
         grid.field_data[name] = [
             text.encode("ascii", "backslashreplace").decode()
-        ]  # VTK takes no more
+        ]  # VTK accepts ASCII only
     path.write_text(_xml(grid), encoding="ascii")
 
 
 def _xml(grid: UnstructuredGrid) -> str:
-    """What VTK would write itself, if a full disk did not end the process within it."""
+    """Text that VTK would write itself; there a full disk would end the process."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
     writer = vtkXMLUnstructuredGridWriter()

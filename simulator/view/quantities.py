@@ -1,4 +1,4 @@
-"""What can be shown of the fields, in which unit and colours."""
+"""Quantities of the fields that can be shown, with their units and colours."""
 
 from __future__ import annotations
 
@@ -19,15 +19,24 @@ Real = NDArray[np.float64]
 Scale = Literal["magnitude", "signed", "cyclic"]
 
 COLOUR_MAPS: dict[Scale, str] = {"magnitude": "viridis", "signed": "RdBu_r", "cyclic": "twilight"}
-"""Perceptually uniform, centred on zero, and closed; none needs red told from green."""
+"""Colour maps: perceptually uniform, centred on zero, and closed.
+
+None requires to distinguish red from green.
+"""
 SAME_SHEETS = 1e-3
-"""The sheets' current densities are shown once where they differ by less, over the largest."""
+"""Relative difference of the sheets' currents up to which they are shown once.
+
+It is the mean difference of their densities over the mean of the top sheet.
+"""
 ALIKE_FRAMES = 10.0
-"""Frames share one scale where what they need of it is within so many times of each other."""
+"""Largest ratio of the values of frames that share one scale."""
 PEAKS, FAR_LESS = 0.01, 1.5
-"""Of the area, and how far above the rest values have to be there for the scale to end below."""
+"""Fraction of the area whose values the scale may leave out, and ratio required.
+
+The scale ends below these values if they are more than FAR_LESS times the rest.
+"""
 FEW_DEGREES = 300.0
-"""Phases that span no more need no closed map."""
+"""Largest span of phases, in degrees, that needs no closed map."""
 NO_DEFLECTION = 1e-12
 PERCENT_PER_CM2 = 1e2 * 1e-4
 PREFIXES = ("f", "p", "n", "µ", "m", "", "k", "M", "G")
@@ -35,11 +44,11 @@ PREFIXES = ("f", "p", "n", "µ", "m", "", "k", "M", "G")
 
 @dataclass(frozen=True)
 class ViewedQuantity:
-    """Something that has a value at every point.
+    """Quantity that has a value at every point.
 
-    values: (fields, number of the frequency) -> (point,) in `unit`. sheet: 0 or 1 where arrows of
-    that sheet's current belong to it. everywhere: whether it is the same at all frequencies.
-    prefixed: whether the unit may get a prefix.
+    values: (fields, number of the frequency) -> (point,) in `unit`. sheet: 0 or 1 if arrows of that
+    sheet's current belong to it. everywhere: True if it is the same at all frequencies. prefixed:
+    True if the unit may get a prefix.
     """
 
     name: str
@@ -52,24 +61,27 @@ class ViewedQuantity:
     prefixed: bool = False
 
     def shown_unit(self, highest: float) -> tuple[float, str]:
-        """The factor and the unit in which values of up to `highest` are told."""
+        """Factor and unit in which values of up to `highest` are shown."""
         return prefix(highest, self.unit) if self.prefixed else (1.0, self.unit)
 
     @property
     def open_scale(self) -> Scale:
-        """Its scale where nothing goes around."""
+        """Scale for values that do not go around."""
         return "magnitude" if self.scale == "cyclic" else self.scale
 
 
 def span_text(low: float, high: float, unit: str) -> str:
-    """Such as −20.6 to 0.0 degrees, with as many decimals as tell the ends apart."""
+    """Range as text, such as −20.6 to 0.0 degrees.
+
+    It has as many decimals as distinguish the ends.
+    """
     digits = max(0, 1 - math.floor(math.log10(high - low))) if high > low else 3
     ends = (f"{end:.{digits}f}".replace("-", "−") for end in (low, high + 0.0))
     return f"{' to '.join(ends)} {unit}"
 
 
 def prefix(highest: float, unit: str) -> tuple[float, str]:
-    """The factor and the prefixed unit that make `highest` a number from 1 to 1000."""
+    """Factor and prefixed unit that make `highest` a number from 1 to 1000."""
     power = math.floor(math.log10(highest) / 3) if highest > 0 else 0
     power = min(max(power, -5), 3)
     return 1e3**-power, f"{PREFIXES[power + 5]}{unit}"
@@ -159,14 +171,14 @@ NAMES = (
 
 
 def deformed(fields: SolutionFields) -> bool:
-    """Whether the press is known to deflect the skin."""
+    """True if the press is known to deflect the skin."""
     return bool(np.max(np.abs(fields.deflection), initial=0.0) > NO_DEFLECTION)
 
 
 def chosen(name: str, fields: SolutionFields) -> list[ViewedQuantity]:
-    """The quantities of that name: two where the sheets' currents differ; `all` is what there is.
+    """Quantities of a name: two if the sheets' currents differ.
 
-    Raises InputError for deformation where nothing is deformed.
+    For `all` it is all that there are. Raises InputError for deformation where nothing is deformed.
     """
     if name == "all":
         names = [each for each in NAMES if each != "deformation" or deformed(fields)]
@@ -192,7 +204,7 @@ def _sheets_agree(fields: SolutionFields) -> bool:
 
 
 def point_areas(fields: SolutionFields) -> Real:
-    """The flat area that each point stands for, m², (point,)."""
+    """Flat area that belongs to each point, m², (point,)."""
     x, y = fields.x[:, fields.cells]
     area = np.abs((x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)) / 2
     share = np.broadcast_to(area / len(fields.cells), fields.cells.shape)
@@ -203,12 +215,12 @@ def point_areas(fields: SolutionFields) -> Real:
 def scales(
     quantity: ViewedQuantity, frames: Sequence[Real], weight: Real, own: bool = False
 ) -> list[tuple[float, float]]:
-    """The ends of the colour scale for each frame of values (point,).
+    """Ends of the colour scale for each frame of values (point,).
 
-    weight: the area of each point; the largest values of the smallest areas, at the ends of foils,
-    are left out. One scale for all frames where their largest values, or spans of angles, are
-    alike, else each its own; `own`: each its own in any case. Magnitudes start at 0 unless the
-    least is more than half of the largest.
+    weight: area of each point. The largest values, which have the smallest areas at the ends of
+    foils, are left out. All frames have one scale if their largest values, or spans of angles, are
+    similar, else each its own; with `own` each has its own in any case. Magnitudes start at 0
+    unless the smallest is more than half of the largest.
     """
     sizes = [_size(quantity, values, weight) for values in frames]
     if own or max(sizes) > ALIKE_FRAMES * min(sizes):
@@ -218,7 +230,7 @@ def scales(
 
 
 def _size(quantity: ViewedQuantity, values: Real, weight: Real) -> float:
-    """What a frame needs of a scale: the span of its angles, else its largest value."""
+    """Range of the scale that a frame needs: span of angles, else largest value."""
     if quantity.scale == "cyclic":
         return float(np.ptp(values)) or 1.0
     return _highest(np.abs(values), weight) or 1.0
@@ -234,7 +246,7 @@ def _scale(quantity: ViewedQuantity, frames: Sequence[Real], high: float) -> tup
 
 
 def _highest(sizes: Real, weight: Real) -> float:
-    """The largest, or what all but PEAKS of the area stays below where that is far less."""
+    """Largest value, or a bound of all but PEAKS of the area where that is far less."""
     order = np.argsort(sizes)
     covered = np.cumsum(weight[order])
     usual = float(sizes[order[np.searchsorted(covered, (1 - PEAKS) * covered[-1])]])
@@ -248,7 +260,7 @@ def _angles(frames: Sequence[Real]) -> tuple[float, float]:
 
 
 def checked_name(name: str) -> str:
-    """The same name, if something of that name can be shown. Raises InputError."""
+    """Name of a quantity that can be shown; raises InputError for any other."""
     if name not in (*NAMES, "all"):
         raise InputError(f"--what must be one of {', '.join(NAMES)} or all, got {name!r}")
     return name

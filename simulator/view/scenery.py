@@ -1,4 +1,4 @@
-"""A skin set up to be looked at: flat from above, deformed from the side, wrapped on its mug."""
+"""Skin set up for viewing: flat from above, deformed from the side, or on its mug."""
 
 from __future__ import annotations
 
@@ -27,24 +27,25 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 MARGIN = 0.012
-"""Of the skin's size: around all that is in the picture."""
+"""Margin around all that is in the picture, over the skin's size."""
 BENEATH = 0.985
-"""Of its radius: the mug or ball that is drawn under a skin."""
+"""Radius of the mug or ball drawn under a skin, over the radius of the skin."""
 ROOM = 1.05
-"""Times the deepest place as it is drawn: how far below the skin a mug or ball stays."""
+"""Distance of a mug or ball below the skin, over the deepest place as drawn."""
 THINNEST = 0.2
-"""Of its radius: no mug or ball is drawn smaller."""
+"""Smallest radius of a drawn mug or ball, over the radius of the skin."""
 MUG_MARGIN = 0.25
-"""Of the skin's extent along it: how far a mug reaches beyond."""
+"""Length of a mug beyond the skin, over the skin's extent along it."""
 AROUND = 180
 
 
 @dataclass(frozen=True)
 class ViewedPress:
-    """What is looked at and how: the fields of a press at an interface of a scene.
+    """Fields of a press at an interface of a scene, and how they are viewed.
 
-    wrapped: where the skin is in space; None is so wherever it is curved. exaggeration: of the
-    deflection; None is chosen for deformation, and none for all else.
+    wrapped: True for the skin as it is in space; None for that wherever it is curved. exaggeration:
+    factor on the deflection; None for a chosen one with deformation, and for no deflection with all
+    else.
     """
 
     scene: Scene
@@ -55,17 +56,17 @@ class ViewedPress:
     exaggeration: float | None = None
 
     def plain_skin(self) -> SkinSurface:
-        """The surface, deflected only where that is asked for."""
+        """Surface, deflected only if that is requested."""
         return surface(self.fields, self._in_space, self.exaggeration or 0.0)
 
     def skin(self, quantity: ViewedQuantity) -> SkinSurface:
-        """The surface that a quantity is drawn on."""
+        """Surface that a quantity is drawn on."""
         if quantity.name != "deformation" or self.exaggeration is not None:
             return self.plain_skin()
         return replace(self, exaggeration=readable_exaggeration(self.fields)).plain_skin()
 
     def panels(self, skin: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
-        """Each frame on the skin, all from the same place."""
+        """Panels of the frames on the skin, all seen from the same place."""
         drawn = marks(self.scene, self.press, self.interface, skin, self.laid)
         scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
         camera = _camera(scenery)
@@ -76,13 +77,13 @@ class ViewedPress:
         return curved(self.fields) if self.wrapped is None else self.wrapped
 
     def laid(self, x: Real) -> Real:
-        """Flat places (2, n) where they would be drawn, (3, n), on the skin and off its edges."""
+        """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""
         if self._in_space:
             return position(self.scene, x)
         return np.vstack([x, np.zeros_like(x[:1])])
 
     def _bodies(self, skin: SkinSurface) -> list[pv.PolyData]:
-        """What the skin lies on, and the sides of its foam where heights are exaggerated."""
+        """Body under the skin, and the foam's sides where heights are exaggerated."""
         shape, thickness = self.scene.skin.shape, self.scene.skin.foam.thickness
         foam = skin.exaggeration * thickness if thickness is not None else 0.0
         sides = [_foam(skin, self._rest, foam)] if foam else []
@@ -115,7 +116,7 @@ def _camera(scenery: Scenery) -> Camera:
 
 
 def _facing(scenery: Scenery) -> Real:
-    """Between the middle of the skin and the places pressed."""
+    """Direction between those of the skin's middle and of the pressed places."""
     skin = scenery.skin
     facing = skin.normals.mean(axis=1)
     if scenery.marks.pressed:
@@ -129,7 +130,7 @@ def _far_from_flat(skin: SkinSurface) -> bool:
 
 
 def _foam(skin: SkinSurface, rest: SkinSurface, thickness: float) -> pv.PolyData:
-    """The foam's sides, from the skin's rim down to the sheet beneath."""
+    """Sides of the foam, from the skin's rim down to the sheet beneath."""
     upper = skin.points[:, skin.rim]
     lower = (rest.points - thickness * rest.normals)[:, skin.rim]
     n = upper.shape[2]
@@ -139,7 +140,7 @@ def _foam(skin: SkinSurface, rest: SkinSurface, thickness: float) -> pv.PolyData
 
 
 def _mug(skin: SkinSurface, middle: Real, radius: float, axis: str) -> pv.PolyData:
-    """A cylinder beneath the skin, longer than it. middle: anywhere on its axis."""
+    """Cylinder beneath the skin, longer than it. middle: anywhere on its axis."""
     along = np.array([1.0, 0.0, 0.0] if axis == "x" else [0.0, 1.0, 0.0])
     reach = along @ skin.points
     margin = MUG_MARGIN * np.ptp(reach)

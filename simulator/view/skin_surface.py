@@ -1,4 +1,4 @@
-"""The skin as it is drawn: a surface in space, flat or wrapped, its deflection exaggerated."""
+"""Skin as drawn: a surface in space, flat or wrapped, with exaggerated deflection."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 SAME_PLACE = 1.234e-7
-"""Of the skin's extent."""
+"""Distance over the skin's extent up to which points are at one place."""
 WITHIN = 1e-3
-"""Of the skin's size: beside an edge, where the skin is looked for."""
+"""Distance from an edge, over the skin's size, at which the skin is looked for."""
 AROUND = 24
-"""Points whose normals are one where a line is raised."""
+"""Number of points whose normals are averaged where a line is raised."""
 SHOWN_DEPTH = 0.08
-"""Of the skin's size: how deep the deepest place is drawn."""
+"""Depth of the deepest place as drawn, over the skin's size."""
 
 
 @dataclass(frozen=True)
 class SkinSurface:
-    """Points in space (3, point) and their unit normals, at flat places x (2, point), in m.
+    """Points in space (3, point) and unit normals, at flat places x (2, point), m.
 
-    cells: (corner, cell), counter-clockwise seen from where the normals point to. same: for each
-    point the number of the first one at its place, for cells need not share points. exaggeration:
-    of the deflection.
+    cells: (corner, cell), counter-clockwise as seen from the side of the normals. same: for each
+    point the number of the first one at its place, since cells need not share points. exaggeration:
+    factor on the deflection.
     """
 
     x: Real
@@ -45,12 +45,12 @@ class SkinSurface:
 
     @property
     def size(self) -> float:
-        """The diagonal of the flat skin, m."""
+        """Diagonal of the flat skin, m."""
         return float(np.hypot(*np.ptp(self.x, axis=1)))
 
     @cached_property
     def mesh(self) -> pv.PolyData:
-        """The surface for pyvista."""
+        """Surface for pyvista."""
         return polygons(self.points, self.cells)
 
     @cached_property
@@ -61,9 +61,10 @@ class SkinSurface:
         return flat
 
     def carry(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
-        """Places (3, n) in space, normals there, and whether flat places x (2, n) are on the skin.
+        """Places (3, n) in space of flat places x (2, n), and normals there.
 
-        Where they are not, the nearest point's are given.
+        The third result is True for places on the skin, (n,). Off it, values of the nearest point
+        are given.
         """
         from pyvista import PolyData
 
@@ -87,7 +88,7 @@ class SkinSurface:
         return np.asarray(found.point_data["values"]).T
 
     def covers(self, x: Real) -> NDArray[np.bool_]:
-        """Whether flat places (2, n) lie on the skin."""
+        """True for flat places (2, n) that lie on the skin."""
         from pyvista import PolyData
 
         probe = PolyData(np.vstack([x, np.zeros_like(x[:1])]).T)
@@ -95,11 +96,11 @@ class SkinSurface:
         return found.point_data["vtkValidPointMask"].astype(bool)
 
     def nearest(self, places: Real) -> NDArray[np.int64]:
-        """The numbers of the points that are nearest to places (3, n) in space."""
+        """Numbers of the points that are nearest to places (3, n) in space."""
         return np.asarray(self._tree.query(places.T)[1])
 
     def normals_near(self, places: Real) -> Real:
-        """Unit normals (3, n) beside places (3, n) in space, alike on both sides of a crease."""
+        """Unit normals (3, n) near places (3, n), equal on both sides of a crease."""
         near = self._tree.query(places.T, k=min(AROUND, self.points.shape[1]))[1]
         mean = self.normals[:, near].mean(axis=-1)
         return mean / np.linalg.norm(mean, axis=0)
@@ -112,7 +113,7 @@ class SkinSurface:
 
     @cached_property
     def rim(self) -> NDArray[np.int64]:
-        """The edges (2, edge) that only one cell has, in that cell's sense."""
+        """Edges (2, edge) that only one cell has, in the direction of that cell."""
         corners = self.same[self.cells]
         edges = np.stack([corners, np.roll(corners, -1, axis=0)]).reshape(2, -1)
         _, back, counts = np.unique(
@@ -121,7 +122,7 @@ class SkinSurface:
         return edges[:, counts[back.ravel()] == 1]
 
     def outward(self, x: Real) -> Real:
-        """Flat unit vectors (2, n) that point off the skin, across a path x (2, n) on its edge."""
+        """Flat unit vectors (2, n) off the skin, across a path x (2, n) on its edge."""
         along = np.gradient(x, axis=1)
         across = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
         within = self.covers(x + WITHIN * self.size * across)
@@ -129,7 +130,7 @@ class SkinSurface:
 
 
 def polygons(points: Real, cells: NDArray[np.int64]) -> pv.PolyData:
-    """Points (3, point) and cells (corner, cell) for pyvista."""
+    """Surface of points (3, point) and cells (corner, cell) for pyvista."""
     from pyvista import PolyData
 
     corners = np.full((1, cells.shape[1]), len(cells))
@@ -144,7 +145,7 @@ def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
 def surface(
     fields: SolutionFields, wrapped: bool = False, exaggeration: float = 0.0
 ) -> SkinSurface:
-    """The skin flat or where it is in space, deflected against its normals."""
+    """Skin, flat or where it is in space, deflected against its normals."""
     base = fields.position if wrapped else np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     cells = _counter_clockwise(fields)
     same = _first_at_place(np.vstack([fields.x, base]))
@@ -156,20 +157,20 @@ def surface(
 
 
 def _first_at_place(places: Real) -> NDArray[np.int64]:
-    """For each of places (k, point) the number of the first that is the same to within rounding."""
+    """Number of the first place that each place (k, point) equals, up to rounding."""
     grid = np.round(places / (SAME_PLACE * np.ptp(places[:2])))
     _, first, back = np.unique(grid, axis=1, return_index=True, return_inverse=True)
     return first[back.ravel()]
 
 
 def curved(fields: SolutionFields) -> bool:
-    """Whether the skin lies anywhere but in the plane of its flat places."""
+    """True if the skin lies anywhere but in the plane of its flat places."""
     flat = np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     return not np.allclose(fields.position, flat, atol=1e-9 * np.ptp(fields.x), rtol=0.0)
 
 
 def readable_exaggeration(fields: SolutionFields) -> float:
-    """1, 2 or 5 times a power of ten that shows the deepest place, at least 1."""
+    """Factor that shows the deepest place: 1, 2 or 5 times a power of 10, >= 1."""
     size = np.hypot(*np.ptp(fields.x, axis=1))
     deepest = np.max(np.abs(fields.deflection), initial=0.0)
     wanted = float(SHOWN_DEPTH * size / deepest) if deepest > 0 else 1.0
@@ -178,7 +179,7 @@ def readable_exaggeration(fields: SolutionFields) -> float:
 
 
 def _counter_clockwise(fields: SolutionFields) -> NDArray[np.int64]:
-    """The cells, those that go clockwise on the flat skin turned over."""
+    """Cells; those that go clockwise on the flat skin are reversed."""
     x, y = fields.x[:, fields.cells]
     area = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)
     return np.where(area < 0, fields.cells[::-1], fields.cells)

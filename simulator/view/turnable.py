@@ -1,4 +1,4 @@
-"""A page of its own to turn the skin about in any browser, offline: one file, drawn by plotly."""
+"""Page to turn the skin on in any browser, offline: one file, drawn by plotly."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 COLOURS = 33
-"""Of a colour map, as many as the page is given."""
+"""Number of colours of a colour map in the page."""
 MILLI = 1e3
 RAISED, WORDS_RAISED = 2.0, 20.0
-"""Times as far above the skin as fine lines: wide lines, and words over what is curved."""
+"""Heights of wide lines, and of words on a curved skin, over that of fine lines."""
 BEYOND = 1.04
-"""Times what is drawn: the room it is given."""
+"""Room given to the drawing over its size."""
 HEAD, LINE, FOOT = 92, 21, 40
-"""Room for headings, for each line of the title, for the foils' names and the slider, pixels."""
+"""Room for headings, a line of the title, and foil names with the slider, pixels."""
 TITLE_WIDTH = 45
 GROUND, WORDS, UNSEEN = "#FFFFFF", "#222222", "rgba(0,0,0,0)"
 FLAT = {"ambient": 0.85, "diffuse": 0.25, "specular": 0.0, "roughness": 1.0}
 UNLIT = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0, "roughness": 1.0}
 PALE = 0.179
-"""Luminance that black and white contrast with alike."""
+"""Luminance with which black and white have equal contrast."""
 FITTED = """
 const skin = document.getElementById("{plot_id}");
 const [halfWidth, halfHeight] = [%.6g, %.6g];
@@ -52,11 +52,14 @@ function fit() {
 fit();
 window.addEventListener("resize", () => setTimeout(fit, 200));
 """
-"""The page's own script: in parallel projection half the height seen is 1, whatever the window."""
+"""Script of the page.
+
+In parallel projection half the visible height is 1, whatever the window.
+"""
 
 
 def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
-    """Write an HTML page with a slider over the panels, whole or not at all."""
+    """Writes an HTML page with a slider over the panels, whole or not at all."""
     import plotly.graph_objects as go
 
     groups = [_traces(panel) for panel in panels]
@@ -116,7 +119,7 @@ def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
 
 
 def _ball_around(panels: Sequence[Panel]) -> tuple[Real, float]:
-    """The middle of all that is drawn, as the camera sees it, and how far it reaches, in mm."""
+    """Middle of all that is drawn, as the camera sees it, and its radius, mm."""
     camera, places = panels[0].camera, MILLI * np.hstack([_drawn(panel) for panel in panels])
     depths = camera.towards @ places
     across, height = MILLI * (camera.low + camera.high) / 2
@@ -126,7 +129,7 @@ def _ball_around(panels: Sequence[Panel]) -> tuple[Real, float]:
 
 
 def _drawn(panel: Panel) -> Real:
-    """The corners of all surfaces, m, (3, n)."""
+    """Corners of all surfaces, m, (3, n)."""
     scenery = panel.scenery
     bodies = [np.asarray(body.points, dtype=float).T for body in scenery.bodies]
     ribbons = [foil.quads.reshape(3, -1) for foil in scenery.marks.foils]
@@ -134,7 +137,7 @@ def _drawn(panel: Panel) -> Real:
 
 
 def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
-    """Half the width and the height of what the camera sees, with room around it, in mm."""
+    """Half the width and the height of what the camera sees, with a margin, mm."""
     camera = panels[0].camera
     width, height = BEYOND * MILLI * (camera.high - camera.low) / 2
     return float(width), float(height)
@@ -198,7 +201,7 @@ def _traces(panel: Panel) -> list[Any]:
 
 
 def _pixel_names(panel: Panel) -> go.Scatter3d:
-    """Row,column in the middle of each pixel, in black or white, whichever is seen there."""
+    """Row,column in the middle of each pixel, in black or white for contrast."""
     import plotly.graph_objects as go
 
     skin, middles = panel.scenery.skin, panel.scenery.marks.middles
@@ -218,7 +221,7 @@ def _pixel_names(panel: Panel) -> go.Scatter3d:
 
 
 def _luminance(shown: DisplayedQuantity) -> Real:
-    """Relative, of the colour at each point, (point,): WCAG 2.2."""
+    """Relative luminance of the colour at each point, (point,), by WCAG 2.2."""
     from matplotlib import colormaps
     from matplotlib.colors import Normalize
 
