@@ -1,4 +1,4 @@
-"""Small dense systems of a reduced skin: its own coordinates, what drives it, its potentials."""
+"""Small dense systems of a reduced skin: its coordinates, excitations and potentials."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from ...fem.excited_terminals import ExcitedTerminals
 
 
 class Rest(NamedTuple):
-    """M of a skin at rest, and what its cells add; coordinates are terminals, then basis vectors.
+    """Unpressed M of a skin, and the factors of what its cells add.
 
-    rows: of the terminals in M, F, shape (terminal, m). diagonal: of the others, F, shape (n,).
-    factors: F_k of each cell, M_k = F_k'F_k, shape (cell, rank, m).
+    The coordinates are terminals, then basis vectors. rows: rows of the terminals in M, F, shape
+    (terminal, m). diagonal: M of the other coordinates, F, shape (n,). factors: F_k of each cell,
+    M_k = F_k'F_k, shape (cell, rank, m).
     """
 
     rows: NDArray[np.float64]
@@ -25,11 +26,12 @@ class Rest(NamedTuple):
 
 
 class Feed(NamedTuple):
-    """One drive: potentials of terminals in V.
+    """One excitation: potentials of terminals, V.
 
-    conductance: at zero frequency, S. driven: shape (terminal,). tied: of floating ones, shape
-    (floating, terminal), with the inverse of their conductance, shape (floating, floating).
-    common: of what floats as a whole, such as a sheet, shape (floating, terminal).
+    conductance: at zero frequency, S. driven: shape (terminal,). tied: potentials of floating
+    terminals, shape (floating, terminal). tied_inverse: inverse of their conductance, shape
+    (floating, floating). common: potentials of conductors that float as a whole, such as a sheet,
+    shape (floating, terminal).
     """
 
     conductance: float
@@ -40,17 +42,17 @@ class Feed(NamedTuple):
 
 
 REGISTER = 8
-"""Numbers that processors take at once, or a multiple of that."""
+"""Count of numbers that processors take at once, or a multiple of it."""
 
 
 def aligned(rest: Rest) -> Rest:
-    """The same with coordinates that stay 0, so that loops over them end with whole registers."""
+    """Matrices padded by coordinates that stay 0, so that loops end with whole registers."""
     beside = -rest.rows.shape[1] % REGISTER
     return Rest(*(widened(each, each.shape[-1] + beside) for each in rest))
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """The same with zeros up to a width along the last axis; `numpy.pad` takes longer."""
+    """Values padded by zeros to a width along the last axis; `numpy.pad` takes longer."""
     wide = np.zeros((*values.shape[:-1], width))
     wide[..., : values.shape[-1]] = values
     return wide
@@ -62,7 +64,7 @@ def with_terms(
     which: NDArray[np.intp],
     weights: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """K in S of the scene's own skin, 1 in its basis, and so much of some terms, (term, m, m)."""
+    """K in S: that of the scene's own skin, 1 in its basis, plus weighted terms (term, m, m)."""
     terminals, m = len(conductance), terms.shape[-1]
     K = np.eye(m)
     K[:terminals, :terminals] = conductance
@@ -72,7 +74,7 @@ def with_terms(
 def own_coordinates(
     K: NDArray[np.float64], M: NDArray[np.float64], terminal_field: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Conductance between terminals, S, and the turn to where K is 1 and M diagonal."""
+    """Conductance between terminals, S, and `turn` as of `ReducedSkin`."""
     N = len(terminal_field)
     coupling = K[N:, :N]
     lift = -np.linalg.solve(K[N:, N:], coupling)
@@ -86,7 +88,7 @@ def own_coordinates(
 def _without_common(
     conductance: NDArray[np.float64], terminal_field: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """The same, rows and columns of one field adding up to nothing without rounding."""
+    """Conductance whose rows and columns of one field add up to zero without rounding."""
     conductance = conductance.copy()
     for each in np.unique(terminal_field):
         first, *others = np.flatnonzero(terminal_field == each)
@@ -96,7 +98,7 @@ def _without_common(
 
 
 def feed_of(driven: ExcitedTerminals) -> Feed:
-    """A drive as the kernel takes it."""
+    """Excitation in the form that the kernel takes."""
     own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
     return Feed(
         conductance=driven.conductance,
@@ -108,7 +110,8 @@ def feed_of(driven: ExcitedTerminals) -> Feed:
 
 
 MANY = 2
-"""What touches see has more directions than the basis over this: M is turned to its own instead."""
+"""If the touches' factors have more rows than the basis size over this, M is diagonalised
+instead."""
 Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 
@@ -119,9 +122,10 @@ def solved(
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
 ) -> list[Solved]:
-    """Potentials of each drive at 1 V, shape (press, s, N + n), and Y in S, shape (press, s).
+    """Potentials of each excitation at 1 V, and its Y in S.
 
-    cells: as many for each press, shape (press, touch). weights: rises of their M. s: rad/s.
+    Shapes (press, s, N + n) and (press, s). cells: equally many for each press, shape (press,
+    touch). weights: rises of their M. s: rad/s.
     """
     rank = cells.shape[1] * rest.factors.shape[1]
     U = rest.factors[cells].reshape(len(cells), rank, rest.factors.shape[2])
@@ -146,7 +150,7 @@ def solved(
 def _seen(
     rest: Rest, cells: NDArray[np.int64], C: NDArray[np.float64], sP: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """1 + U s P U' C of each press, the product once for all that touch the same cells.
+    """Matrix 1 + U s P U' C of each press; presses that touch the same cells share the product.
 
     C: shape (press, rank). sP: shape (s, n). Shape (press, s, rank, rank).
     """
@@ -173,11 +177,13 @@ def _by_touches(
     seen: NDArray[np.complex128],
     s: NDArray[np.complex128],
 ) -> Solved:
-    """K + s M is diagonal in the basis but for floating terminals f and what the cells' factors U
-    see of it, z = U v: they are solved for, and v follows.
+    """Potentials and Y of one excitation by a small system for each press and s.
 
-    rows: of M at terminals, shape (press, N, N + n). P: 1 / (1 + s M) where M is diagonal,
-    (press or 1, s, n). U, C: what cells see there, (press, rank, n), and their weights, (press,
+    K + s M is diagonal in the basis except for floating terminals f and the products z = U v with
+    the cells' factors U. The small system gives f and z, from which v follows.
+
+    rows: rows of the terminals in M, shape (press, N, N + n). P: 1 / (1 + s M) where M is diagonal,
+    (press or 1, s, n). U, C: factors of cells there, (press, rank, n), and their weights, (press,
     rank). seen: see `_seen`.
     """
     N, F = len(driven.potential), driven.floating
@@ -205,7 +211,7 @@ def _beside_floating(
     seen: NDArray[np.complex128],
     s: NDArray[np.complex128],
 ) -> NDArray[np.complex128]:
-    """The matrix of what cells see with that of floating terminals before it."""
+    """Matrix of the small system, with floating terminals before the cells' products."""
     F, N = driven.floating, len(driven.potential)
     floats, k = F.shape[1], beside.shape[1]
     system = np.empty((*seen.shape[:2], k, k), dtype=complex)
@@ -233,20 +239,20 @@ def mass_of(
 def added(
     factors: NDArray[np.float64], cells: NDArray[np.int64], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """What cells add to M, in F."""
+    """Terms that cells add to M, F."""
     U = factors[cells].reshape(-1, factors.shape[2])
     return (U.T * np.repeat(weights, factors.shape[1])) @ U
 
 
 def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[Rest, NDArray[np.float64]]:
-    """M of a press where it is diagonal, and the directions of that inside, shape (n, n)."""
+    """M of a press in axes in which it is diagonal inside, and these axes, shape (n, n)."""
     N = terminals
     diagonal, axes = np.linalg.eigh(M[N:, N:])
     return Rest(np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, np.zeros((0, 0, len(M)))), axes
 
 
 def between_terminals(rest: Rest, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Y in S beyond that at zero frequency, shape (s, N, N). s: rad/s."""
+    """Y in S less that at zero frequency, shape (s, N, N). s: rad/s."""
     N = len(rest.rows)
     terminals, beside, each = rest.rows[:, :N], rest.rows[:, N:], s[:, None, None]
     P = 1 / (1 + s[:, None, None] * rest.diagonal)

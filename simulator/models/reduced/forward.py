@@ -1,4 +1,4 @@
-"""A reduced skin behind its meter as a function of parameters and presses, with exact slopes."""
+"""Reduced forward model at the meter, with exact slopes by parameters and presses."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ BAND_POINTS = 20
 
 
 class Forward:
-    """A scene at a tolerance, as a function of PARAMETERS and of presses on cells."""
+    """Reduced model of a scene as a function of its parameters and of presses on cells."""
 
     def __init__(
         self,
@@ -63,9 +63,9 @@ class Forward:
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
-        cells_per_pixel: along each side; touches that are no pixels are laid on cells. progress: as
-        of `ProgressCallback`. train: the model, as `reduce` does. modes: of each sheet's
-        conductance: all that SHEET_WAVES name, or the mean alone.
+        cells_per_pixel: along each side; touches that are no pixels are rasterized on cells.
+        progress: see `ProgressCallback`. train: makes the model as `reduce` does. modes: number of
+        modes of each sheet's conductance: all that SHEET_MODES name, or the mean alone.
         """
         self.scene, self.rtol, self.modes = scene, rtol, modes
         self.cells_per_pixel = cells_per_pixel
@@ -76,7 +76,8 @@ class Forward:
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> TouchedCells:
-        """Cells that a press touches, row by row from 0, and by how much of c at rest it rises."""
+        """Cells that a press touches, row by row from 0, and the rises of c there over unpressed
+        c."""
         return touched_cells(self.divided, press)
 
     def respond(
@@ -86,10 +87,11 @@ class Forward:
         given: Mapping[str, float] | None = None,
         beside: NDArray[np.float64] | None = None,
     ) -> Response:
-        """Of one press; given: parameters that are not the scene's own; beside: terms that K has
-        not, see `sensitivity`.
+        """Response of one press.
 
-        Raises InputError for an unknown name, ToleranceError where the scene does not reduce.
+        given: parameters that differ from the scene's own. beside: further terms of K, see
+        `sensitivity`. Raises InputError for an unknown name, ToleranceError if the scene does not
+        reduce.
         """
         values = all_values(self.scene, given)
         cells, rises = self._with_finger(cells, rises, values)
@@ -107,8 +109,10 @@ class Forward:
         return self._at_meter(found, skin, values, len(asked[0]), by_gauge)
 
     def alike(self, given: Mapping[str, float] | None = None) -> bool:
-        """Whether all that a press does is to raise M by fixed parts: as `respond_together` takes
-        it. given: as of `respond`."""
+        """True if a press only raises M by fixed parts, as `respond_together` requires.
+
+        given: see `respond`.
+        """
         even = not _waved(given or {})
         return even and type(self.reduced) is Reduced and not gauged(self.scene.skin)
 
@@ -118,10 +122,11 @@ class Forward:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> Response:
-        """As `respond`, of presses that touch as many cells each, shape (press, touch).
+        """Response of presses with equally many touches, shape (press, touch).
 
-        All of the response has an axis (press,) first; by_cell is of the touched ones, shape
-        (press, interface, frequency, touch). Only where presses are `alike`.
+        All arrays of the response have a first axis (press,). by_cell is by the touched cells
+        alone, shape (press, interface, frequency, touch). The presses must be `alike`. given: see
+        `respond`.
         """
         values, count = all_values(self.scene, given), cells.shape[1]
         skin, touched = self._skin(values), self._with_finger(cells, rises, values)
@@ -139,7 +144,7 @@ class Forward:
         beside: int = 0,
         by_gauge: NDArray[np.complex128] | float = 0.0,
     ) -> Response:
-        """beside: how many terms were asked for that K has not."""
+        """beside: number of further terms that K does not have."""
         ends = np.cumsum([len(self.reduced.stiffness), beside])
         by_weight, by_term, by_wave = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
@@ -173,7 +178,8 @@ class Forward:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> float:
-        """Largest bound on the relative error of Rs and Cp of one press, at the skin."""
+        """Largest bound on the relative error of Rs and Cp of one press at the skin, with the
+        mesh."""
         values = all_values(self.scene, given)
         touched = self._with_finger(cells, rises, values)
         bound = self._skin(values).certificate(*touched, self._s(values))
@@ -181,13 +187,13 @@ class Forward:
 
     @cached_property
     def free(self) -> tuple[str, ...]:
-        """Parameters that the impedance of the scene depends on."""
+        """Names of the parameters that the impedance of the scene depends on."""
         idle = set() if self._resistive else {"contact_resistance"}
         return tuple(name for name in own_values(self.scene) if name not in idle)
 
     @cached_property
     def reduced(self) -> Reduced:
-        """The model, trained at first use."""
+        """Reduced model, trained at first use."""
         low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
         band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
         return self._train(
@@ -209,7 +215,10 @@ class Forward:
         return any(not contact.ideal for contact in self.scene.contacts)
 
     def _draw(self) -> Draw:
-        """Presses on pixels, or anywhere where they are divided, on skins of any parameters."""
+        """Draw of presses on skins of any parameters.
+
+        Presses are on pixels, or anywhere if the pixels are divided.
+        """
         on_pixels, own = pixel_touches(self.divided, PIXEL_FACTORS), own_values(self.scene)
 
         def draw(random: np.random.Generator) -> Case:
@@ -229,7 +238,7 @@ class Forward:
         return draw
 
     def _by_fingers(self, press: Press, random: np.random.Generator) -> Press:
-        """The same touches by fingers, where the scene has an earth that they reach."""
+        """Press with the same touches by fingers, if the scene has an earth that they reach."""
         if not self._parts.fingers:
             return press
         strongest = strongest_finger(self.scene)
@@ -238,7 +247,7 @@ class Forward:
         return Press(tuple(replace(touch, finger=finger) for touch, finger in touches))
 
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
-        """The last one is kept: many presses of one skin are asked for in a row."""
+        """Skin of these parameters; the last one is cached, as many presses of one skin follow."""
         if self._kept is None or self._kept[0] != values:
             sizes = amplitudes(values, FOAM_MODES)[1:]
             model = self._waves.under(sizes) if _waved(values) else self.reduced
@@ -251,7 +260,7 @@ class Forward:
     def _by_weights(
         self, weighed: NDArray[np.complex128], variation: Variation
     ) -> dict[str, NDArray[np.complex128]]:
-        """dY by the logarithms of what K's terms are weighed with."""
+        """Derivatives of Y by the logarithms of the resistances that weigh the terms of K."""
         sheets, films = self._terms.split(weighed)
         top, bottom = self.scene.skin.sheet_resistances
         energy = np.moveaxis(sheets.sum(axis=(-2, -1)), -1, 0)
@@ -261,8 +270,10 @@ class Forward:
     def _with_finger(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Touches of one press or of many, (press, touch), with the `finger` among the values on
-        each touched pixel, beside what is there."""
+        """Touches of one or many presses, with the value `finger` added on each touched pixel.
+
+        Shape (touch,) or (press, touch). Fingers that are already there stay.
+        """
         finger, parts = values.get("finger", 0.0), self._parts
         if not finger:
             return cells, rises
@@ -278,7 +289,7 @@ class Forward:
     def _by_surroundings(
         self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float]
     ) -> dict[str, NDArray[np.complex128]]:
-        """dY by the logarithms of factors on what surrounds the skin, and by the finger in F."""
+        """Derivatives of Y by logarithms of the factors on surroundings, and by the finger in F."""
         by_name = {"finger": found.by_finger / self.cells_per_pixel**2}
         fixed, names = found.by_fixed * skin.fixed_factors, np.array(skin.parts.fixed)
         by_name |= {name: fixed[..., names == name].sum(axis=-1) for name in set(skin.parts.fixed)}
@@ -293,12 +304,14 @@ class Forward:
         return Waved(self.reduced)
 
     def _even(self, values: Mapping[str, float]) -> Variation:
-        """All but slow waves of the foam."""
+        """Variation of these parameters but for the foam's cosine modes."""
         return variation_with_modes(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """What rises of each cell count in, over the scene's own: c at rest but for slow waves, and
-        1 of a finger; shape (cell,)."""
+        """Units of the rises of each cell over the scene's own, shape (cell,).
+
+        They are the unpressed c without the foam's cosine modes, and 1 for a finger.
+        """
         return self._even(all_values(self.scene, values)).factors(self.divided)
 
     @cached_property
@@ -309,12 +322,15 @@ class Forward:
     def _by_gauge(
         self, weighed: NDArray[np.complex128], pressed: NDArray[np.float64]
     ) -> NDArray[np.complex128]:
-        """dY by the rise of each cell, as it changes the sheets, shape (interface, s, cell)."""
+        """Derivatives of Y by the rise of each cell, as far as it changes the sheets.
+
+        Shape (interface, s, cell).
+        """
         sheets, skin = self._terms.split(weighed)[0].sum(axis=-2), self.scene.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
 
 
 def _waved(values: Mapping[str, float]) -> bool:
-    """Whether slow waves of the foam are among the values."""
+    """True if cosine modes of the foam are among the values."""
     return any(name in values for name in FOAM_MODES)

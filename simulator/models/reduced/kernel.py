@@ -1,7 +1,7 @@
-"""Whole sweeps of a reduced model, fused: Lanczos' method and continued fractions.
+"""Compiled sweeps of a reduced model: Lanczos' method and continued fractions.
 
-It is `lanczos.respond` in coordinates in which K is 1 and M of the skin at rest is diagonal, but
-for the few rows of the terminals. A touched pixel adds a product of thin factors.
+The method is that of `lanczos.respond`, in coordinates in which K is 1 and the unpressed M is
+diagonal except for the few rows of the terminals. A touched pixel adds a product of thin factors.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from ...press.batch import PressBatch
 from .dense import Feed, Rest
 
 ROOM = 5
-"""Vectors that Lanczos' method works with, beside two for each of what floats in common."""
+"""Number of work vectors of Lanczos' method, without two for each conductor that floats as a
+whole."""
 
 
 @compiled()
@@ -33,8 +34,8 @@ def swept(
 ) -> NDArray:  # pragma: no cover
     """Y in S of many presses, shape (press, s).
 
-    Each adds its rises times M of its cells. s: rad/s. rtol: of Rs and Cp, for Lanczos' method to
-    end at.
+    Each press adds its rises times M of its cells. s: rad/s. rtol: tolerance of Rs and Cp at which
+    Lanczos' method ends.
     """
     cells, rises, starts = batch
     Y = np.empty((len(starts) - 1, len(s)), np.complex128)
@@ -71,8 +72,8 @@ def impedances(
     s: NDArray[np.complex128],
     rtol: float,
 ) -> NDArray[np.complex128]:
-    """Z in ohm of every interface, shape (press, interface, s); arguments as of `swept`."""
-    contiguous = np.ascontiguousarray(batch.cells)  # or else another `swept` is compiled
+    """Z in ohm of every interface, shape (press, interface, s); for arguments see `swept`."""
+    contiguous = np.ascontiguousarray(batch.cells)  # otherwise another `swept` is compiled
     Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
     Y = Y if combination.one_to_one else [*combination.admittance(np.stack(Y))]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
@@ -80,7 +81,7 @@ def impedances(
 
 @compiled()
 def room_for(rest: Rest, feed: Feed) -> NDArray:  # pragma: no cover
-    """What `lanczos_steps` works in, shape (vector, m)."""
+    """Work vectors of `lanczos_steps`, shape (vector, m)."""
     return np.empty((ROOM + 2 * len(feed.common), rest.rows.shape[1]))
 
 
@@ -106,12 +107,12 @@ def lanczos_steps(
     squared: NDArray,
     basis: NDArray,
 ) -> tuple[int, float]:  # pragma: no cover
-    """Lanczos' steps until two in a row change neither Rs nor Cp at s by rtol.
+    """Lanczos' method until two steps in a row change neither Rs nor Cp at s by rtol.
 
-    touched: cells and their rises. room: of `room_for`; its first vector is then what is driven at
-    s = 0, in V. diagonal, squared: filled as `continued_fraction` takes them. basis:
-    filled with the vector of each step, shape (MOST_STEPS, m); none are kept where it is empty.
-    Returns how many steps, and the capacitance at once in F.
+    touched: cells and their rises. room: from `room_for`; on return its first vector holds the
+    potentials at s = 0, V. diagonal, squared: filled as `continued_fraction` takes them. basis:
+    filled with the vector of each step, shape (MOST_STEPS, m), unless it is empty. Returns the
+    number of steps and the capacitance that acts at once, F.
     """
     terminals, m = rest.rows.shape
     for vector in range(len(room)):
@@ -169,9 +170,10 @@ def lanczos_steps(
 def _charge(
     rest: Rest, touched: tuple[NDArray, NDArray], v: NDArray, charge: NDArray, floating: bool
 ) -> None:  # pragma: no cover
-    """charge = M v in C; unless floating, v is 0 at terminals and their charge is left out.
+    """Writes M v in C into `charge`.
 
-    Rows of factors are taken four at a time: v and charge are then read less often.
+    Unless `floating`, v is 0 at terminals and their charge is left out. Rows of factors are taken
+    four at a time: v and charge are then read less often.
     """
     terminals, m = rest.rows.shape
     for k in range(terminals, m):
@@ -217,10 +219,10 @@ def _dot(u: NDArray, v: NDArray) -> float:  # pragma: no cover
 def _neutralise(
     common: NDArray, charge: NDArray, own: NDArray, count: int, terminals: int, v: NDArray
 ) -> None:  # pragma: no cover
-    """Shift what floats as a whole, the first `count` of them, so that each keeps its charge.
+    """Shifts v by the first `count` common potentials, so that each keeps its charge.
 
-    common: their potentials, of which none charges another. charge: M times those, C. own: their
-    capacitances, F.
+    common: potentials of conductors that float as a whole, of which none charges another. charge: M
+    times those, C. own: their capacitances, F.
     """
     for each in range(count):
         shift = _dot(charge[each], v) / own[each]
@@ -230,7 +232,10 @@ def _neutralise(
 
 @compiled()
 def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
-    """K^-1 y: 1 in the basis, and floating terminals by the conductance between them."""
+    """Writes K^-1 y into `solution`.
+
+    K is 1 in the basis; floating terminals follow from the conductance between them.
+    """
     terminals = len(feed.driven)
     for k in range(len(y)):
         solution[k] = y[k] if k >= terminals else 0.0
@@ -245,7 +250,10 @@ def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cov
 
 @compiled()
 def _difference(Y: complex, other: complex) -> float:  # pragma: no cover
-    """Of Rs and of Cp, relative to the other's; nothing where neither has any."""
+    """Larger of the differences of Rs and Cp, relative to those of `other`.
+
+    If Y or the real part of `other` is 0, it is 0 for equal admittances and inf otherwise.
+    """
     own, others = _square(Y), _square(other)
     if own * other.real == 0.0:
         return 0.0 if Y == other else np.inf

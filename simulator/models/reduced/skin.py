@@ -1,4 +1,4 @@
-"""One skin of a reduced model's family: K is 1 and M at rest diagonal in its own coordinates."""
+"""One skin of a reduced model's family, in coordinates with K = 1 and unpressed M diagonal."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ from .projection import Projection
 
 KRYLOV_SHARE = 0.03
 CANCELLED_UNDER_PRESS, MOST_CANCELLED = 3.0, 1e6
-"""Of digits lost between excitations over those lost at rest: strong presses change either two or
-three times. What is lost beyond the most is left to the certificate: Lanczos' method ends at
-rounding."""
+"""Cancellation between excitations under a press over that without one: strong presses change it
+two- or threefold. Largest cancellation that the tolerance of Lanczos' method follows: the method
+ends at rounding, and the certificate covers what is lost beyond it."""
 
 
 class ReducedSkin:
-    """One skin of a family: answers any press on its pixels in microseconds.
+    """One skin of a family, which solves any press on its pixels in microseconds.
 
-    turn: from this skin's coordinates, in which K is 1 and M at rest diagonal but for terminals, to
-    those of the model, shape (N + n, N + n). conductance: between terminals, S, shape (N, N).
-    rest_factors: of each part of M over the scene's own, see `Parts`; what rises count in.
+    turn: matrix from this skin's coordinates, in which K is 1 and the unpressed M is diagonal
+    except at terminals, to those of the model, shape (N + n, N + n). conductance: between
+    terminals, S, shape (N, N). rest_factors: unpressed amount of each part of M over the scene's
+    own, see `Parts`; the unit of rises.
     """
 
     def __init__(
@@ -45,7 +46,7 @@ class ReducedSkin:
         variation: Variation | None,
         pressed: NDArray[np.float64] | None = None,
     ) -> None:
-        """pressed: by what touches multiply c, shape (part,); it tells on gauges alone."""
+        """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
         self.reduced, self.variation = reduced, variation
         factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
         told = reduced.scene, reduced.circuit, reduced.modes
@@ -71,12 +72,12 @@ class ReducedSkin:
 
     @property
     def fixed_factors(self) -> NDArray[np.float64]:
-        """Of what no press changes, over the scene's own, shape (part,)."""
+        """Factors of the parts that no press changes, over the scene's own, shape (part,)."""
         return self.rest_factors[self.parts.touched :]
 
     @cached_property
     def rest(self) -> Rest:
-        """M at rest, and what every cell adds."""
+        """Unpressed M, and the factors of what every cell adds."""
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
@@ -84,7 +85,7 @@ class ReducedSkin:
         return aligned(self.rest)
 
     def pressed_by(self, factors: NDArray[np.float64]) -> Rest:
-        """M at rest, and what touches with these factors add, (touch, rank, N + n)."""
+        """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
         return Rest(*self._own, np.ascontiguousarray(factors))
 
     def sweeps(
@@ -92,7 +93,7 @@ class ReducedSkin:
     ) -> NDArray[np.complex128]:
         """Z in ohm of many presses of pixels, shape (press, interface, s).
 
-        s: rad/s, by default of the model's frequencies.
+        s: rad/s, by default those of the model's frequencies.
         """
         s = self.s if s is None else s
         if gauged(self.reduced.scene.skin):
@@ -109,13 +110,13 @@ class ReducedSkin:
         return self.sweeps(PressBatch.of([(cells, rises)]), s)[0]
 
     def under(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> ReducedSkin:
-        """The skin with its sheets as these touches change them; itself where they do not."""
+        """Skin whose sheets are those under these touches; itself if touches change no sheet."""
         if not gauged(self.reduced.scene.skin):
             return self
         return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
 
     def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """As `sweeps`, K another one for each press."""
+        """Sweeps as of `sweeps`, with a K of its own for each press."""
         interfaces = len(self.combination.weights)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         with one_blas_thread():
@@ -132,8 +133,10 @@ class ReducedSkin:
 
     @cached_property
     def _cancelled(self) -> float:
-        """How much larger excitations are than what they leave of Rs or Cp; 1 where each is an
-        interface of its own."""
+        """Cancellation between excitations: their size over what remains in Rs or Cp.
+
+        It includes the change by strong presses, and is 1 if each excitation is an interface.
+        """
         if self.combination.one_to_one:
             return 1.0
         Q = np.stack([Y for _, Y in self.solved(*NOTHING, self.s)])
@@ -148,9 +151,9 @@ class ReducedSkin:
         rises: NDArray[np.float64],
         s: NDArray[np.complex128] | None = None,
     ) -> NDArray[np.float64]:
-        """Bound on what the reduction leaves out of Rs and Cp of one press, and `doubt`.
+        """Bound on the relative errors of Rs and Cp of one press by the reduction, plus `doubt`.
 
-        Relatively, of shape (2, interface, s); s in rad/s, by default of the model's frequencies.
+        Shape (2, interface, s). s: rad/s, by default those of the model's frequencies.
         """
         s, own = self.s if s is None else s, self.under(cells, rises)
         with one_blas_thread():
@@ -160,7 +163,7 @@ class ReducedSkin:
     def doubt(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> NDArray[np.float64] | float:
-        """Of Rs and Cp of one press, relatively, by how little its foam is known; s in rad/s."""
+        """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
         return 0.0
 
     def certificates(
@@ -169,9 +172,10 @@ class ReducedSkin:
         foams: Sequence[NDArray[np.float64]],
         s: NDArray[np.complex128],
     ) -> NDArray[np.float64]:
-        """The same of presses under which sheets are as here, shape (2, press, interface, s).
+        """Bounds by the reduction alone for presses under which the sheets are as here.
 
-        foams: c of each pressed skin as the family's `mass` takes it.
+        Shape (2, press, interface, s). foams: factors of each pressed skin, as the family's `mass`
+        takes them.
         """
         from .spanned import spanned_by_all
 
@@ -185,7 +189,7 @@ class ReducedSkin:
         return certificate(family.space, masses, *told)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
-        """Estimated error of Rs and Cp of one press by the mesh, relatively; 0 of plain scenes."""
+        """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""
         reduced = self.reduced
         if reduced.scene.uniform:
             return 0.0
@@ -196,7 +200,7 @@ class ReducedSkin:
 
     @property
     def least_conductance(self) -> float:
-        """A lower bound of the factor on K anywhere; raises InputError unless above zero."""
+        """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero."""
         reduced = self.reduced
         parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
         return least_conductance(self.weights, reduced.circuit, reduced.modes, parts)
@@ -204,8 +208,8 @@ class ReducedSkin:
     def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of one press by the full system, shape (interface, frequency).
 
-        On the mesh that was reduced where that keeps rtol for this press, on finer ones otherwise.
-        Raises ToleranceError where none does.
+        The mesh is the one that was reduced if it keeps rtol for this press, a finer one otherwise.
+        Raises ToleranceError if none keeps it.
         """
         reduced, rtol, error = self.reduced, self.reduced.rtol, np.inf
         pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
@@ -219,7 +223,7 @@ class ReducedSkin:
         raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
 
     def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
-        """The one that was reduced, then those of all levels, meshed for this press."""
+        """Family that was reduced, then families on finer and finer meshes for this press."""
         reduced = self.reduced
         yield reduced.family
         asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
@@ -227,16 +231,16 @@ class ReducedSkin:
         yield from finer_families(*asked, [press], reduced.frequency)
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How much of each part of M there is over the scene's own, shape (part,), see `Parts`."""
+        """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
         return self.parts.pressed(cells, rises) * self.rest_factors
 
     def solved(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
-        """Potentials of each drive in the model's coordinates, V, shape (N + n, s), and its form
-        in S.
+        """Potentials and form of each excitation, for sheets as they are here, see `under`.
 
-        Sheets are as they are here, see `under`.
+        The potentials are V in the model's coordinates, shape (N + n, s); the form is in S, shape
+        (s,).
         """
         rest, which, weights = self.touched(cells, rises)
         found = solved(self.drives, rest, which[None], weights[None], s)
@@ -245,7 +249,7 @@ class ReducedSkin:
     def touched(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
-        """What one press adds to M: which of which factors, and how much of each."""
+        """Terms that one press adds to M: factors, indices of those, and their weights."""
         cells, rises = self.parts.completed(cells, rises)
         rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
         return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
@@ -253,12 +257,15 @@ class ReducedSkin:
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """u'Mu by each part over the scene's own, shape (s, part), and whole, (s,); F V²."""
+        """Derivatives of u'Mu by each part over the scene's own, and u'Mu itself.
+
+        Both in F V², of shapes (s, part) and (s,).
+        """
         squares = self.squares(u)
         return squares, squares @ self.map_of(cells, rises)
 
     def squares(self, u: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """u'Mu by each part over the scene's own, F V², shape (s, part)."""
+        """u'Mu of each part as it is on the scene's own skin, F V², shape (s, part)."""
         squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
         if not len(self.reduced.fixed):
             return squares

@@ -1,7 +1,7 @@
-"""How the admittance of a reduced skin changes with its parameters, without any further solve.
+"""Derivatives of a reduced skin's admittance by its parameters, without any further solve.
 
 K + s M is symmetric, so the problem is its own adjoint: dQ = u'(dK + s dM) u with the potentials u
-of an excitation, transposed and not conjugated; floating terminals carry no net current and add
+of an excitation, transposed and not conjugated. Floating terminals carry no net current and add
 nothing. Interfaces are sums of excitations, and so are their derivatives.
 """
 
@@ -23,12 +23,12 @@ from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 class Sensitivity:
     """Y of each interface and its exact derivatives.
 
-    Y: S, shape (interface, s). by_cell: S, to c of each pixel over the scene's own at rest, shape
-    (interface, s, pixel). by_weight: S, to the weight of each term of K (see `family.weights_of`)
-    and of terms beside them, shape (interface, s, term). by_s: F, to s, shape (interface, s).
-    of_foam: F, what of that is of the foam alone. by_finger: S/F, to a finger on every touched
-    pixel, shape (interface, s). by_fixed: S, to each part that no press changes over the scene's
-    own, shape (interface, s, part).
+    Y: S, shape (interface, s). by_cell: S, by c of each pixel over the scene's unpressed c, shape
+    (interface, s, pixel). by_weight: S, by the weight of each term of K (see `family.weights_of`)
+    and of further terms, shape (interface, s, term). by_s: F, by s, shape (interface, s). of_foam:
+    F, the foam's share of by_s. by_finger: S/F, by a finger on every touched pixel, shape
+    (interface, s). by_fixed: S, by each part that no press changes over the scene's own, shape
+    (interface, s, part).
     """
 
     Y: NDArray[np.complex128]
@@ -47,9 +47,10 @@ def sensitivity(
     s: NDArray[np.complex128],
     beside: NDArray[np.float64] | None = None,
 ) -> Sensitivity:
-    """Of one press on one skin; cells, rises: as of `ReducedSkin.sweeps`. s: rad/s.
+    """Y of one press on one skin, with its derivatives.
 
-    beside: further terms of K, in the model's coordinates, S, shape (term, N + n, N + n).
+    cells, rises: see `ReducedSkin.sweeps`. s: rad/s. beside: further terms of K, in the model's
+    coordinates, S, shape (term, N + n, N + n).
     """
     own = skin.reduced.stiffness
     stiffness = own if beside is None else np.concatenate([own, beside])
@@ -62,7 +63,10 @@ def sensitivity(
 def _of_interfaces(
     skin: ReducedSkin, found: Iterable[tuple[NDArray[np.complex128], ...]], axis: int
 ) -> Sensitivity:
-    """Forms and their derivatives of each excitation, combined along an axis of their own."""
+    """Sensitivity of interfaces from the forms of each excitation and their derivatives.
+
+    axis: axis of the interfaces in the result.
+    """
     each = zip(*found, strict=True)
     if skin.combination.one_to_one:
         return Sensitivity(*(np.stack(own, axis=axis) for own in each))
@@ -102,10 +106,10 @@ def sensitivities(
     rises: NDArray[np.float64],
     s: NDArray[np.complex128],
 ) -> Sensitivity:
-    """Of presses that touch as many cells each, shape (press, touch), on sheets that stay.
+    """Y of presses with equally many touches, with its derivatives, for unchanged sheets.
 
-    Shapes as of `Sensitivity` with an axis (press,) first; by_cell of the touched ones alone,
-    shape (press, interface, s, touch).
+    cells, rises: shape (press, touch). Shapes are those of `Sensitivity` with a first axis
+    (press,); by_cell is by the touched cells alone, shape (press, interface, s, touch).
     """
     walls = walls_around(skin, cells, rises)
     every, all_rises = with_walls(*_with_thickness(skin.parts, cells, rises), walls)
@@ -127,7 +131,7 @@ def sensitivities(
 def _with_thickness(
     parts: Parts, cells: NDArray[np.int64], rises: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Touches, and as many for each press again where the field across the foam goes with them."""
+    """Touches, followed by their changes of the field across the foam, if M has parts of it."""
     if not parts.thickness:
         return cells, rises
     across = parts.kind[2].start + parts.pixels(cells)[0]
@@ -143,8 +147,11 @@ def _of_touched(
     squares: NDArray[np.complex128],
     walls: TouchedWalls | None,
 ) -> tuple[NDArray[np.complex128], ...]:
-    """u'Mu by each touch, shape (press, s, touch), of fingers whole, and by a finger on each of
-    the touched pixels, both of shape (press, s); F V²."""
+    """Derivatives of u'Mu by each touch, share of fingers, and derivative by a finger.
+
+    Shapes (press, s, touch), (press, s) and (press, s); F V². The last derivative is by a finger on
+    each of the touched pixels.
+    """
     parts, count = skin.parts, cells.shape[1]
     by_cell, none = squares[:, :, :count], np.zeros(squares.shape[:2], dtype=np.complex128)
     if not parts.around:
