@@ -1,1 +1,1 @@
-"""Full models of all skins of a kind, whose matrices are sums of few: on squares, on triangles."""
+"""Full models of a family of skins with affine matrices, on quadrilaterals or triangles."""

@@ -1,5 +1,8 @@
-"""M of what is around a skin, part by part and in the order of `Parts`: fingers on each pixel, the
-field across each part of the foam, walls between these, bodies, the rim."""
+"""Parts of M around a skin, in the order of `Parts`.
+
+They are fingers on each pixel, the field across each part of the foam, the walls between these,
+bodies and the rim.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ from ...heterogeneous.surroundings_terms import (
 from .masses import Part
 
 Cells = Sequence[NDArray[np.bool_]]
-"""Of each part of the foam, shape (cell,)."""
+"""Masks of the cells in each part of the foam, each of shape (cell,)."""
 
 
 def around(
@@ -35,8 +38,10 @@ def around(
     unknowns: Unknowns,
     coefficients: PressCoefficients,
 ) -> Iterator[Part]:
-    """Of a skin at rest: for each F of a finger, of a wall for an excess of 1, and for the scene's
-    own of all others."""
+    """Parts of M around an unpressed skin.
+
+    A finger's part is for each F, a wall's for an excess of 1, all others are the scene's own.
+    """
     values = np.zeros(len(unknowns.pattern.indices))
     for add in _each(parts, cells, circuit, elements, unknowns, coefficients):
         add(values)
@@ -53,7 +58,7 @@ def _each(
     unknowns: Unknowns,
     coefficients: PressCoefficients,
 ) -> Iterator[Callable[[NDArray[np.float64]], None]]:
-    """What adds each part to values in the pattern."""
+    """Functions that add each part to values in the pattern."""
     materials = coefficients.materials
     scene, where = materials.scene, (elements, unknowns, materials)
     surroundings = scene.surroundings

@@ -1,4 +1,4 @@
-"""The family of a plain scene: quadrilaterals that conform to pixels, even sheets and foam."""
+"""Family of a uniform scene: quadrilaterals that conform to pixels, uniform sheets and foam."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ from .family import Checking, Family, Weights, resistive
 from .masses import Masses, Part, taken
 
 MODE_DEGREE = 6
-"""Of the polynomial that half a cosine over the skin is in one of its cells."""
+"""Degree of the polynomial that stands for half a cosine over the skin in one of its cells."""
 
 
 class EvenFamily(Family):
-    """On the mesh of a resolution, of which elements of one order more are part.
+    """Family on the mesh of a resolution, whose system contains elements of one order more.
 
-    Apart from `UnevenFamily`, which takes other elements to check its own, and a rule's points for
-    all integrals: on the trapezoids around ends of foils those would lose digits or time.
+    It is separate from `UnevenFamily`, which checks its elements by other ones and integrates all
+    terms by a rule's points. On the trapezoids around ends of foils those would lose digits or
+    time.
     """
 
     mesh: Resolution
@@ -36,23 +37,23 @@ class EvenFamily(Family):
         return build_system(self.scene, self.circuit, self.mesh), self.mesh.order - 1
 
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
-        """As of `Family`: in the same system."""
+        """Space of one order more in the same system, and its M."""
         system = self.system if weights is None else self.varied(weights)
         return Galerkin(system, self.circuit, self.order + 1), self.mass(factors)
 
     @cached_property
     def masses(self) -> Masses:
-        """As of `Family`."""
+        """M of each unpressed part of the foam."""
         pixels, c = self.scene.pixels, self.scene.skin.foam.unpressed_capacitance_per_area
         return Masses(self.system, self.order, _parts(self.system, c, pixels.rows * pixels.columns))
 
     def masses_in(self, mode: int) -> Masses:
-        """As of `Family`."""
+        """M of each part if c of its foam follows one of HALF_WAVES."""
         return Masses(self.system, self.order, self._parts_in(mode)) if mode else self.masses
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
-        """As of `Family`."""
+        """K in S of each field's sheet in each mode."""
         alone = np.diag(self.circuit.conductance)
         means = [
             conducting(each.tolist(), self.system.pattern, self.system.slots, self.system.groups)
@@ -66,7 +67,7 @@ class EvenFamily(Family):
 
     @cached_property
     def film_terms(self) -> list[Films]:
-        """As of `Family`."""
+        """Term that each contact resistance adds to the films."""
         known = self.circuit, self.system.pixels, self.system.unknowns, self.mesh.order
         return [pixel_films(*known, only=contact) for contact in resistive(self.circuit)]
 
@@ -88,7 +89,7 @@ class EvenFamily(Family):
             yield taken(values, system.slots[own])
 
     def _mode_at_points(self, mode: int) -> tuple[Rule, CellGeometry, NDArray[np.float64]]:
-        """A mode at the points of a rule that is exact for it, shape (cell, point)."""
+        """Mode at the points of a rule that is exact for it, shape (cell, point)."""
         cells, order = self.system.pixels.cells, self.mesh.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
         rule = gauss_rule(quadrilateral(order), 2 * order + more)
@@ -97,7 +98,7 @@ class EvenFamily(Family):
 
 
 def _parts(system: PixelSystem, capacitance: float, pixels: int) -> Iterator[Part]:
-    """Of each pixel. capacitance: F/m²."""
+    """M of each pixel. capacitance: F/m²."""
     cells = len(system.pixels.pixel)
     group_of, weights = np.empty(cells, dtype=np.int64), np.empty(cells)
     for number, group in enumerate(system.groups):

@@ -1,8 +1,8 @@
-"""A skin discretised once for all skins of a family, and for all presses on parts of its foam.
+"""Full model of a family: one discretisation for all its skins and presses on its foam.
 
-K is a sum of matrices that do not change: of each sheet's conductance in each of its modes, and of
-each film of contact resistance; a skin of the family only weighs them. M is one of parts of the
-foam: of each pixel, and of what lies beyond all of them.
+K is an affine sum of fixed matrices: those of each sheet's conductance in each of its modes, and
+those of each film of contact resistance. A skin of the family gives their weights. M is a sum over
+parts of the foam: each pixel, and the foam beyond all pixels.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ from ..cases import Case
 from .masses import Masses
 
 Weights = NDArray[np.float64] | None
-"""Of the terms of K, see `weights_of`; None for the scene's own skin."""
+"""Weights of the terms of K, see `weights_of`; None for the scene's own skin."""
 Checking = tuple[Galerkin, Mass]
-"""A space, and M in F in the pattern of its system."""
+"""Space, and M in F in the pattern of its system."""
 
 
 @dataclass(frozen=True)
 class Triangulation:
     """Triangles that conform to pixels and foils, and the order of the elements on them.
 
-    Elements of one order more check those.
+    Elements of one order more check the result.
     """
 
     domain: Domain
@@ -57,10 +57,10 @@ Mesh = Resolution | Triangulation
 
 
 class Family(ABC):
-    """One mesh, the scene's own space, and the terms that K and M of every skin are sums of."""
+    """One mesh, the space of the scene's own skin, and the terms of K and M of every skin."""
 
     def __init__(self, scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> None:
-        """modes: of each sheet's conductance, see `parameters.WAVES`."""
+        """modes: number of modes of each sheet's conductance, see `parameters.HALF_WAVES`."""
         self.scene, self.circuit, self.mesh, self.modes = scene, circuit, mesh, modes
         self.system, self.order = self._built()
         self.space = Galerkin(self.system, circuit, self.order)
@@ -74,38 +74,38 @@ class Family(ABC):
     def sheet_terms(self) -> list[csc_matrix]:
         """K in S of each field's sheet in each mode, in the system's pattern.
 
-        Where presses change it, of each part of the foam for itself.
+        If presses change the sheets, each part of the foam has terms of its own.
         """
 
     @cached_property
     @abstractmethod
     def film_terms(self) -> list[Films]:
-        """What each contact resistance adds to the films."""
+        """Term that each contact resistance adds to the films."""
 
     @cached_property
     @abstractmethod
     def masses(self) -> Masses:
-        """M of each part of the foam at rest."""
+        """M of each unpressed part of the foam."""
 
     @abstractmethod
     def masses_in(self, mode: int) -> Masses:
-        """M of each part where its foam goes with one of WAVES; the first is `masses`."""
+        """M of each part if c of its foam follows one of HALF_WAVES; the first gives `masses`."""
 
     @cached_property
     def foam_waves(self) -> list[Masses]:
-        """The same of each wave but the mean."""
+        """M of each part if c of its foam follows each cosine mode but the mean."""
         return [self.masses_in(mode) for mode in range(1, len(HALF_WAVES))]
 
     @abstractmethod
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
-        """What the space is checked by: that of one order more."""
+        """Space of one order more that checks this one, and its M."""
 
     def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The error by what two orders differ by, shape (2, interface, frequency)."""
+        """Estimated error from the difference of two orders, shape (2, interface, frequency)."""
         return difference
 
     def skin(self, weights: Weights) -> Galerkin:
-        """The space of one skin."""
+        """Space of one skin."""
         if weights is None:
             return self.space
         return Galerkin(self.varied(weights), self.circuit, self.order)
@@ -119,10 +119,10 @@ class Family(ABC):
         frequency: NDArray[np.float64],
         drives: Sequence[Excitation],
     ) -> tuple[NDArray[np.complex128], float]:
-        """Z in ohm at frequencies in Hz, shape (interface, frequency), and its error.
+        """Z in ohm at frequencies in Hz, shape (interface, frequency), and its estimated error.
 
-        factors: c over the scene's own at rest, shape (part,). The error is the largest of Rs and
-        Cp, relatively, estimated by elements of one order more as `fidelity` does.
+        factors: c over the scene's unpressed c, shape (part,). The error is the largest relative
+        one of Rs and Cp, estimated by elements of one order more, see `impedance_with_error`.
         """
         spaces = (self.skin(weights), self.mass(factors)), self.finer(weights, factors)
 
@@ -134,7 +134,7 @@ class Family(ABC):
         return Z, float(self.told(error).max())
 
     def varied(self, weights: NDArray[np.float64]) -> System:
-        """The system of one skin."""
+        """System of one skin."""
         sheets, films = np.split(weights, [len(self.sheet_terms)])
         return replace(
             self.system,
@@ -143,7 +143,7 @@ class Family(ABC):
         )
 
     def currents(self, weights: Weights, u: NDArray[np.float64]) -> NDArray[np.float64]:
-        """K u in A of one skin, of the space's inner unknowns. u: V, shape (unknown, k)."""
+        """K u of one skin at the space's inner unknowns, A. u: V, shape (unknown, k)."""
         if weights is None:
             sheets = self.space.restricted(self.system.sheets)
             return self.space.currents(u, sheets, self.system.films)
@@ -154,33 +154,33 @@ class Family(ABC):
         return self.space.currents(u, sheets, self._films(of_films))
 
     def foam_of(self, case: Case) -> NDArray[np.float64]:
-        """c of a case's foam as `mass` takes it."""
+        """Factors of a case's foam, as `mass` takes them."""
         return case.map_on(self.scene)
 
     @property
     def far(self) -> NDArray[np.float64] | None:
-        """What is solved for around the skin, as of `Charged`; None where nothing is."""
+        """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return None
 
     def mass(self, factors: NDArray[np.float64]) -> Mass:
-        """M in F, in the system's pattern. factors: of each part there is, shape (part,)."""
+        """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
         near = self.masses.mass(factors)
         return near if self.far is None else LowRankMass(near, self.far)
 
     def mass_inside(self, factors: NDArray[np.float64]) -> Mass:
-        """M in F of the space alone. factors: as of `mass`."""
+        """M in F of the space alone. factors: see `mass`."""
         near = self.space.matrix(self._masses_inside @ factors)
         return near if self.far_inside is None else LowRankMass(near, self.far_inside)
 
     @cached_property
     def far_inside(self) -> NDArray[np.float64] | None:
-        """As `far`, of the space alone."""
+        """`far` of the space alone."""
         return None if self.far is None else self.space.own(self.far)
 
     def with_films(
         self, films: Films, weights: NDArray[np.float64], terms: Sequence[Films]
     ) -> Films:
-        """films + sum of weights times terms."""
+        """Films plus the sum of weights times terms."""
         stiffness, current, conductance = films.stiffness.data, films.current, films.conductance
         for weight, term in zip(weights, terms, strict=True):
             stiffness = stiffness + weight * term.stiffness.data
@@ -193,7 +193,8 @@ class Family(ABC):
 
     @cached_property
     def _sheets_inside(self) -> tuple[csc_matrix, NDArray[np.float64]]:
-        """Of the space: a matrix of all that K of any skin's sheets holds, and the terms there."""
+        """Matrix of all entries that K of any skin's sheets has in the space, and the terms
+        there."""
         values = self._sheet_values[:, self.space.entries]
         there = values.any(axis=0)
         return without_zeros(self.space.matrix(there.astype(float))), values[:, there]
@@ -214,9 +215,10 @@ def weights_under(
     modes: int,
     pressed: NDArray[np.float64],
 ) -> Weights:
-    """Of the terms of K of a skin under touches. modes: of each sheet, see `parameters.WAVES`.
+    """Weights of the terms of K of a skin under touches.
 
-    pressed: by what touches multiply c, shape (part,). Raises InputError as `weights_of`.
+    modes: number of modes of each sheet, see `parameters.HALF_WAVES`. pressed: factors on c by
+    touches, shape (part,). Raises InputError as `weights_of` does.
     """
     if not gauged(scene.skin):
         return None if variation is None else weights_of(variation, scene, circuit)
@@ -229,10 +231,11 @@ def weights_of(
     circuit: Circuit,
     pressed: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
-    """Of the terms of K: each field's sheet in its modes, then the films; of the scene's own skin
-    1 in the mean and for films, 0 in other modes. pressed: as of `weights_under`.
+    """Weights of the terms of K: each field's sheet in its modes, then the films.
 
-    Raises InputError where sheets that vary in different ways are asked of one field.
+    The scene's own skin has 1 for the mean and for films, 0 for other modes. pressed: see
+    `weights_under`. Raises InputError if sheets vary in different ways and the circuit has one
+    field.
     """
     names = [contact.name for contact in scene.contacts]
     films = [variation.films[names.index(contact.name)] for contact in resistive(circuit)]
@@ -247,7 +250,10 @@ def weights_of(
 def changes(
     weights: Weights, scene: Scene, circuit: Circuit, modes: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Which terms of K weigh more or less than on the scene's own skin, and by how much."""
+    """Indices of the terms of K whose weights differ from the scene's own, and the differences.
+
+    Without piezoresistance all terms of a varied skin are listed.
+    """
     if weights is None:
         return np.zeros(0, dtype=np.intp), np.zeros(0)
     change = weights - weights_of(nominal(scene, modes), scene, circuit)
@@ -269,5 +275,5 @@ def _conductances(
 
 
 def resistive(circuit: Circuit) -> list[Contact]:
-    """The contacts that have a film."""
+    """Contacts that have a film."""
     return [contact for contact in circuit.contacts if not contact.ideal]

@@ -1,4 +1,4 @@
-"""M of a skin as a sum over its parts, of the foam and of what surrounds it, see `Parts`."""
+"""M of a skin as a sum over parts of the foam and of what surrounds it, see `Parts`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Part = tuple[NDArray[np.int64], NDArray[np.float64]]
 
 
 def taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
-    """What was added at slots, which is 0 again."""
+    """Values that were added at slots; they are reset to 0."""
     own = np.unique(slots)
     own = own[own != DROPPED]
     added = values[own]
@@ -30,10 +30,10 @@ def taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
 
 
 class Masses:
-    """M of each part at rest, in the pattern of a system and among the unknowns of a space."""
+    """M of each unpressed part, in a system's pattern and for the unknowns of a space."""
 
     def __init__(self, system: System, order: int, parts: Iterable[Part]) -> None:
-        """order: of the space, see `Galerkin`."""
+        """order: order of the space, see `Galerkin`."""
         self._system, self._order = system, order
         slots, values = map(list, zip(*parts, strict=True))
         self._values = csc_matrix(
@@ -47,7 +47,7 @@ class Masses:
         self._by_slot = self._values.tocsr()
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
-        """M in F, in the system's pattern. factors: how much of each part there is, (part,)."""
+        """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
         return self._system.pattern.matrix(self._by_slot @ factors)
 
     def at(self, entries: NDArray[np.int64] | slice) -> csr_matrix:
@@ -57,10 +57,9 @@ class Masses:
     def factors(
         self, W: NDArray[np.float64], size: NDArray[np.float64], share: float, parts: Parts
     ) -> NDArray[np.float64]:
-        """F of each part that a press may change, W'MW = F'F in F, shape (part, rank, k), as of
-        `thinned`.
+        """F of each part that a press may change, W'MW = F'F in F, shape (part, rank, k).
 
-        W: V, shape (inner + terminals of the space, k).
+        W: V, shape (inner + terminals of the space, k). size, share: see `thinned`.
         """
         touched = self._parts[: parts.touched]
         return thinned([part.factor(W) for part in touched], size, share, parts)
@@ -68,11 +67,11 @@ class Masses:
     def energies(
         self, W: NDArray[np.float64], which: slice = slice(None)
     ) -> Iterator[NDArray[np.float64]]:
-        """W'MW in F of some parts, shape (k, k); it need not be above zero. W: as of `factors`."""
+        """W'MW in F of some parts, shape (k, k); it may be indefinite. W: see `factors`."""
         return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts[which])
 
     def plus(self, weights: NDArray[np.float64], others: Sequence[Masses]) -> Masses:
-        """With so much of others in each part."""
+        """Sum of these and of others, each by its weight, in each part."""
         found = copy(self)
         found.__dict__.pop("_parts", None)
         for weight, other in zip(weights, others, strict=True):
@@ -106,11 +105,11 @@ def thinned(
     share: float,
     parts: Parts,
 ) -> NDArray[np.float64]:
-    """Factors of as few rows as a share of their energy allows, filled up with zeros.
+    """Factors of as few rows as a share of their energy allows, padded by zeros.
 
-    size: of the potentials in each column, in V, by which energies are weighed. share: of a
-    factor's largest energy, below which its directions are left out; of the field across a part of
-    the foam and of walls, of the larger one of the parts that they are of.
+    size: of the potentials in each column, V; it scales energies. share: directions with less than
+    this share of a factor's largest energy are left out. For the field across a part of the foam,
+    and for walls, that is at least the largest energy of the parts of the foam that they belong to.
     """
     each = [_energies(F * size) for F in factors]
     most = np.array([power.max(initial=0.0) for power, _ in each])
@@ -128,14 +127,17 @@ def thinned(
 
 
 def _energies(F: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Of a factor's own directions, and these."""
+    """Energies of a factor's own directions, and these directions."""
     power, turn = np.linalg.eigh(F @ F.T)
     return power, turn
 
 
 @dataclass(frozen=True)
 class _Part:
-    """own: the space's unknowns that a part has. mass: M of those in F, shape (own, own)."""
+    """M of one part.
+
+    own: unknowns of the space that the part has. mass: M of those in F, shape (own, own).
+    """
 
     own: NDArray[np.int64]
     mass: csc_matrix
@@ -155,7 +157,7 @@ class _Part:
 def _part(
     rows: NDArray[np.int64], columns: NDArray[np.int64], values: NDArray[np.float64]
 ) -> _Part:
-    """Of values at rows and columns of a space, DROPPED where they are not in it."""
+    """Part from values at rows and columns of a space, which are DROPPED outside it."""
     kept = (rows != DROPPED) & (columns != DROPPED)
     own, place = np.unique(np.stack([rows[kept], columns[kept]]), return_inverse=True)
     mass = csc_matrix((values[kept], tuple(place.reshape(2, -1))), shape=(len(own), len(own)))
@@ -163,7 +165,7 @@ def _part(
 
 
 def _root(M: NDArray[np.float64]) -> NDArray[np.float64]:
-    """F with M = F'F to rounding, of as few rows as that needs; none of a part without skin."""
+    """F with M = F'F to rounding, of as few rows as that needs; none for a part without skin."""
     power, turn = np.linalg.eigh(M)
     kept = power > ROUNDING * power.max(initial=0.0)
     return np.sqrt(power[kept])[:, None] * turn[:, kept].T

@@ -1,4 +1,4 @@
-"""The coarsest mesh of a family that keeps its share of a tolerance, and finer ones for a press."""
+"""Choice of a family's mesh: coarsest one within a tolerance, and finer ones for a press."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from .uneven import UnevenFamily
 FamilyT = TypeVar("FamilyT", bound=Family)
 
 SHARE = 0.7
-"""Of the tolerance, for the mesh; the rest is for the basis. The next order has twice as many
-unknowns, while a basis of a half of the tolerance has a few vectors more: its error is a square."""
+"""Share of the tolerance for the mesh; the rest is for the basis. The next order has twice as many
+unknowns. A basis for half the tolerance has a few vectors more: its error is of second order."""
 FEW, MOST_ALONE = 3, 36
 
 
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
-    """The family on a mesh, of the kind that it is for."""
+    """Family on a mesh, of the kind that belongs to the mesh."""
     if isinstance(mesh, Resolution):
         return EvenFamily(scene, circuit, mesh, modes)
     return UnevenFamily(scene, circuit, mesh, modes)
@@ -52,9 +52,9 @@ def resolved(
     cases: Sequence[Case],
     frequency: NDArray[np.float64],
 ) -> tuple[Family, float]:
-    """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
+    """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    frequency: Hz, ascending. Raises ToleranceError where none does.
+    frequency: Hz, ascending. Raises ToleranceError if none does.
     """
     parts = parts_of(scene)
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
@@ -71,7 +71,7 @@ def _most(case: Case, which: NDArray[np.bool_]) -> float:
 
 
 def _by_finger(case: Case, parts: Parts, finger: float) -> Case:
-    """The press with so many F on each of its pixels."""
+    """Press with a finger of this many F on each of its pixels."""
     cells = np.concatenate([case.cells, parts.finger(case.cells)])
     return replace(case, cells=cells, rises=np.append(case.rises, np.full(len(case.cells), finger)))
 
@@ -82,9 +82,9 @@ def coarsest(
     rtol: float,
     frequency: NDArray[np.float64],
 ) -> tuple[FamilyT, float]:
-    """The first family whose error in these cases is within its share of the tolerance, and that.
+    """First family whose error in these cases keeps its share of the tolerance, and that error.
 
-    frequency: Hz, ascending. Raises ToleranceError where none is.
+    frequency: Hz, ascending. Raises ToleranceError if none does.
     """
     found = np.inf
     for family in families:
@@ -99,8 +99,11 @@ def coarsest(
 
 
 def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Family:
-    """A family for presses up to a frequency in Hz: the first that often serves of a plain scene,
-    of others the first that serves a few presses."""
+    """Family for presses up to a frequency in Hz, to be used without a reduction.
+
+    For a uniform scene it is the first that often suffices, for others the first that suffices for
+    a few presses.
+    """
     if scene.uniform:
         ladder = ResolutionHierarchy(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
@@ -111,14 +114,14 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
 
 
 def error_of(family: Family, case: Case, rtol: float, frequency: NDArray[np.float64]) -> float:
-    """By the mesh alone, of Rs and Cp, relatively. frequency: Hz, ascending."""
+    """Estimated relative error of Rs and Cp by the mesh alone. frequency: Hz, ascending."""
     loss = (case.variation or family.scene.skin.foam).loss
     weights, foam = weights_of_case(family, case), family.foam_of(case)
     return family.solved(weights, loss, foam, rtol, frequency, family.circuit.excitations)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:
-    """Of the terms of K."""
+    """Weights of the terms of K in a case."""
     pressed = touched(family.scene, case.cells, case.rises)
     return weights_under(case.variation, family.scene, family.circuit, family.modes, pressed)
 
@@ -149,7 +152,7 @@ def _triangulations(
     presses: Sequence[Press],
     frequency: NDArray[np.float64],
 ) -> Iterator[Triangulation]:
-    """Each refined where any of the presses was least certain on the one before."""
+    """Triangulations, each refined where the error of any press is largest on the one before."""
     ends = np.unique(frequency[[0, -1]])
     bare = Triangles(scene, circuit, Press(), rtol)
     domain = bare.coarsest(float(ends[-1]))
@@ -165,7 +168,7 @@ def _uncertain(press: Triangles, domain: Domain, ends: NDArray[np.float64]) -> N
 
 
 def _on_skin(press: Press, domain: Domain, scene: Scene) -> Press:
-    """Without touches of pixels that the outline leaves out."""
+    """Press without touches of pixels that the outline leaves out."""
     pixels, columns = set(domain.pixel.tolist()), scene.pixels.columns
     pressed = [touch for touch in press.touches if isinstance(touch, Touch)]
     here = [each for each in pressed if (each.row - 1) * columns + each.column - 1 in pixels]
@@ -178,13 +181,13 @@ def _everywhere(scene: Scene, rise: float) -> Press:
 
 
 def alone(pixels: NDArray[np.int64], rise: float, most: int) -> list[Case]:
-    """These pixels pressed one at a time: all of them, or so many."""
+    """Cases of one pixel each: all of these pixels, or `most` of them, evenly spaced."""
     some = np.unique(np.linspace(0, len(pixels) - 1, most).round().astype(np.int64))
     return [Case(None, pixels[[k]], np.array([rise])) for k in some]
 
 
 def _in_turns(scene: Scene, rise: float, finger: float) -> list[Press]:
-    """Every second pixel, then the others: between them c jumps at every edge."""
+    """Press of every second pixel, and press of the others: c jumps at every edge in both."""
     rows, columns = scene.pixels.shape
     every = [*product(range(rows), range(columns))]
     turns = [[(i, j) for i, j in every if (i + j) % 2 == turn] for turn in (0, 1)]

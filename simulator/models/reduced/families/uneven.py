@@ -1,4 +1,4 @@
-"""The family of a scene that is not plain: triangles of any outline, coefficients by quadrature."""
+"""Family of a heterogeneous scene: triangles of any outline, coefficients by quadrature."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
 
 NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
-"""Of a part that is not there."""
+"""M of a part that does not exist."""
 
 
 class UnevenFamily(Family):
-    """On triangles, checked by other elements of one order more on the same."""
+    """Family on triangles, checked by other elements of one order more on the same triangles."""
 
     mesh: Triangulation
     system: PressedSystem
@@ -40,7 +40,7 @@ class UnevenFamily(Family):
 
     @cached_property
     def elements(self) -> Elements:
-        """On which it is discretised."""
+        """Elements of the discretisation."""
         return triangles(self.mesh.domain, self.mesh.order, self.scene.skin)
 
     @cached_property
@@ -50,30 +50,31 @@ class UnevenFamily(Family):
 
     @property
     def far(self) -> NDArray[np.float64] | None:
-        """As of `Family`."""
+        """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return self.system.far
 
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
-        """As of `Family`: on the same mesh."""
+        """Space of one order more on the same mesh, and its M."""
         return self._finer.skin(weights), self._finer.mass(factors)
 
     def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As of `Family`."""
+        """Estimated error from the difference of two orders, with room for singularities."""
         return SINGULAR * both(difference)
 
     @cached_property
     def masses(self) -> Masses:
-        """As of `Family`."""
+        """M of each unpressed part."""
         return self.masses_in(0)
 
     def masses_in(self, mode: int) -> Masses:
-        """As of `Family`."""
+        """M of each part if c of its foam follows one of HALF_WAVES."""
         wave = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
         return Masses(self.system, self.order, [*self._parts(wave), *self._around(mode)])
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
-        """As of `Family`."""
+        """K in S of each field's sheet in each mode, of each part of the foam if presses change
+        it."""
         x = self.elements.surface.x
         waves = mode_values(self.scene, x, self.modes)
         apart = self._cells_of_parts if gauged(self.scene.skin) else [None]
@@ -86,7 +87,7 @@ class UnevenFamily(Family):
 
     @cached_property
     def film_terms(self) -> list[Films]:
-        """As of `Family`."""
+        """Term that each contact resistance adds to the films."""
         unknowns, known = self.system.unknowns, (self.circuit, self.elements, self._coefficients)
         return [
             films(self.circuit, unknowns, film_of(*known, unknowns, only=contact))
@@ -112,7 +113,7 @@ class UnevenFamily(Family):
         return [part_of == part for part in range(foam_parts(self.scene))]
 
     def _around(self, mode: int) -> Iterator[Part]:
-        """Of what is around the foam; nothing of it goes with waves of the foam."""
+        """Parts around the foam; in cosine modes of the foam other than the mean they are empty."""
         parts, unknowns = parts_of(self.scene), self.system.unknowns
         if mode:
             return repeat(NOTHING, parts.count - parts.foam)

@@ -1,4 +1,4 @@
-"""The family of a skin whose foam has slow waves: the same but for M."""
+"""Family of a skin whose foam has cosine modes: only M differs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from ..families.uneven import UnevenFamily
 
 
 def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
-    """With waves of these amplitudes over the mean, shape (wave,), in M of every part."""
+    """Family with cosine modes of the foam in M of every part.
+
+    amplitudes: over the mean, shape (mode,).
+    """
     found = _with(family, amplitudes)
     if isinstance(family, UnevenFamily):
         vars(found)["_finer"] = _with(family._finer, amplitudes)

@@ -1,8 +1,8 @@
-"""A reduced model of a skin whose foam has slow waves, which vary within pixels too.
+"""Reduced model of a skin whose foam has cosine modes, which vary within pixels too.
 
-M of a part is F'F where the foam is even. A wave of which no place has more than 1 adds no more
-than that in any direction: in the part's own few coordinates it is F'SF, S of size 1 at most. Of
-amplitudes a, M of the part is then F'(1 + sum of a S)F, which has factors again.
+M of a part of uniform foam is F'F. A mode that is nowhere larger than 1 adds no more than that in
+any direction: in the part's own few coordinates it is F'SF, with S of size 1 at most. With
+amplitudes a, M of the part is F'(1 + sum of a S)F, which has factors again.
 """
 
 from __future__ import annotations
@@ -21,31 +21,34 @@ from .family import family_with
 
 @dataclass(frozen=True)
 class Amid(Reduced):
-    """Of foam with waves of given amplitudes. even: the same without them."""
+    """Reduced model of foam with cosine modes of given amplitudes.
+
+    even: model without these modes. amplitudes: over the mean, shape (mode,).
+    """
 
     even: Reduced | None = None
     amplitudes: NDArray[np.float64] | None = None
 
     @cached_property
     def family(self) -> Family:
-        """As of `Reduced`."""
+        """Full model with these modes."""
         assert self.even is not None and self.amplitudes is not None
         return family_with(self.even.family, self.amplitudes)
 
 
 class Waved:
-    """A reduced model, and what waves add to it.
+    """Reduced model, and the terms that cosine modes of the foam add to it.
 
-    terms: S of every wave but the mean, in each part, shape (wave, part, rank, rank).
+    terms: S of every mode but the mean, in each part, shape (mode, part, rank, rank).
     """
 
     def __init__(self, even: Reduced) -> None:
-        """Raises as `Reduced.family` where that is not at hand."""
+        """Raises what `Reduced.family` raises if that is not at hand."""
         self.even = even
         self.terms = _terms(even)
 
     def under(self, amplitudes: NDArray[np.float64]) -> Amid:
-        """With waves of these amplitudes over the mean, shape (wave,)."""
+        """Model with modes of these amplitudes over the mean, shape (mode,)."""
         factors, own = (
             self.even.factors,
             {f.name: getattr(self.even, f.name) for f in fields(Reduced)},
@@ -58,9 +61,9 @@ class Waved:
     def masses(
         self, rest: float, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """What the amplitude of each wave adds to M under a press, F, shape (wave, N + n, N + n).
+        """Derivatives of M under a press by the modes' amplitudes, F, shape (mode, N + n, N + n).
 
-        rest: c of the even foam over that of the scene. cells, rises: as of `ReducedSkin.sweeps`.
+        rest: c of the uniform foam over that of the scene. cells, rises: see `ReducedSkin.sweeps`.
         """
         found = self._at_rest.copy()
         for cell, rise in zip(cells.tolist(), rises.tolist(), strict=True):
@@ -76,7 +79,7 @@ class Waved:
 
 
 def _terms(even: Reduced) -> NDArray[np.float64]:
-    """S of each wave in each part: W'MW = F'SF in the directions that F has."""
+    """S of each mode in each part: W'MW = F'SF in the directions that F has."""
     size, W = typical(even), even.coordinates
     back = size[:, None] * np.linalg.pinv(even.factors * size)
     parts = [each.energies(W) for each in even.family.foam_waves]
