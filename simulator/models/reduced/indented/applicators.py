@@ -1,6 +1,6 @@
-"""Every pixel of a skin as an applicator: how the foam under and beside it goes with its depth.
+"""Every pixel of a skin as an applicator: deflections under and beside it by its depth.
 
-On a rectangle pixels that lie alike with regard to its edges share one course of deflections.
+On a rectangle, pixels in equivalent positions relative to its edges share one depth series.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
     from ...mechanics.depth_series import DepthSeries
 
 REACH = 0.9
-"""Of the strain at which cells are closed: how deep applicators are known."""
+"""Largest strain under applicators over that at which the foam's cells are closed."""
 FACTOR_SHARE, COARSEST = 30.0, 1e-2
-"""Of the tolerance and at most: what a factor may be off by anywhere, at corners alone."""
+"""Error that a factor may have anywhere, at corners alone: over the tolerance, and at most."""
 DEPTH_SHARE = 0.1
-"""Of the tolerance: what interpolation between depths may leave of the factor anywhere."""
+"""Error that interpolation between depths may leave in the factor anywhere, over the tolerance."""
 UNFELT = 0.1
-"""Of the tolerance: what the deflection falls to, over that of the applicator, where it is taken
-for nothing."""
+"""Deflection over that of the applicator below which it counts as 0, over the tolerance."""
 
 
 @dataclass(frozen=True)
 class Applicators:
-    """of_pixel: number of each pixel's course, -1 where there is no skin, shape (pixel,).
+    """Deflections by all pixels of a scene as applicators.
 
-    turn, shift: a place x of the skin is x turn + shift in the course's own, shape (pixel, 2).
-    far: distance in m beyond which an applicator is not felt.
+    of_pixel: number of each pixel's depth series, -1 without skin, shape (pixel,). turn, shift: a
+    position x on the skin is x turn + shift in the depth series' own coordinates, shape (pixel, 2).
+    far: distance beyond which an applicator has no effect, m.
     """
 
     scene: Scene
@@ -50,19 +50,19 @@ class Applicators:
 
     @property
     def mechanics(self) -> Mechanics:
-        """Of the foam."""
+        """Mechanics of the foam."""
         assert self.scene.skin.foam.mechanics is not None
         return self.scene.skin.foam.mechanics
 
     @property
     def thickness(self) -> float:
-        """Of the foam, m."""
+        """Thickness of the foam, m."""
         assert self.scene.skin.foam.thickness is not None
         return self.scene.skin.foam.thickness
 
     @cached_property
     def deepest(self) -> float:
-        """m."""
+        """Largest depth, m."""
         return deepest(self.scene)
 
     def depth(self, rises: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -71,18 +71,19 @@ class Applicators:
         return np.minimum(strain * self.thickness, self.deepest)
 
     def course(self, pixel: int) -> DepthSeries:
-        """Of a pixel with skin."""
+        """Depth series of a pixel with skin."""
         return self.courses[self.of_pixel[pixel]]
 
     def rises(
         self, pixel: int, x: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """As `Course.factors` of one pixel, at places x (2, point) of the skin in m."""
+        """`DepthSeries.factors` of one pixel, at positions x (2, point) on the skin in m."""
         own = self.turn[pixel][:, None] * x + self.shift[pixel][:, None]
         return self.course(pixel).factors(own, self.mechanics, self.thickness)
 
     def deflection(self, pixel: int, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At places x (2, point) of the skin, m, by one applicator at a depth in m."""
+        """Deflection by one applicator at a depth in m, at positions x (2, point) on the skin,
+        m."""
         own, course = self.turn[pixel][:, None] * x + self.shift[pixel][:, None], self.course(pixel)
         found = np.zeros(x.shape[1])
         low, high = course.reach(self.far)
@@ -92,16 +93,16 @@ class Applicators:
 
 
 def deepest(scene: Scene) -> float:
-    """How deep the applicators of a scene are known, m."""
+    """Largest depth of a scene's applicators, m."""
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
     return REACH * mechanics.elastic.greatest_strain * thickness
 
 
 def applicators(scene: Scene, rtol: float) -> Applicators:
-    """Of all pixels of a scene whose foam has mechanics and whose skins have a tension.
+    """Applicators on all pixels; the scene's foam has mechanics and its skins have tension.
 
-    rtol: the tolerance asked of Rs and Cp. Raises as `course`.
+    rtol: tolerance of Rs and Cp. Raises what `depth_series` raises.
     """
     from ...mechanics.depth_series import spread
 
@@ -139,7 +140,10 @@ def _course(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
 
 
 def _alike(index: int, count: int, pitch: float, far: float) -> int:
-    """The least index that lies as one does to both ends of a row, as far as that is felt."""
+    """Smallest index in an equivalent position relative to both ends of a row.
+
+    far: distance beyond which an end has no effect, m.
+    """
     nearest = min(index, count - 1 - index)
     enough = int(np.ceil(far / pitch))
     if count - 1 - nearest < enough:

@@ -1,4 +1,4 @@
-"""A scene's pixels pressed by depth or force, answered by its reduced model."""
+"""Presses of a scene's pixels by depth or force, solved by its reduced model."""
 
 from __future__ import annotations
 
@@ -21,19 +21,23 @@ from .applicators import deepest
 from .model import Indented, IndentedSkin
 
 SHALLOW = 0.05
-"""Of the deepest: from where on a model is trained."""
+"""Smallest depth that a model is trained on, over the largest."""
 
 
 class Applied:
-    """Trained at first use. rtol: of Rs and Cp. frequency: Hz, ascending."""
+    """Reduced model of presses by depth or force, trained at first use.
+
+    rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
+    """
 
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
     def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
-        """The answer at frequencies in Hz within those, and its error.
+        """Result at frequencies in Hz within those of the model, with its error.
 
-        Raises InputError for touches that are no pixels or deeper than those that are known.
+        Raises InputError for touches that are no pixels, or that are deeper than the applicators
+        go.
         """
         cells, rises, unsure = self.cells(press)
         held = fingers(self.scene, press)
@@ -42,8 +46,10 @@ class Applied:
         return replace(known, error=known.error + unsure)
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
-        """Pixels, rises of the factor under their applicators, and what a force leaves open of
-        that factor, relatively."""
+        """Pixels, rises of the factor under their applicators, and uncertainty of that factor.
+
+        The uncertainty is relative; it comes from the depths under given forces.
+        """
         pixels = self._pixels(press)
         columns, known = self.scene.pixels.columns, self._skin.reduced.applicators
         assert known is not None
@@ -66,7 +72,8 @@ class Applied:
         return np.array(cells, dtype=np.int64), rises, unsure
 
     def _pixels(self, press: Press) -> list[tuple[Touch, Indentation]]:
-        """What is pressed, and how; raises InputError for what no training could answer."""
+        """Pressed pixels and their indentations. Raises InputError for touches outside the
+        training."""
         found = []
         for touch in press.touches:
             if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
@@ -78,7 +85,8 @@ class Applied:
         return found
 
     def _check_forces(self, press: Press, cells: NDArray[np.int64]) -> None:
-        """Raises InputError where a force meets another touch: how deep it goes hangs on that."""
+        """Raises InputError for coupled touches if one is by force: its depth depends on the
+        others."""
         by_force = any(not isinstance(touch.by, Depth) for touch in press.indented)
         if by_force and self._skin.reduced.family.coupled(cells):
             raise InputError(f"press {press}: touches of a given force feel others")

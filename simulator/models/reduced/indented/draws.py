@@ -1,4 +1,4 @@
-"""Which scenes are pressed by applicators that the skins' tension spreads, and what trains them."""
+"""Scenes in which tension of the skins spreads presses, and the training draws of these."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ from .applicators import deepest
 
 
 def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
-    """Whether pixels are pressed by depth or force, and that is felt beside them.
+    """True if pixels are pressed by depth or force, and the skins spread such presses.
 
-    by_depth: whether they are so pressed; as the scene presses them for None. Raises InputError
-    where this changes a sheet's resistance, too, or the field across the foam.
+    by_depth: True if they are pressed in this way; by default as the scene presses them. Raises
+    InputError if such a press also changes a sheet's resistance or the field across the foam, or if
+    surroundings are solved.
     """
     by_depth = not scene.press.by_factor if by_depth is None else by_depth
     if not (by_depth and spreads(scene)):
@@ -43,19 +44,21 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
 
 
 def felt_beside(scene: Scene) -> bool:
-    """Whether the scene presses by depth or force, and that is felt beside an applicator."""
+    """True if the scene presses by depth or force, and its skins spread such presses."""
     return not scene.press.by_factor and spreads(scene)
 
 
 def spreads(scene: Scene) -> bool:
-    """Whether a press by depth or force is felt beside its applicator."""
+    """True if a press by depth or force deflects the foam beside its applicator."""
     mechanics = scene.skin.foam.mechanics
     return mechanics is not None and bool(mechanics.tension)
 
 
 def require_whole_pixels(scene: Scene, what: str) -> None:
-    """Raises InputError where `what`, which lays touches on cells, meets presses that spread, or
-    that have walls."""
+    """Raises InputError if presses of the scene spread beyond pixels or have walls.
+
+    what: name of the feature, which rasterizes touches on cells.
+    """
     require_no_walls(scene, what)
     if spreading(scene):
         raise InputError(
@@ -65,8 +68,11 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 
 
 def apart(draw: Draw, scene: Scene) -> Draw:
-    """The same draws, no deeper than applicators are known, and no pull; of touches on pixels that
-    meet only the first is left, and of those without skin none."""
+    """Draws on separate pixels with skin, as deep as applicators go at most, without pull.
+
+    Rises are clipped to this range. If touches are on pixels that meet, only the first is left;
+    touches on pixels without skin are left out.
+    """
     on_skin, parts = pixel_coverage(scene).part > 0, parts_of(scene)
     columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
 

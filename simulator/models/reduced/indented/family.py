@@ -1,4 +1,4 @@
-"""The family of a skin whose pixels are pressed by applicators: what these do to M."""
+"""Family of a skin whose pixels are pressed by applicators, and the changes of M by these."""
 
 from __future__ import annotations
 
@@ -24,13 +24,16 @@ from .applicators import COARSEST, FACTOR_SHARE, Applicators
 from .fields import LEAST_RISE, Field, field_of, near
 
 COUPLED = 0.1
-"""Of the tolerance: the rise of c that an applicator may cause under another unasked."""
+"""Rise of c that an applicator may cause under another that is solved without it, over the
+tolerance."""
 PRESSES_KEPT = 64
 
 
 class Together(NamedTuple):
-    """Rise of c of a whole press over that at rest, and by how much it may be off: in some cells,
-    shapes (cell,), (cell, point) and (cell, point)."""
+    """Rise of c of a whole press over the unpressed c, and its uncertainty, in some cells.
+
+    Shapes (cell,), (cell, point) and (cell, point).
+    """
 
     cells: NDArray[np.int64]
     rise: NDArray[np.float64]
@@ -38,8 +41,11 @@ class Together(NamedTuple):
 
 
 class IndentedFamily(UnevenFamily):
-    """What it takes for c is that of parts at rest, then the rise of the factor under each pixel's
-    applicator, 0 where there is none; shape (part + pixel,)."""
+    """Family of a skin whose pixels are pressed by applicators.
+
+    Its factors of c are those of unpressed parts, followed by the rise of the factor under each
+    pixel's applicator, 0 without one; shape (part + pixel,).
+    """
 
     def __init__(
         self,
@@ -50,13 +56,13 @@ class IndentedFamily(UnevenFamily):
         applicators: Applicators,
         rtol: float,
     ) -> None:
-        """rtol: of Rs and Cp, for applicators that feel each other."""
+        """rtol: tolerance of Rs and Cp, for coupled applicators."""
         self.applicators, self.rtol = applicators, rtol
         self._known: dict[int, Field] = {}
         super().__init__(scene, circuit, mesh, modes)
 
     def foam_of(self, case: Case) -> NDArray[np.float64]:
-        """As of `Family`."""
+        """Factors of a case's foam, see the class."""
         rest = self.parts.resting
         if case.variation is not None:
             rest = rest * case.variation.factors(self.scene)
@@ -65,7 +71,7 @@ class IndentedFamily(UnevenFamily):
     def pressed(
         self, rest: NDArray[np.float64], cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Parts at rest with the fingers of a press, then rises under applicators."""
+        """Unpressed parts with the fingers of a press, followed by rises under applicators."""
         foam, fingers = self.parts.by_kind(cells, rises)
         under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
         under[foam.cells] = foam.rises
@@ -90,31 +96,32 @@ class IndentedFamily(UnevenFamily):
         return self.system.pattern.matrix(mass.data + values)
 
     def mass_inside(self, factors: NDArray[np.float64]) -> csc_matrix:
-        """As of `Family`."""
+        """M in F of the space alone. factors: see the class."""
         return self.space.restricted(self.mass(factors))
 
     def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[Together]:
-        """What each touch does, or all that feel each other do together."""
+        """Rises of c by each touch, or the one rise by all touches if any two are coupled."""
         if self.coupled(cells):
             return [self.together(tuple(cells.tolist()), tuple(rises.tolist()))]
         return [self._alone(*each) for each in zip(cells.tolist(), rises.tolist(), strict=True)]
 
     def coupled(self, cells: NDArray[np.int64]) -> bool:
-        """Whether any two of these pixels' applicators feel each other."""
+        """True if the applicator of any of these pixels affects that of another."""
         return any(
             max(self.tails[k, m], self.tails[m, k]) > COUPLED * self.rtol
             for k, m in combinations(np.asarray(cells).tolist(), 2)
         )
 
     def field(self, pixel: int) -> Field:
-        """Of a pixel with skin."""
+        """Rise of c by the applicator of a pixel with skin, cached."""
         if pixel not in self._known:
             self._known[pixel] = field_of(self.applicators, pixel, self.elements, self.mesh.domain)
         return self._known[pixel]
 
     @cached_property
     def tails(self) -> NDArray[np.float64]:
-        """Largest rise of c that each pixel's applicator causes under others, (pixel, pixel)."""
+        """Largest rise of c that each pixel's applicator causes under others, shape (pixel,
+        pixel)."""
         count = len(self.applicators.of_pixel)
         found = np.zeros((count, count))
         for pixel in self.pressable.tolist():
@@ -134,17 +141,18 @@ class IndentedFamily(UnevenFamily):
 
     @cached_property
     def parts(self) -> Parts:
-        """Of M at rest."""
+        """Numbering of the parts of M."""
         return parts_of(self.scene)
 
     @cached_property
     def at_rest(self) -> NDArray[np.float64]:
-        """c in F/m² of the scene's own foam at rest at the points of the rule, (cell, point)."""
+        """c of the scene's own unpressed foam, F/m², at the points of the rule, shape (cell,
+        point)."""
         return self._coefficients.capacitance(self.elements.surface.x)
 
     @cached_property
     def part_of(self) -> NDArray[np.int64]:
-        """The part that each cell is of, shape (cell,)."""
+        """Part of the foam that each cell belongs to, shape (cell,)."""
         pixel = self.mesh.domain.pixel
         return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)
 
@@ -162,7 +170,7 @@ class IndentedFamily(UnevenFamily):
 
     @cached_method(PRESSES_KEPT)
     def together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
-        """By the mechanics of the whole press."""
+        """Rise of c from the mechanics of the whole press."""
         from ...mechanics.indentation import deformation
 
         domain, columns = self.mesh.domain, self.scene.pixels.columns

@@ -1,4 +1,4 @@
-"""How c rises under and beside one applicator at the points of a mesh: few modes over depth."""
+"""Rise of c under and beside one applicator at the points of a mesh, by modes over depth."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ...mechanics.depth_series import DOUBT
 from .applicators import Applicators
 
 DROPPED = 1e-8
-"""Of the largest singular value over depths: modes that are left out."""
+"""Singular value below which modes over depth are left out, over the largest."""
 LEAST_RISE = 0.1
-"""Of the factor: what is left out between depths counts as that of no weaker press."""
+"""Smallest rise of the factor that the error by omitted modes and depths is relative to."""
 LEBESGUE = 3.0
-"""What interpolation at most makes of what is left out at Chebyshev's depths, of up to 33."""
+"""Largest amplification, by interpolation, of what is left out at up to 33 Chebyshev depths."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """Rise of c over that at rest: sum of coefficients of depth times modes.
+    """Rise of c over the unpressed c: sum of modes, with coefficients that depend on depth.
 
-    cells: where it is felt, shape (cell,). modes: shape (mode, cell, point). depth: Chebyshev's, m,
-    shape (depth,). coefficients: of the modes at those, shape (depth, mode). doubt: by how much the
-    rise may be off, over that under the applicator, of which LEAST_RISE counts at least, shape
-    (cell, point).
+    cells: cells that are affected, shape (cell,). modes: shape (mode, cell, point). depth:
+    Chebyshev's depths, m, shape (depth,). coefficients: of the modes at those depths, shape (depth,
+    mode). doubt: uncertainty of the rise over the rise under the applicator, or over LEAST_RISE if
+    that is larger, shape (cell, point).
     """
 
     cells: NDArray[np.int64]
@@ -43,7 +43,7 @@ class Field:
 
 
 def field_of(known: Applicators, pixel: int, elements: Elements, domain: Domain) -> Field:
-    """Of a pixel with skin, at the points of the elements' rule."""
+    """Field of a pixel with skin, at the points of the elements' rule."""
     course, cells = known.course(pixel), near(domain, domain.pixel == pixel, known.far)
     surface = elements.surface.some(cells)
     shape = surface.x.shape[1:]
@@ -70,7 +70,7 @@ def field_of(known: Applicators, pixel: int, elements: Elements, domain: Domain)
 
 
 def near(domain: Domain, own: NDArray[np.bool_], far: float) -> NDArray[np.int64]:
-    """Cells that lie within a distance of the box around some cells, m."""
+    """Cells within a distance of the bounding box of some cells, m."""
     corners = domain.p[:2][:, domain.t]
     low, high = corners.min(axis=1), corners.max(axis=1)
     first, last = low[:, own].min(axis=1) - far, high[:, own].max(axis=1) + far

@@ -1,4 +1,4 @@
-"""What a file of a reduced model holds of applicators."""
+"""Arrays of applicators in the file of a reduced model."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OF_COURSE = tuple(each.name for each in fields(DepthSeries))
 
 
 def arrays_of(model: Indented) -> dict[str, NDArray]:
-    """By name in the file."""
+    """Arrays of a model's applicators and tables, by their names in the file."""
     known, own = model.applicators, model.tables
     assert known is not None and own is not None
     found = {f"applied_{name}": np.asarray(getattr(known, name)) for name in OF_PIXELS}
@@ -37,7 +37,10 @@ Beside = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
 
 
 def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
-    """The same arrays from a file; None where it holds none. Raises KeyError where some lack."""
+    """Applicators and tables from a file; None if it has none.
+
+    Raises KeyError if some of the arrays are missing.
+    """
     if "table_bases" not in archive:
         return None
     count = int(archive["applied_of_pixel"].max()) + 1
@@ -52,7 +55,7 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
 
 
 def with_beside(model: Reduced, beside: Beside) -> Indented:
-    """The model with what its file holds of applicators."""
+    """Model with the applicators and tables of its file."""
     of_pixels, tables, courses = beside
     known = Applicators(scene=model.scene, courses=courses, **of_pixels)
     own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}

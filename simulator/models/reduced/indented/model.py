@@ -1,8 +1,8 @@
-"""A reduced model of a skin whose pixels are pressed by applicators: by depth or force.
+"""Reduced model of a skin whose pixels are pressed by applicators, by depth or force.
 
 A touch of pixel k by `rise` stands for the depth at which the factor under its applicator is 1 +
-rise; what it does beside it follows from the membrane. With thin factors of what each touch does to
-M a press costs what one of factors does.
+rise. The rise of c beside the applicator follows from the membrane. The change of M by each touch
+has thin factors, so that a press costs as much as one by capacitance factors.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ TOUCHES_AT_ONCE = 4096
 
 @dataclass(frozen=True)
 class Indented(Reduced):
-    """applicators: of all pixels. tables: what they do to M in the basis.
+    """Reduced model with applicators on all pixels.
 
-    coefficients: of modes at Chebyshev's depths, shape (pixel, depth, mode).
+    tables: changes of M by the applicators, in the basis.
     """
 
     applicators: Applicators | None = None
@@ -44,7 +44,7 @@ class Indented(Reduced):
 
     @cached_property
     def family(self) -> IndentedFamily:
-        """As of `Reduced`."""
+        """Full model; it is built again if it is not at hand."""
         if isinstance(self.built, IndentedFamily):
             return self.built
         assert self.applicators is not None
@@ -54,17 +54,17 @@ class Indented(Reduced):
     def skin(
         self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
     ) -> IndentedSkin:
-        """As of `Reduced`."""
+        """One skin of the family, see `Reduced.skin`."""
         return IndentedSkin(self, variation, pressed)
 
     @cached_property
     def seen(self) -> Seen:
-        """What foam sees of the basis."""
+        """Potentials of the basis across the foam."""
         return Seen(self.family, self.coordinates)
 
 
 def indented(reduced: Reduced) -> Indented:
-    """The model with tables of its applicators, of a family that has these."""
+    """Model with tables of its family's applicators; the family is an `IndentedFamily`."""
     family = reduced.family
     assert isinstance(family, IndentedFamily)
     own = {name: getattr(reduced, name) for name in reduced.__dataclass_fields__}
@@ -73,7 +73,7 @@ def indented(reduced: Reduced) -> Indented:
 
 
 class IndentedSkin(ReducedSkin):
-    """One skin of the family, see `ReducedSkin`: its cells are applicators of pixels."""
+    """One skin of the family, see `ReducedSkin`; its cells are applicators of pixels."""
 
     reduced: Indented
 
@@ -93,7 +93,7 @@ class IndentedSkin(ReducedSkin):
     def touched(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
-        """As of `ReducedSkin`."""
+        """Terms that one press adds to M, see `ReducedSkin.touched`."""
         foam, fingers = self.parts.by_kind(cells, rises)
         self._check(foam.rises)
         if self.reduced.family.coupled(foam.cells):
@@ -105,13 +105,13 @@ class IndentedSkin(ReducedSkin):
         return self.pressed_by(factors), np.arange(len(factors)), np.ones(len(factors))
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """As the family takes it."""
+        """Factors of a press, as the family's `mass` takes them."""
         return self.reduced.family.pressed(self.rest_factors * self.parts.resting, cells, rises)
 
     def doubt(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
-        """Of Rs and Cp, relatively, where c is higher by all that it may be off by."""
+        """Relative changes of Rs and Cp if c is higher by its whole uncertainty. s: rad/s."""
         found = self.solved(cells, rises, s)
         Y = np.stack([each for _, each in found])
         more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
@@ -121,8 +121,11 @@ class IndentedSkin(ReducedSkin):
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """As of `ReducedSkin`; of touched pixels by the rise under their applicators, over c there
-        at rest. Where two feel each other it is as if each were alone."""
+        """Derivatives of u'Mu, and u'Mu itself, see `ReducedSkin.charges`.
+
+        Those of touched pixels are by the rise under their applicators, over the unpressed c there.
+        Coupled applicators are taken as if each were alone.
+        """
         squares, (foam, _) = self.squares(u), self.parts.by_kind(cells, rises)
         rest, _, _ = self.touched(cells, rises)
         seen = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
@@ -161,7 +164,7 @@ class IndentedSkin(ReducedSkin):
         return self.reduced.family.coupled(cells[cells < self.parts.foam])
 
     def _factors(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """F of each touch, M rises by F'F, shape (touch, rank, N + n)."""
+        """F of each touch, which raises M by F'F, shape (touch, rank, N + n)."""
         foam, fingers = self.parts.by_kind(cells, rises)
         if not len(fingers.cells):
             return self._by_applicators(cells, rises)
@@ -172,20 +175,20 @@ class IndentedSkin(ReducedSkin):
     def _by_fingers(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """The same of fingers, of so many F."""
+        """F of fingers. rises: F."""
         return np.sqrt(rises)[:, None, None] * (self.reduced.factors[cells] @ self.turn)
 
     def _by_applicators(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """The same of what presses."""
+        """F of applicators."""
         power, turn = np.linalg.eigh(self._summed(cells, rises))
         roots = np.sqrt(np.maximum(power, 0.0))
         thin = (turn * roots[:, None, :]).transpose(0, 2, 1)
         return np.ascontiguousarray(thin @ self._bases[cells])
 
     def _summed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        """C of each touch, F, shape (touch, rank, rank)."""
+        """C of each touch, F, shape (touch, rank, rank), see `tables`."""
         weights = np.zeros((len(cells), self._matrices.shape[1]))
         depth = self._applicators.depth(rises)
         for number in np.unique(cells):
@@ -197,7 +200,7 @@ class IndentedSkin(ReducedSkin):
     def _doubted(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> NDArray[np.complex128]:
-        """u'Eu with E what M may rise by unknown, F, shape (s,)."""
+        """u'Eu, with E the uncertainty of M, F, shape (s,)."""
         cells, rises = self.parts.by_kind(cells, rises)[0]
         if self._feel_each_other(cells):
             (press,) = self.reduced.family.press(cells, rises)
@@ -211,7 +214,7 @@ class IndentedSkin(ReducedSkin):
         return found
 
     def _check(self, rises: NDArray[np.float64]) -> None:
-        """Raises InputError for a press that applicators are not known for."""
+        """Raises InputError for rises outside the range of the applicators."""
         known, most = self._applicators, self._most
         if len(rises) and not (rises.min() >= 0 and rises.max() <= (most - 1) * (1 + ROUNDING)):
             raise InputError(
@@ -222,7 +225,7 @@ class IndentedSkin(ReducedSkin):
 
     @cached_property
     def _most(self) -> float:
-        """The factor under the deepest applicator."""
+        """Factor under the deepest applicator."""
         known = self._applicators
         return float(known.mechanics.factor(np.array(known.deepest / known.thickness)))
 
@@ -237,7 +240,7 @@ ROUNDING = 1e-9
 
 
 def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factors of touches one after the other, each filled up with zeros to the rank of all."""
+    """Factors of touches one after the other, each padded by zeros to the largest rank."""
     rank = max(each.shape[1] for each in factors)
     return np.concatenate(
         [np.pad(each, ((0, 0), (0, rank - each.shape[1]), (0, 0))) for each in factors]
@@ -245,7 +248,7 @@ def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _parts(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """Presses of about so many touches at a time."""
+    """Groups of presses with about TOUCHES_AT_ONCE touches each."""
     if not len(presses):
         return
     touches = np.cumsum(starts[presses + 1] - starts[presses])

@@ -1,4 +1,4 @@
-"""The coarsest triangles that hold what applicators do, and finer ones for a press."""
+"""Choice of the mesh for applicators: coarsest one within a tolerance, and finer ones."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TURNS = 2
 def family_on(
     scene: Scene, circuit: Circuit, mesh: Mesh, modes: int, known: Applicators, rtol: float
 ) -> IndentedFamily:
-    """The family on a mesh."""
+    """Family on a mesh."""
     assert isinstance(mesh, Triangulation)
     return IndentedFamily(scene, circuit, mesh, modes, known, rtol)
 
@@ -41,9 +41,9 @@ def resolved(
     cases: Sequence[Case],
     frequency: NDArray[np.float64],
 ) -> tuple[IndentedFamily, float]:
-    """The coarsest family whose discretisation keeps its share of the tolerance, and its error.
+    """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    frequency: Hz, ascending. Raises ToleranceError where none does, InputError as `applicators`.
+    frequency: Hz, ascending. Raises ToleranceError if none does, InputError as `applicators` does.
     """
     known = applicators(scene, rtol)
     rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
@@ -60,7 +60,7 @@ def finer_families(
     rises: NDArray[np.float64],
     frequency: NDArray[np.float64],
 ) -> Iterator[IndentedFamily]:
-    """On finer and finer meshes, for a press at frequencies in Hz."""
+    """Families on finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
     asked = family.scene, family.circuit
@@ -76,8 +76,11 @@ def _triangulations(
     frequency: NDArray[np.float64],
     domain: Domain | None = None,
 ) -> Iterator[Triangulation]:
-    """Each refined where any of the presses was least certain on the one before; from a domain on,
-    where one is given, without that itself."""
+    """Triangulations, each refined where the error of any press is largest on the one before.
+
+    domain: mesh to refine first, which is not yielded itself; the coarsest mesh is first without
+    it.
+    """
     ends = np.unique(frequency[[0, -1]])
     bare = Triangles(scene, circuit, Press(), rtol)
     each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
@@ -93,7 +96,7 @@ def _triangulations(
 
 
 def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Deformation | None:
-    """Every second pixel each way, as deep as applicators are known."""
+    """Press of every second pixel each way to the largest depth; None if there is no such pixel."""
     columns = known.scene.pixels.columns
     pixels = np.flatnonzero(known.of_pixel >= 0)
     row, column = np.divmod(pixels, columns)
@@ -104,7 +107,7 @@ def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Deformation | None:
 
 
 def _pressed(known: Applicators, depth: dict[int, float]) -> Deformation:
-    """Pixels to depths in m, each as if it were alone."""
+    """Press of pixels to depths in m, each as if it were alone."""
 
     def w(x: NDArray[np.float64]) -> NDArray[np.float64]:
         flat = np.reshape(x, (2, -1))

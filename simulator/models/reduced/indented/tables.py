@@ -1,8 +1,8 @@
-"""What applicators do to M in a reduced basis: small matrices by modes of depth and parts of foam.
+"""Changes of M by applicators in a reduced basis: small matrices by depth modes and parts.
 
-Of each applicator the basis keeps the few combinations that are felt where it presses, y = U u.
-There M rises by y'Cy with C a sum over modes, weighed by coefficients of depth, and over parts of
-the foam, weighed by their c at rest.
+For each applicator the few combinations y = U u of the basis are kept that matter where it presses.
+M rises by y'Cy there. C is a sum over modes, weighted by coefficients of depth, and over parts of
+the foam, weighted by their unpressed c.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from numpy.typing import NDArray
 from .family import IndentedFamily, Together
 
 DROPPED = 5e-3
-"""Of the tolerance: the share of the energy in an applicator's foam that combinations left out
-have of that of the first."""
+"""Energy of omitted combinations in an applicator's foam over that of the first, over the
+tolerance."""
 
 
 @dataclass(frozen=True)
 class Tables:
-    """Filled up with zeros where applicators have fewer than others.
+    """Matrices of all applicators, padded by zeros to a common shape.
 
-    bases: U, shape (pixel, rank, N + n). parts: of the foam that each is felt in, shape (pixel,
-    part). matrices: C in F, shape (pixel, part, mode, rank, rank). doubts: the same of what a rise
-    may be off by, in all parts together, shape (pixel, rank, rank).
+    bases: U, shape (pixel, rank, N + n). parts: parts of the foam that each applicator affects,
+    shape (pixel, part). matrices: C in F, shape (pixel, part, mode, rank, rank). doubts: C of the
+    uncertainty of a rise, in all parts together, F, shape (pixel, rank, rank).
     """
 
     bases: NDArray[np.float64]
@@ -37,8 +37,11 @@ class Tables:
 def tables(
     family: IndentedFamily, W: NDArray[np.float64], size: NDArray[np.float64], rtol: float
 ) -> Tables:
-    """Of all pixels. W: the basis in the full space, shape (inner + N, N + n). size: how large
-    coordinates are, V, shape (N + n,). rtol: the tolerance."""
+    """Tables of all pixels.
+
+    W: basis in the full space, shape (inner + N, N + n). size: typical size of coordinates, V,
+    shape (N + n,). rtol: the tolerance.
+    """
     seen = Seen(family, W)
     found = {k: _of_pixel(family, seen, k, size, rtol) for k in family.pressable.tolist()}
     count, m = len(family.applicators.of_pixel), W.shape[1]
@@ -81,7 +84,7 @@ def _of_pixel(
 
 
 class Seen:
-    """What foam sees of a basis at the points of a family's rule."""
+    """Potentials of a basis across the foam, at the points of a family's rule."""
 
     def __init__(self, family: IndentedFamily, W: NDArray[np.float64]) -> None:
         """W: shape (inner + N, N + n)."""
@@ -90,7 +93,7 @@ class Seen:
         self._held = np.vstack([spread, np.zeros((1, W.shape[1]))])
 
     def potentials(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Across the foam, V, shape (cell, point, N + n)."""
+        """Potentials across the foam, V, shape (cell, point, N + n)."""
         family = self._family
         elements, number = family.elements, family.system.unknowns.number
         dofs = elements.trial.dofs.element_dofs[:, cells]
@@ -99,7 +102,7 @@ class Seen:
         return np.einsum("fp,fcm->cpm", elements.rule.values, across, optimize=True)
 
     def weights(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Capacitance of points at rest, F, shape (cell, point)."""
+        """Unpressed capacitance of the rule's points, F, shape (cell, point)."""
         family = self._family
         area = family.elements.surface.some(cells).area * family.elements.rule.weights
         return family.at_rest[cells] * area
@@ -107,7 +110,10 @@ class Seen:
     def thin(
         self, press: Together, rest: NDArray[np.float64], values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """F with F'F what M rises by, F, shape (rank, N + n). values: of c, (cell, point)."""
+        """F of the rise F'F of M, shape (rank, N + n).
+
+        values: rise of c over the unpressed c, shape (cell, point).
+        """
         of_parts = rest[self._family.part_of[press.cells]][:, None]
         weights = self.weights(press.cells) * of_parts * np.maximum(values, 0.0)
         D = self.potentials(press.cells) * np.sqrt(weights)[..., None]
