@@ -77,8 +77,7 @@ a finger on 576 mm² behind 1 mm of air. A scene that names stronger fingers is 
 
 
 BEYOND_NAMED = 1.25
-"""Strongest finger that is drawn over the strongest one that a scene names, which is then well
-within the range."""
+"""Fingers are drawn up to this factor times the strongest one that a scene names."""
 AT_ENDS = 0.25
 """Fingers are drawn beyond either end of their range by this share of it, and clipped to that end.
 The same share of touches does not press. A finger that only touches may thus be drawn at an end."""

@@ -16,7 +16,7 @@ from .model import Reduced
 from .skin import ReducedSkin
 
 COMPRESSED_SHARE = 0.01
-"""Relative change that factors of lower rank may cause, over the tolerance."""
+"""Factors of lower rank may change Rs and Cp by this share of the tolerance."""
 
 
 def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:

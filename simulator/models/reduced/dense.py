@@ -46,13 +46,13 @@ REGISTER = 8
 
 
 def aligned(rest: Rest) -> Rest:
-    """Matrices padded by coordinates that stay 0, so that loops end with whole registers."""
+    """Matrices padded with coordinates that stay 0, so that loops end with whole registers."""
     beside = -rest.rows.shape[1] % REGISTER
     return Rest(*(widened(each, each.shape[-1] + beside) for each in rest))
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Values padded by zeros to a width along the last axis; `numpy.pad` takes longer."""
+    """Values padded with zeros to a width along the last axis; `numpy.pad` takes longer."""
     wide = np.zeros((*values.shape[:-1], width))
     wide[..., : values.shape[-1]] = values
     return wide
@@ -74,7 +74,7 @@ def with_terms(
 def own_coordinates(
     K: NDArray[np.float64], M: NDArray[np.float64], terminal_field: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Conductance between terminals, S, and `turn` as of `ReducedSkin`."""
+    """Conductance between terminals, S, and `turn`, see `ReducedSkin`."""
     N = len(terminal_field)
     coupling = K[N:, :N]
     lift = -np.linalg.solve(K[N:, N:], coupling)

@@ -63,7 +63,7 @@ class Forward:
     ) -> None:
         """rtol: largest relative error of Rs and Cp at the skin, for factors within REACH.
 
-        cells_per_pixel: along each side; touches that are no pixels are rasterized on cells.
+        cells_per_pixel: along each side; touches that are no pixels are rasterized onto cells.
         progress: see `ProgressCallback`. train: makes the model as `reduce` does. modes: number of
         modes of each sheet's conductance: all that SHEET_MODES name, or the mean alone.
         """
@@ -178,8 +178,8 @@ class Forward:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> float:
-        """Largest bound on the relative error of Rs and Cp of one press at the skin, with the
-        mesh."""
+        """Largest bound on the relative error of Rs and Cp of one press at the skin, mesh
+        included."""
         values = all_values(self.scene, given)
         touched = self._with_finger(cells, rises, values)
         bound = self._skin(values).certificate(*touched, self._s(values))
@@ -304,7 +304,7 @@ class Forward:
         return Waved(self.reduced)
 
     def _even(self, values: Mapping[str, float]) -> Variation:
-        """Variation of these parameters but for the foam's cosine modes."""
+        """Variation of these parameters without the foam's cosine modes."""
         return variation_with_modes(variation_of(self.divided, values), values, self.modes)
 
     def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:

@@ -52,19 +52,18 @@ TRAINING = "training a reduced model"
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
-"""Error of a snapshot over what may be dropped of it, both in the norm of K."""
+"""Snapshots may be wrong by this share of what may be dropped of them, in the norm of K."""
 WORTH_ADDING = 0.1
 """At most this share of the largest energy that a snapshot lacks stays missing, whatever the
 tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
 TRAINED_SHARE = 1e-4
-"""Energy of a part that its factor omits while the basis grows, over the change that factors of
-lower rank may cause."""
+"""While the basis grows, factors omit this share of the change that lower rank may cause, as a part
+of each factor's energy."""
 DROPPED_SHARE = 0.1
-"""Energy that a snapshot of unit energy may lose, over the tolerance."""
+"""A snapshot of unit energy may lose this share of the tolerance as energy."""
 ESSENCE_SHARE = 1e-4
-"""Energy that a snapshot loses when the snapshots of its skin are compressed, before those of all
-skins are joined, over the energy that it may lose in all."""
+"""Compression within one skin may take this share of the energy that a snapshot may lose."""
 
 NOTHING_CHARGED = 1e-24
 """Smallest energy of a snapshot over that of 1 V in a sheet. Less is rounding: the excitation

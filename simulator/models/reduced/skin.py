@@ -116,7 +116,7 @@ class ReducedSkin:
         return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
 
     def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Sweeps as of `sweeps`, with a K of its own for each press."""
+        """Sweeps with a K of its own for each press, see `sweeps`."""
         interfaces = len(self.combination.weights)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         with one_blas_thread():

@@ -105,7 +105,7 @@ def thinned(
     share: float,
     parts: Parts,
 ) -> NDArray[np.float64]:
-    """Factors of as few rows as a share of their energy allows, padded by zeros.
+    """Factors of as few rows as a share of their energy allows, padded with zeros.
 
     size: of the potentials in each column, V; it scales energies. share: directions with less than
     this share of a factor's largest energy are left out. For the field across a part of the foam,

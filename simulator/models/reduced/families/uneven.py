@@ -58,7 +58,8 @@ class UnevenFamily(Family):
         return self._finer.skin(weights), self._finer.mass(factors)
 
     def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Estimated error from the difference of two orders, with room for singularities."""
+        """Estimated error from the difference of two orders, with a safety factor for
+        singularities."""
         return SINGULAR * both(difference)
 
     @cached_property
@@ -73,8 +74,10 @@ class UnevenFamily(Family):
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
-        """K in S of each field's sheet in each mode, of each part of the foam if presses change
-        it."""
+        """K in S of each field's sheet in each mode.
+
+        If presses change the sheets, each part of the foam has terms of its own.
+        """
         x = self.elements.surface.x
         waves = mode_values(self.scene, x, self.modes)
         apart = self._cells_of_parts if gauged(self.scene.skin) else [None]

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 REACH = 0.9
 """Largest strain under applicators over that at which the foam's cells are closed."""
 FACTOR_SHARE, COARSEST = 30.0, 1e-2
-"""Error that a factor may have anywhere, at corners alone: over the tolerance, and at most."""
+"""Largest error of a factor, which occurs at corners alone: over the tolerance, and in any case."""
 DEPTH_SHARE = 0.1
-"""Error that interpolation between depths may leave in the factor anywhere, over the tolerance."""
+"""Interpolation between depths may leave this share of the tolerance as error of the factor."""
 UNFELT = 0.1
-"""Deflection over that of the applicator below which it counts as 0, over the tolerance."""
+"""Deflections count as 0 below this share of the tolerance times the applicator's deflection."""
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ def spreads(scene: Scene) -> bool:
 def require_whole_pixels(scene: Scene, what: str) -> None:
     """Raises InputError if presses of the scene spread beyond pixels or have walls.
 
-    what: name of the feature, which rasterizes touches on cells.
+    what: name of the feature, which rasterizes touches onto cells.
     """
     require_no_walls(scene, what)
     if spreading(scene):

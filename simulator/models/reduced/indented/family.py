@@ -24,7 +24,7 @@ from .applicators import COARSEST, FACTOR_SHARE, Applicators
 from .fields import LEAST_RISE, Field, field_of, near
 
 COUPLED = 0.1
-"""Rise of c that an applicator may cause under another that is solved without it, over the
+"""Applicators are coupled if one raises c under another by more than this share of the
 tolerance."""
 PRESSES_KEPT = 64
 

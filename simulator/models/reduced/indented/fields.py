@@ -14,7 +14,7 @@ from ...mechanics.depth_series import DOUBT
 from .applicators import Applicators
 
 DROPPED = 1e-8
-"""Singular value below which modes over depth are left out, over the largest."""
+"""Modes with less than this share of the largest singular value over depths are left out."""
 LEAST_RISE = 0.1
 """Smallest rise of the factor that the error by omitted modes and depths is relative to."""
 LEBESGUE = 3.0

@@ -175,7 +175,7 @@ class IndentedSkin(ReducedSkin):
     def _by_fingers(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """F of fingers. rises: F."""
+        """F of fingers. rises: capacitance of each finger, F."""
         return np.sqrt(rises)[:, None, None] * (self.reduced.factors[cells] @ self.turn)
 
     def _by_applicators(
@@ -240,7 +240,7 @@ ROUNDING = 1e-9
 
 
 def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factors of touches one after the other, each padded by zeros to the largest rank."""
+    """Factors of touches one after the other, each padded with zeros to the largest rank."""
     rank = max(each.shape[1] for each in factors)
     return np.concatenate(
         [np.pad(each, ((0, 0), (0, rank - each.shape[1]), (0, 0))) for each in factors]

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from .family import IndentedFamily, Together
 
 DROPPED = 5e-3
-"""Energy of omitted combinations in an applicator's foam over that of the first, over the
-tolerance."""
+"""Combinations with less than this share of the tolerance times the first one's energy in an
+applicator's foam are left out."""
 
 
 @dataclass(frozen=True)
 class Tables:
-    """Matrices of all applicators, padded by zeros to a common shape.
+    """Matrices of all applicators, padded with zeros to a common shape.
 
     bases: U, shape (pixel, rank, N + n). parts: parts of the foam that each applicator affects,
     shape (pixel, part). matrices: C in F, shape (pixel, part, mode, rank, rank). doubts: C of the
