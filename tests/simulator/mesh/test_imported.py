@@ -200,7 +200,7 @@ def test_groups_that_are_not_there_are_told_with_those_that_are(file, tools):
         ValueError, match=r"'nowhere' must be a group of boundary lines of .*'feed'"
     ):
         tools.on_mesh(file, ["nowhere", "far"])
-    with pytest.raises(ValueError, match=r"'seam' must be .* some of its lines are no edges of"):
+    with pytest.raises(ValueError, match=r"'seam' must be .* some of its lines are not edges of"):
         tools.on_mesh(file, ["seam", "far"])
     scene = tools.on_mesh(file, pixels={**GROUPS, "groups": [["foot", "leg"]]})
     with pytest.raises(InputError, match=r"`pixels.groups` names 'leg', .*'foot', 'arm'"):
