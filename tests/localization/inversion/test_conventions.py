@@ -93,7 +93,7 @@ class _Doubled:
         placed = isinstance(self, AdaptedPosition)
         return (WidePosition() if placed else WideClassifier(target="column")).fit(X)
 
-    def _told(self, X, ask):
+    def _by_skin(self, X, ask):
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         return self._by_curve(X, X, ask)
