@@ -1,1 +1,1 @@
-"""The skin as a page: one file that any browser opens, in which the skin is pressed."""
+"""Page of a skin: one file that any browser opens, in which the skin is pressed."""

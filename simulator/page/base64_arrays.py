@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 
 
 def exactly(values: NDArray[np.float64]) -> dict[str, Any]:
-    """Little-endian, row after row, to 1.5e-11: the upper six of eight bytes, rounded."""
+    """Array as text, exact to 1.5e-11.
+
+    It is little-endian, row after row: the upper six of eight bytes, rounded.
+    """
     whole = np.ascontiguousarray(values, "<f8").view("<u8") + np.uint64(1 << 15)
     return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
 
 
 def pictured(values: NDArray[np.float64]) -> dict[str, Any]:
-    """In single precision, little-endian, row after row."""
+    """Array as text in single precision, little-endian, row after row."""
     return _text(np.ascontiguousarray(values, "<f4").view("u1"), "float32")
 
 

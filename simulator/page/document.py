@@ -1,4 +1,4 @@
-"""The page as one file: its modules, its style and its skin written into one another."""
+"""Page as one file that contains its modules, its style and its skin."""
 
 from __future__ import annotations
 
@@ -16,16 +16,20 @@ SITE = Path(__file__).parent / "site"
 
 @dataclass(frozen=True)
 class PageLink:
-    """What the page of a skin is linked to: `live` or `skin`. nonce: of its scripts and styles."""
+    """Link of a skin's page.
+
+    kind: what it is linked to, `live` or `skin`. nonce: that of its scripts and styles.
+    """
 
     kind: str
     nonce: str
 
 
 def document(data: Mapping[str, Any], link: PageLink | None = None) -> str:
-    """The page of a skin, as HTML that needs nothing beside it. data: of `packed`.
+    """Page of a skin, as HTML that needs no other file.
 
-    link: of a page that is served; without it the page forbids itself any.
+    data: as from `packed`. link: that of a page that is served; without it the page forbids itself
+    any.
     """
     folders = ("skin", "shown", "link") if link else ("skin", "shown")
     paths = [path for folder in folders for path in sorted(SITE.glob(f"{folder}/*.js"))]
@@ -51,5 +55,5 @@ def _module(path: Path) -> str:
 
 
 def _within_script(values: Any) -> str:
-    """JSON that no text in it can end a script with."""
+    """JSON in which no text can end a script."""
     return json.dumps(values, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

@@ -1,4 +1,4 @@
-"""The page of a skin that is linked to a meter: served, and not written to a file."""
+"""Page of a skin that is linked to a meter; it is served, not written to a file."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ RTOL, CELLS = 1e-3, 2
 
 
 def linked_page(scene: Scene, kind: str, nonce: str) -> str:
-    """The page as HTML, of a scene as a meter reads it: its interfaces, its frequencies.
+    """Page, as HTML, of a scene with the interfaces and frequencies a meter reads.
 
-    kind, nonce: of `Link`. Raises InputError where the scene has no page.
+    kind, nonce: those of `PageLink`. Raises InputError if the scene has no page.
     """
     if scene.reading.own:
         raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")

@@ -1,4 +1,4 @@
-"""Which triangle of a skin holds a place, and where in it."""
+"""Triangles of a skin that contain given points, and places within them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from ..mesh.arcs import mapped
 from ..mesh.domain import Domain
 
 WITHIN = 1e-6
-"""Of a triangle: what is no farther beyond it is still in it."""
+"""Distance beyond a triangle, over its size, up to which a point is still in it."""
 NEWTON_STEPS = 5
-"""From the straight triangle to the one with arcs for edges."""
+"""Steps from the straight triangle to the one with arcs for edges."""
 
 
 class Located(NamedTuple):
-    """Of points, their triangles and places (a, b) in the unit triangle.
+    """Triangles of points, and places (a, b) in the unit triangle.
 
-    Those of points beside the skin are moved onto it; on_skin tells which are none. triangle,
-    on_skin: shape (point,). places: shape (2, point).
+    Points off the skin are moved onto it, and on_skin is False for them. triangle, on_skin: shape
+    (point,). places: shape (2, point).
     """
 
     triangle: NDArray[np.int64]
@@ -29,7 +29,7 @@ class Located(NamedTuple):
 
 
 def located(domain: Domain, points: NDArray[np.float64]) -> Located:
-    """Of points as they are seen along z, m, shape (2, point)."""
+    """Places on the mesh of points as seen along z, m, shape (2, point)."""
     each = [_nearest(domain, x) for x in points.T]
     triangle = np.array([number for number, _ in each])
     bends = domain.curvature
@@ -43,7 +43,7 @@ def located(domain: Domain, points: NDArray[np.float64]) -> Located:
 
 
 def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.float64]]:
-    """The triangle that holds x, or lies nearest, and (a, b) in it, by its corners alone."""
+    """Triangle that contains x or is nearest, and (a, b) in it, by its corners alone."""
     origin, along, across = domain.p[:2, domain.t].transpose(1, 0, 2)
     along, across, off = along - origin, across - origin, x[:, None] - origin
     area = along[0] * across[1] - along[1] * across[0]
@@ -61,7 +61,10 @@ def _bent(
     place: NDArray[np.float64],
     x: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Newton's method for (a, b) at x in a triangle with arcs; p, t, bends: as of `mapped`."""
+    """Newton's method for (a, b) at x in a triangle with arcs.
+
+    p, t, bends: as for `mapped`.
+    """
     for _ in range(NEWTON_STEPS):
         at, along, across = (each[:, 0, 0] for each in mapped(p, t, bends, place[:, None]))
         place = place + np.linalg.solve(np.stack([along, across], axis=1), x - at)

@@ -1,4 +1,4 @@
-"""What a page knows of a skin: its reduced model as arrays, and its scene as tables."""
+"""Data of a page: a skin's reduced model as arrays, and its scene as tables."""
 
 from __future__ import annotations
 
@@ -33,18 +33,19 @@ from .raster import Raster, pictured
 RESISTANCE, CAPACITANCE = (0.4, 2.5), (0.5, 2.0)
 """Factors by which a page changes each sheet's resistance, and all capacitance."""
 APART = 2.0
-"""By how many times the sheets' factors may differ."""
+"""Largest ratio of the sheets' factors."""
 RISES = (-0.5, 3.0)
-"""Of the capacitance under a touch, of that at rest."""
+"""Range of the rise of capacitance under a touch, over the unpressed capacitance."""
 FREQUENCIES = 24
 POINTS = 1024
 MOST_TOUCHES = 2
 
 
 def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
-    """Draws one or two rectangles on cells, up to two pixels on a side, or the skin at rest.
+    """Function that draws up to two rectangles on cells; none is the unpressed skin.
 
-    Where both sheets are fields of their own each has a resistance of its own.
+    A rectangle has up to two pixels on a side. If both sheets are fields of their own, each has a
+    resistance of its own.
     """
     shape, apart = scene.pixels.shape, circuit_of(scene).fields == 2
     parts = parts_of(scene)
@@ -68,7 +69,10 @@ def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator]
 def _touched(
     parts: Parts, rises: NDArray[np.float64], fingers: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Parts of M that are touched, and by how much they rise. rises, fingers [F]: of each cell."""
+    """Parts of M that are touched, and their rises.
+
+    rises, fingers [F]: of each cell.
+    """
     raised, fingered = np.flatnonzero(rises), np.flatnonzero(fingers)
     return (
         np.concatenate([raised, parts.finger(fingered)]),
@@ -77,9 +81,9 @@ def _touched(
 
 
 def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation:
-    """A skin whose sheets differ as far as sliders can make them, with their foils' contacts.
+    """Random skin whose sheets differ as far as sliders allow, as do their contacts.
 
-    around: whether there is more than foam, so that capacitance of the foam is no scale.
+    around: True if there is more than foam, so that the capacitance of the foam is no mere scale.
     """
     foam = random.uniform(*CAPACITANCE) if around else 1.0
     half = random.uniform(-0.5, 0.5) * math.log(APART)
@@ -97,10 +101,11 @@ def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation
 def reduced_for_page(
     scene: Scene, rtol: float, cells: int, progress: ProgressCallback = silent
 ) -> Reduced:
-    """The model of a scene with each pixel cut into cells x cells, for all that a page may change.
+    """Reduced model of a scene with pixels cut into cells x cells, for a page.
 
-    Pixels that are groups of a mesh's elements are not cut. Raises InputError where a press changes
-    sheets in a way that a page does not know, else it and ToleranceError as `reduce`.
+    It serves all that a page may change. Pixels that are groups of a mesh's elements are not cut.
+    Raises InputError if a press changes sheets in a way that a page does not support, else
+    InputError and ToleranceError as `reduce` does.
     """
     thick = parts_of(scene).thickness > 0
     if (gauged(scene.skin) or thick) and scene.skin.foam.mechanics is not None:
@@ -119,9 +124,10 @@ def reduced_for_page(
 
 
 def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
-    """All that a page needs, for JSON: numbers, names, and arrays as base64.
+    """Data of a page, for JSON: numbers, names, and arrays as base64.
 
-    scene: as people press it; reduced: of `reduced_for_page`. points: of the field shown.
+    scene: as users press it; reduced: from `reduced_for_page`. points: approximate number of those
+    at which the field is shown.
     """
     skin, raster = reduced.skin(None), Raster.over(scene, points)
     picture = pictured(skin, raster)
@@ -166,11 +172,10 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
 
 
 def _finger(scene: Scene) -> dict[str, Any] | None:
-    """What a finger of the scene has to earth, F: on any touch, or by its area in m2; null where
-    nothing tells it.
+    """Capacitance of a finger to earth: on any touch, F, or by its area in m2.
 
-    areas: of the skin in each pixel that has any. series: capacitance that it is in series with.
-    earthed: whether presses are by fingers from the start.
+    It is null if it is unknown. areas: of the skin in each pixel that has any. series: capacitance
+    in series with it. earthed: True if presses are by fingers from the start.
     """
     around, how = scene.surroundings, scene.press.finger or "earthed"
     assert around is not None
@@ -188,7 +193,7 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
 
 
 def _tables(scene: Scene) -> dict[str, Any]:
-    """The scene's own tables, its foam by its capacitance per area."""
+    """Tables of the scene, with its foam given by its capacitance per area."""
     foam = scene.skin.foam
     by_area = {"capacitance_per_area": foam.unpressed_capacitance_per_area}
     if foam.mechanics is None:

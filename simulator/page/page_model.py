@@ -1,4 +1,4 @@
-"""A reduced skin as numbers for a page: M and the excitations, and what its sheets add to K."""
+"""Reduced skin as numbers for a page: M, excitations, and the sheets' parts of K."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ from ..press.parts import Parts
 from .base64_arrays import exactly
 
 KRYLOV_RTOL = 1e-12
-"""What Lanczos' method leaves on a page, of Rs and of Cp."""
+"""Relative error of Rs and of Cp that Lanczos' method leaves on a page."""
 ROUNDING = 1e-13
 
 
 def packed_model(skin: ReducedSkin) -> dict[str, Any]:
-    """M and the excitations in the coordinates in which K is 1; see `kernel.Rest` and
-    `kernel.Feed`."""
+    """M and the excitations in the coordinates in which K is the identity.
+
+    See `dense.Rest` and `dense.Feed`.
+    """
     rest, reduced = skin.rest, skin.reduced
     full = np.abs(rest.factors).max(axis=2) > 0
     rows, columns = reduced.grid
@@ -59,9 +61,12 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
 
 
 def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
-    """How interfaces are sums of excitations, where parts of M beyond the foam's begin, see
-    `Parts`, between which cells there are walls, and M of what no press changes in F, shape (m, m);
-    nothing where there is only foam."""
+    """Surroundings of a skin as numbers; nothing where there is only foam.
+
+    combined: how interfaces are sums of excitations. parts: where the parts of M beyond the foam's
+    begin, see `Parts`. walls: the cells between which there are walls. fixed: M of what no press
+    changes, F, shape (m, m).
+    """
     parts, combination, fixed = skin.parts, skin.combination, skin.reduced.fixed
     if not parts.around:
         return {}
@@ -78,7 +83,7 @@ def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
 
 
 def _walls(parts: Parts) -> dict[str, Any]:
-    """Where walls begin among the parts of M, and the cells on their sides, one after the other."""
+    """Start of the walls among the parts of M, and the cells on both sides of each."""
     return {"start": parts.kind[3].start, "pairs": parts.walls.pairs.ravel().tolist()}
 
 
@@ -88,13 +93,13 @@ def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.
 
 
 def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:
-    """Between terminals at zero frequency, S, shape (N, N)."""
+    """Conductance between terminals at zero frequency, S, shape (N, N)."""
     terminals = len(skin.rest.rows)
     return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
 
 
 def _of_top(skin: ReducedSkin) -> NDArray[np.float64]:
-    """What the top sheet and its foils' films are of K, S, shape (m, m)."""
+    """Part of K due to the top sheet and its foils' films, S, shape (m, m)."""
     reduced = skin.reduced
     films = resistive(reduced.circuit)
     sheets = len(reduced.stiffness) - len(films)
@@ -104,9 +109,9 @@ def _of_top(skin: ReducedSkin) -> NDArray[np.float64]:
 
 
 def _gauges(skin: ReducedSkin) -> dict[str, Any]:
-    """K of each field's sheet in each part of the foam by its factors, K = F'F in S.
+    """Factors F of K = F'F, S, of each field's sheet in each part of the foam.
 
-    piezoresistance: of each field's sheet.
+    piezoresistance: that of each field's sheet.
     """
     reduced = skin.reduced
     scene, fields = reduced.scene, reduced.circuit.fields
@@ -120,7 +125,7 @@ def _gauges(skin: ReducedSkin) -> dict[str, Any]:
 
 
 def _root(K: NDArray[np.float64]) -> NDArray[np.float64]:
-    """F with K = F'F to rounding."""
+    """Factor F with K = F'F to rounding."""
     power, turn = np.linalg.eigh(K)
     kept = power > ROUNDING * max(power.max(), 0.0)
     return np.sqrt(power[kept])[:, None] * turn[:, kept].T

@@ -1,4 +1,4 @@
-"""What a page draws of a skin beside its field: its outline, its foils and its pixels."""
+"""Plan of a skin that a page draws: its outline, its foils and its pixels."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from ..scene.scene import Scene
 from ..scene.skin import Skin, curves
 
 ROUND = 96
-"""Sides that a circle is drawn with."""
+"""Number of sides that a circle is drawn with."""
 BESIDE = 1e-4
-"""Of the skin's longer side: how far off an edge it is looked at for skin."""
+"""Distance off an edge, over the skin's longer side, at which skin is looked for."""
 DIGITS = 7
-"""Of places in m: a tenth of a micrometre."""
+"""Decimals of places in m: a tenth of a micrometre."""
 
 Points = NDArray[np.float64]
 
 
 def plan(scene: Scene, family: Family) -> dict[str, Any]:
-    """Lines in m, as lists of (x, y). family: of the scene, its mesh has the pixels' groups.
+    """Lines in m, as lists of (x, y).
 
-    outline: closed lines. foils: with pieces (x, y, x, y, away x, away y), the way off the skin of
-    length 1. held: the numbers from 0 of pixels that have any skin. middles: of that skin, of each
-    pixel. groups: closed lines around the skin of each pixel, where pixels are groups.
+    family: that of the scene; its mesh has the pixels' groups. outline: closed lines. foils: with
+    pieces (x, y, x, y, away x, away y), where away is a unit vector off the skin. held: numbers,
+    from 0, of the pixels that have any skin. middles: that of the skin in each pixel. groups:
+    closed lines around the skin of each pixel, where pixels are groups.
     """
     mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None
     of_file = mesh if scene.skin.mesh is not None else None
@@ -57,7 +58,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
 
 
 def around(mesh: Domain, within: NDArray[np.bool_] | None = None) -> list[Points]:
-    """The closed lines around some triangles, by default all, m, each of shape (point, 2)."""
+    """Closed lines around some triangles, by default all, m, shape (point, 2) each."""
     t = mesh.t if within is None else mesh.t[:, within]
     if not t.shape[1]:
         return []
@@ -86,7 +87,7 @@ def _chained(edges: NDArray[np.int64]) -> list[list[int]]:
 
 
 def _outline(skin: Skin) -> list[Points]:
-    """Of a skin without mesh."""
+    """Outline of a skin without mesh."""
     angle = 2 * np.pi * np.arange(ROUND) / ROUND
     shapes = [curve.shape for curve in curves(skin)]
     return [each.at(angle) if isinstance(each, Circle) else each for each in shapes]
@@ -128,7 +129,7 @@ def _pairs(three: list[int]) -> list[tuple[int, int]]:
 
 
 def _left(start: Points, stop: Points) -> Points:
-    """Of lines (2, line), the way to their left, of length 1."""
+    """Unit vectors to the left of lines, both of shape (2, line)."""
     run = stop - start
     return np.stack([-run[1], run[0]]) / np.maximum(np.linalg.norm(run, axis=0), 1e-300)
 
@@ -139,7 +140,7 @@ def _groups(scene: Scene, mesh: Domain) -> list[list[list[list[float]]]]:
 
 
 def _rounded(lines: Any) -> Any:
-    """Lists of numbers."""
+    """Lists of rounded numbers."""
     if isinstance(lines, list):
         return [_rounded(each) for each in lines]
     return np.round(lines, DIGITS).tolist()

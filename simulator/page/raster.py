@@ -1,4 +1,4 @@
-"""What a reduced model's coordinates are on the skin: potentials on an even grid of points."""
+"""Potentials of a reduced model's coordinates on a uniform grid of points."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .locating import located
 
 @dataclass(frozen=True)
 class Raster:
-    """Points in the middle of even cells over a skin, row by row from the corner (0, 0)."""
+    """Middles of uniform cells over a skin, row by row from the corner (0, 0)."""
 
     length: float
     width: float
@@ -32,14 +32,14 @@ class Raster:
 
     @classmethod
     def over(cls, scene: Scene, points: int) -> Raster:
-        """About so many points, as far apart along both sides."""
+        """Raster of about so many points, equally spaced along both sides."""
         length, width = scene.skin.sides
         columns = max(2, round((points * length / width) ** 0.5))
         return cls(length, width, columns, max(2, round(points / columns)))
 
     @cached_property
     def points(self) -> NDArray[np.float64]:
-        """x and y in m, shape (2, row * column)."""
+        """Positions x and y, m, shape (2, row * column)."""
         x = self.length * (np.arange(self.columns) + 0.5) / self.columns
         y = self.width * (np.arange(self.rows) + 0.5) / self.rows
         return np.stack([each.ravel() for each in np.meshgrid(x, y)])
@@ -47,12 +47,13 @@ class Raster:
 
 @dataclass(frozen=True)
 class Pictured:
-    """What a page shows at the points of a raster.
+    """Values that a page shows at the points of a raster.
 
-    potential: V of each field, 1 V in each of the skin's coordinates in turn, shape (field, point,
-    coordinate); of both sheets' difference where the circuit has one field, of top and bottom where
-    it has two. on_skin: shape (point,). Where there is no skin potentials are those of its nearest
-    place. conductance: of the top sheet, xx, yy and xy in S, shape (3, point).
+    potential: V of each field, for 1 V in each of the skin's coordinates in turn, shape (field,
+    point, coordinate); of both sheets' difference if the circuit has one field, of top and bottom
+    if it has two. on_skin: True for points on the skin, shape (point,). Off the skin potentials are
+    those of the nearest place. conductance: that of the top sheet, xx, yy and xy in S, shape (3,
+    point).
     """
 
     potential: NDArray[np.float64]
@@ -61,7 +62,7 @@ class Pictured:
 
 
 def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
-    """The fields of a skin at the raster's points."""
+    """Fields of a skin at the raster's points."""
     family = skin.reduced.family
     if isinstance(family, EvenFamily):
         at_points, on_skin = _on_squares(family, raster), np.ones(raster.points.shape[1], bool)
@@ -83,7 +84,10 @@ def _on_squares(family: EvenFamily, raster: Raster) -> csr_matrix:
 
 
 def _on_triangles(family: Family, raster: Raster) -> tuple[csr_matrix, NDArray[np.bool_]]:
-    """From coefficients of one field to its values at points, and which of them are on the skin."""
+    """Matrix from coefficients of one field to values at points.
+
+    Also returns True for points that are on the skin.
+    """
     mesh = family.mesh
     assert isinstance(mesh, Triangulation)
     elements, points = triangles(mesh.domain, mesh.order), raster.points

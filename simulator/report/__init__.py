@@ -1,1 +1,1 @@
-"""What reports of all commands are made of: tables, pages, and folders that are filled at once."""
+"""Parts of all commands' reports: tables, pages, folders that are filled at once."""

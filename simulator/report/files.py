@@ -1,4 +1,4 @@
-"""Files of a report: tables as CSV, numbers as JSON, and a folder that is filled at once."""
+"""Files of a report: tables as CSV, numbers as JSON, folders filled at once."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text as UTF-8, whole or not at all."""
+    """Writes a text as UTF-8, whole or not at all."""
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
 
 
 def write_json(path: Path, content: Any, indent: int = 2) -> None:
-    """Write numbers and texts as JSON. Raises ValueError where a number is not finite."""
+    """Writes numbers and texts as JSON. Raises ValueError if a number is not finite."""
     write_text(path, json.dumps(content, indent=indent, allow_nan=False) + "\n")
 
 
 def write_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """Write a header and rows as CSV; no text in it is a formula to a spreadsheet."""
+    """Writes a header and rows as CSV; no text in it is a formula to a spreadsheet."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = CsvWriter(file)
         writer.writerow(header)
@@ -38,17 +38,17 @@ def write_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object
 
 
 def write_frame(path: Path, table: pd.DataFrame) -> None:
-    """Write a table of pandas as CSV, without its index."""
+    """Writes a table of pandas as CSV, without its index."""
     with whole_file(path) as unfinished:
         table.to_csv(unfinished, index=False, lineterminator="\n")
 
 
 @contextmanager
 def filled_at_once(folder: Path) -> Iterator[Path]:
-    """A folder to write a report's files into, which appear in `folder` at the end of the block.
+    """Folder for a report's files; they appear in `folder` at the end of the block.
 
-    Where the block fails, nothing appears. Raises InputError where `folder` cannot be made, and as
-    `whole_file`.
+    If the block fails, nothing appears. Raises InputError if `folder` cannot be made, and what
+    `whole_file` raises.
     """
     with TemporaryDirectory() as unfinished:
         with in_write_context(UNFINISHED):

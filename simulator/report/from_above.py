@@ -1,4 +1,4 @@
-"""A skin from above, as charts draw it: its outline, its pixels and its foils, in mm."""
+"""Skin from above, as charts draw it: its outline, pixels and foils, in mm."""
 
 from __future__ import annotations
 
@@ -19,32 +19,35 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AROUND = 260
-"""Places around a circle."""
+"""Number of places around a circle."""
 ALONG = 1001
-"""Places along a line between pixels, at which it is asked whether there is skin."""
+"""Number of places along a line between pixels that are tested for skin."""
 MM = 1e3
 
 Places = NDArray[np.float64]
 
 
 class Ribbon(NamedTuple):
-    """A foil's line along the edge and the way off the skin there, m, both of shape (2, place)."""
+    """Foil's line along the edge.
+
+    path: places, m. out: directions off the skin there. Both are of shape (2, place).
+    """
 
     path: Places
     out: Places
 
     @property
     def closed(self) -> bool:
-        """Whether it goes all around a curve."""
+        """True if it goes all around a curve."""
         return np.allclose(self.path[:, 0], self.path[:, -1], rtol=0, atol=1e-9)
 
     def beside(self, gap: float) -> Places:
-        """The line that far off the skin, m."""
+        """Line at that distance off the skin, m."""
         return self.path + gap * self.out
 
 
 def outline(scene: Scene) -> list[Places]:
-    """The curves that bound a skin, the outer one first, m, each of shape (2, place)."""
+    """Curves that bound a skin, the outer one first, m, each of shape (2, place)."""
     if scene.skin.mesh is not None:
         return [_chained(_of_mesh(scene)[1])]
     found = []
@@ -56,7 +59,7 @@ def outline(scene: Scene) -> list[Places]:
 
 
 def ribbon(foil: Contact, scene: Scene) -> Ribbon:
-    """Where a foil lies; on a mesh its facets one after the other, on the edge itself."""
+    """Line of a foil; on a mesh its facets one after the other, on the edge itself."""
     if scene.skin.mesh is None:
         along = path(foil, scene.skin)
         return Ribbon(along, outwards(along, scene.skin))
@@ -66,22 +69,22 @@ def ribbon(foil: Contact, scene: Scene) -> Ribbon:
 
 
 def draw_outline(axes: Axes, scene: Scene, **looks: Any) -> None:
-    """Draw the curves that bound a skin. looks: of lines, as matplotlib has them."""
+    """Draws the curves that bound a skin. looks: those of lines, as for matplotlib."""
     for curve in outline(scene):
         axes.plot(*(MM * curve), **{"color": "black", "linewidth": 1, **looks})
 
 
 def draw_pixels(axes: Axes, scene: Scene, **looks: Any) -> None:
-    """Draw the lines between pixels where there is skin. looks: of lines."""
+    """Draws the lines between pixels where there is skin. looks: those of lines."""
     for line in _between_pixels(scene):
         axes.plot(*(MM * line), **{"color": "0.4", "linewidth": 0.5, **looks})
 
 
 def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -> None:
-    """Draw foils in the colour of their sheet; the first of each sheet has a label for legends.
+    """Draws foils in the colour of their sheet.
 
-    Those of the bottom sheet lie outside those of the top sheet; on a mesh, where both lie on the
-    edge itself, within them.
+    The first of each sheet has a label for legends. Foils of the bottom sheet lie outside those of
+    the top sheet; on a mesh, where both lie on the edge itself, they lie within them.
     """
     named, meshed = set[str](), scene.skin.mesh is not None
     for foil in scene.contacts:
@@ -108,7 +111,7 @@ def _between_pixels(scene: Scene) -> list[Places]:
 
 
 def _inner(count: int) -> Places:
-    """Parts of a side at which lines between `count` pixels stand."""
+    """Fractions of a side at which lines between `count` pixels stand."""
     return np.arange(1, count) / count
 
 

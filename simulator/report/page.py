@@ -1,6 +1,6 @@
-"""A report as one HTML page: sections of text, lists, tables and pictures, in one style.
+"""Report as one HTML page: text, lists, tables and pictures, in one style.
 
-The page stands alone: pictures are within it, and it asks nothing of the network.
+The page stands alone: it contains its pictures and requests nothing from the network.
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ from .files import write_text
 
 @dataclass(frozen=True)
 class Cell:
-    """Text in a table with what stands in small below it. agrees: marks the text as good or bad."""
+    """Text in a table, with small text below it.
+
+    agrees: marks the text as good or bad.
+    """
 
     text: str
     below: str = ""
@@ -25,7 +28,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class TableGrid:
-    """A table: heads of its columns, rows of cells, and which columns hold numbers."""
+    """Table: heads of its columns, rows of cells, and which columns hold numbers."""
 
     heads: Sequence[str]
     rows: Sequence[Sequence[str | Cell]]
@@ -34,20 +37,23 @@ class TableGrid:
 
 @dataclass(frozen=True)
 class Items:
-    """A list of lines; before each of them, in bold, what it is about, where `about` says it."""
+    """List of lines; `about` gives the subject of each, in bold before it, if any."""
 
     lines: Sequence[str]
     about: Sequence[str] = ()
 
     @property
     def both(self) -> Sequence[tuple[str, str]]:
-        """Pairs of what a line is about, empty where that is not said, and the line."""
+        """Pairs of a line's subject, empty if there is none, and the line."""
         return list(zip(self.about or [""] * len(self.lines), self.lines, strict=True))
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG file, what it shows, and whether that stands below it too."""
+    """PNG file and what it shows.
+
+    below: True if the caption also stands below it.
+    """
 
     path: Path
     caption: str
@@ -55,25 +61,25 @@ class Picture:
 
     @property
     def name(self) -> str:
-        """Of the file, without its ending."""
+        """Name of the file, without its ending."""
         return self.path.stem
 
     @property
     def base64(self) -> str:
-        """The file's bytes as text."""
+        """Bytes of the file as text."""
         return b64encode(self.path.read_bytes()).decode("ascii")
 
 
 @dataclass(frozen=True)
 class ReportSection:
-    """A heading, empty for none, and what stands below it; a text is a paragraph."""
+    """Heading, empty for none, and what stands below it; a text is a paragraph."""
 
     title: str
     parts: Sequence[str | Items | TableGrid | Picture]
 
 
 def write_page(path: Path, title: str, sections: Sequence[ReportSection], answer: str = "") -> None:
-    """Write a page, whole or not at all. answer: what stands first, in bold."""
+    """Writes a page, whole or not at all. answer: what stands first, in bold."""
     environment = template_environment(Path(__file__).parent, trim_blocks=True, lstrip_blocks=True)
     environment.tests |= {
         kind.__name__.lower(): lambda part, kind=kind: isinstance(part, kind)

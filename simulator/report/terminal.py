@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 def table(
     heads: Sequence[str], rows: Iterable[Sequence[str]], numbers: Container[int] = ()
 ) -> Table:
-    """A table of cells below heads, without lines. numbers: columns that stand to the right."""
+    """Table of cells below heads, without lines.
+
+    numbers: columns that are aligned to the right.
+    """
     from rich.table import Column, Table
 
     made = Table(

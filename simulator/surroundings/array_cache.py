@@ -24,13 +24,13 @@ def read(key: str) -> NDArray[np.float64] | None:
     try:
         with _path(key).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             found = file["values"] if str(file["key"]) == key else None
-    except Exception:  # whatever reading a spoilt file raises
+    except Exception:  # reading a damaged file raises many kinds
         return None
     return found if found is not None and np.isfinite(found).all() else None
 
 
 def write(key: str, values: NDArray[np.float64]) -> None:
-    """Cache an array for a key, whole or not at all."""
+    """Caches an array for a key, whole or not at all."""
     path = _path(key)
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Blocks of panels of a scene's skin: a rectangle's quarter, or triangles of an outline or mesh."""
+"""Blocks of panels of a skin: a rectangle's quarter, or an outline's triangles."""
 
 from __future__ import annotations
 
@@ -23,8 +23,10 @@ PANELS = (6, 10)
 LAYERS = (2, 4)
 """Layers of triangles at an outline, coarse and fine."""
 LONGEST, FEWEST = 2.0, 100
-"""Edges of triangles along outlines: the longest over the foam's thickness, and the count around a
-skin above which they may be longer."""
+"""Longest edge along outlines over the foam's thickness, and count of such edges.
+
+Edges may be longer than that, up to the length of all outlines over the count.
+"""
 ACROSS = 4
 """Minimum count of triangles across the shorter side of a skin away from its outline."""
 SLICES = 3
@@ -34,10 +36,10 @@ PLAIN_SHEET = Sheet(sheet_resistance=1.0)
 
 @dataclass(frozen=True)
 class Shape:
-    """What a block is made of: sides in m as the skin is stretched, foam, and what else bounds it.
+    """Geometry of a block: sides in m as the skin is stretched, foam, and outline.
 
-    drawn: a scene of the same outline or mesh, as it is before it is stretched by `ratios`, with
-    sheets and foam of no account; None for a rectangle.
+    drawn: scene of the same outline or mesh, before it is stretched by `ratios`; its sheets and
+    foam do not count. It is None for a rectangle.
     """
 
     length: float
@@ -49,8 +51,10 @@ class Shape:
 
 
 def shape_of(scene: Scene, key: str) -> Shape:
-    """Shape of a scene's skin. key: the key that needs it. Raises InputError for a mesh that is not
-    flat."""
+    """Shape of a scene's skin.
+
+    key: the key that needs it. Raises InputError for a mesh that is not flat.
+    """
     skin, foam = scene.skin, scene.skin.foam
     thickness = foam.thickness_or_assumed
     if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
@@ -75,8 +79,10 @@ def blocks(shape: Shape) -> list[tuple[PanelBlock, float]]:
 
 
 def _outlined(scene: Scene) -> Scene:
-    """Same outline with other sheets and foam, so that all skins with one outline share their
-    blocks."""
+    """Scene of the same outline with other sheets and foam.
+
+    All skins with one outline then share their blocks.
+    """
     foam = Foam(thickness=1e-3, relative_permittivity=1.0)
     skin = scene.skin.model_copy(
         update={"top": PLAIN_SHEET, "bottom": PLAIN_SHEET, "foam": foam, "stretch": None}
@@ -85,7 +91,7 @@ def _outlined(scene: Scene) -> Scene:
 
 
 def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
-    """Block of a mesh, refined as LONGEST says. layers: as of `layered`."""
+    """Block of a mesh, refined as LONGEST requires. layers: as for `layered`."""
     scale = np.array(shape.ratios)[:, None]
     longest = LONGEST * shape.thickness
     while True:
@@ -104,7 +110,10 @@ def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
 
 
 def _around(mesh: Domain, p: Points) -> Points:
-    """Edges of exactly one triangle, anticlockwise around the skin, m, shape (edge, end, 2)."""
+    """Edges of exactly one triangle, anticlockwise around the skin, (edge, end, 2).
+
+    They are in m.
+    """
     edges, of_triangle = edges_of(mesh.t)
     outer = np.bincount(of_triangle.ravel()) == 1
     side, triangle = np.nonzero(outer[of_triangle])
@@ -117,12 +126,12 @@ def _around(mesh: Domain, p: Points) -> Points:
 
 
 def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
-    """Those at an outline cut along it, thinner and thinner towards it, shape (panel, 4, 2).
+    """Panels of triangles, those at an outline cut along it, shape (panel, 4, 2).
 
-    triangles: m, shape (triangle, 3, 2). rim: which of their corners are on the outline, shape
-    (triangle, 3). Cuts are where a function that is linear in each triangle, 0 on the outline and 1
-    at all other corners, has the squares of n / layers. A triangle with all corners on the outline
-    is cut in three first.
+    They become thinner towards the outline. triangles: m, shape (triangle, 3, 2). rim: True for
+    their corners on the outline, shape (triangle, 3). Cuts are where a function that is linear in
+    each triangle, 0 on the outline and 1 at all other corners, has the squares of n / layers. A
+    triangle with all corners on the outline is cut in three first.
     """
     triangles, rim = _cut_in_three(triangles, rim)
     count = rim.sum(axis=1)
@@ -141,7 +150,10 @@ def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
 
 
 def _cut_in_three(triangles: Points, rim: NDArray[np.bool_]) -> tuple[Points, NDArray[np.bool_]]:
-    """Triangles with all corners on an outline, each divided into three about its middle."""
+    """Triangles, those with all corners on an outline cut in three about their middle.
+
+    Also returns which corners of each are on the outline.
+    """
     whole = rim.all(axis=1)
     middle = triangles[whole].mean(axis=1)
     thirds = [

@@ -1,17 +1,19 @@
-"""Charges on both sheets of a block of foam by their potentials: collocation at panels' middles.
+"""Charges on both sheets of a block of foam by their potentials, by collocation.
 
-Unknown is the whole charge of each panel over eps0, sigma, from which the potential follows as if
-there were no foam. On the foam's side faces, with the mean field E off them and foam of relative
-permittivity e, the displacement is continuous where (e + 1) sigma / 2 = (e - 1) E.
+The equations hold at the panels' middles. The unknown sigma is the density of the total charge of
+each panel over eps0, from which the potential follows as if there were no foam. On the foam's side
+faces, with the mean field E off them and foam of relative permittivity e, the displacement is
+continuous where (e + 1) sigma / 2 = (e - 1) E.
 
-The free charge is not sigma: on the sheets' inner sides there is the foam's own charge, too. With
+The free charge is not sigma: the inner sides of the sheets carry the foam's own charge, too. With
 psi any continuation of a potential u_i from the sheets into the foam and phi_j the potential of
-u_j, Green's identity makes the sum of u_i times the free charge of u_j
+u_j, Green's identity gives the sum of u_i times the free charge of u_j as
 
     eps0 * sum over all panels of psi_i sigma_j + eps0 (e - 1) * integral of grad psi_i . grad phi_j
 
-over the foam. For even potentials psi is straight from sheet to sheet and the last integral is that
-of straight fields, exactly. So what is left to the panels is as accurate for any permittivity.
+over the foam. For uniform potentials psi is linear from sheet to sheet, and the last integral is
+exactly that of straight fields. What is left to the panels is therefore equally accurate for any
+permittivity.
 """
 
 from __future__ import annotations
@@ -29,9 +31,9 @@ Array = NDArray[np.float64]
 
 
 def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) -> Array:
-    """Charge of each sheet by the potential of each, F, shape (2, 2), the bottom sheet first.
+    """Charges of the sheets by their potentials, F, shape (2, 2), bottom sheet first.
 
-    layer: towards a plane below. permittivity: of the foam, relative.
+    layer: that towards a plane below. permittivity: relative, of the foam.
     """
     height = block.points[:, 2] / block.thickness
     psi = np.stack([1 - height, height], axis=1)
@@ -45,8 +47,8 @@ def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) ->
 def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: Array) -> Array:
     """Sigma of all panels, V/m, shape (panel, k).
 
-    potentials: of all panels, V; only those of sheets are used. influence: of all symmetric parts
-    of the foam together, shape (2, panel, panel).
+    potentials: those of all panels, V; only those of sheets are used. influence: that of all
+    symmetric parts of the foam together, shape (2, panel, panel).
     """
     sheets, (potential, field) = 2 * len(block.panels), influence
     system = np.concatenate([potential[:sheets], (1 - permittivity) * field[sheets:]])
@@ -58,11 +60,11 @@ def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: 
 
 
 def influence(block: PanelBlock, layer: Layer | None) -> Array:
-    """Potentials in m and fields out of the foam by sigma of each panel: (2, part, panel, panel).
+    """Potentials, m, and fields out of the foam by sigma of each panel.
 
-    At the middles of the panels of the bottom sheet, of the top one and of the side faces, by the
-    last index's panel in each symmetric part of the foam. Fields are the mean of both sides; they
-    are zero on sheets.
+    Shape (2, part, panel, panel): at the middles of the panels of the bottom sheet, of the top one
+    and of the side faces, by the last index's panel in each symmetric part of the foam. Fields are
+    the mean of both sides; they are zero on sheets.
     """
     points = block.points
     found = np.zeros((2, len(block.mirrors), len(points), len(points)))  # by panel, then point

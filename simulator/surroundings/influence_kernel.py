@@ -1,7 +1,7 @@
 """Potential and field of uniformly charged flat panels, in closed form.
 
-D. R. Wilton et al., IEEE Trans. Antennas Propagat. 32 (1984) 276-281, equations 5 and 11: sums over
-the edges of each polygon, exact at any distance and on the panel itself.
+They are sums over the edges of each polygon, exact at any distance and on the panel itself: D. R.
+Wilton et al., IEEE Trans. Antennas Propagat. 32 (1984) 276-281, equations 5 and 11.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from ..compiled import compiled
 
 IN_PLANE = 1e-9
-"""Distance from a panel's plane, or an edge's line, over an edge's length, below which a point is
-on it: the field across the panel is then the mean of both sides."""
+"""Distance from a panel's plane, or an edge's line, below which a point is on it.
+
+It is over the length of an edge. The field across the panel is then the mean of both sides.
+"""
 
 
 @compiled()
@@ -27,12 +29,12 @@ def fill_influence(
     potential: NDArray,
     slope: NDArray,
 ) -> None:  # pragma: no cover
-    """Adds to `potential` the integral of 1/r in m, and to `slope` its derivative along normals.
+    """Adds to `potential` the integral of 1/r, m, and to `slope` its slope.
 
-    points, normals: shape (point, 3). corners: of panels, shape (panel, 4, 3), of which two may
-    coincide. images: of three signs, three shifts in m and a weight each, shape (image, 7): a
-    panel's image has the potential that the panel has at the place sign x + shift. potential,
-    slope: shape (point, panel).
+    slope: derivative along normals. points, normals: shape (point, 3). corners: those of panels,
+    shape (panel, 4, 3), of which two may coincide. images: three signs, three shifts in m and a
+    weight each, shape (image, 7): a panel's image has the potential that the panel has at the place
+    sign x + shift. potential, slope: shape (point, panel).
     """
     for panel in range(len(corners)):
         edges = _edges(corners[panel])
@@ -85,7 +87,7 @@ def _normal(corners: NDArray) -> tuple[float, float, float]:  # pragma: no cover
 def _of_panel(
     edges: NDArray, x: float, y: float, z: float
 ) -> tuple[float, float, float, float]:  # pragma: no cover
-    """The integral of 1/r over a panel at a point, in m, and its gradient."""
+    """Integral of 1/r over a panel at a point, m, and its gradient."""
     potential = gx = gy = gz = turned = 0.0
     e = edges[0]
     height = e[9] * (x - e[0]) + e[10] * (y - e[1]) + e[11] * (z - e[2])
@@ -100,7 +102,7 @@ def _of_panel(
         off = e[6] * wx + e[7] * wy + e[8] * wz
         square = off * off + height * height
         if square <= (IN_PLANE * e[12]) ** 2 and low * high <= 0:
-            continue  # no edge, or on it: its own part of the potential is zero
+            continue  # no edge, or the point is on it: its part of the potential is 0
         to_low, to_high = sqrt(square + low * low), sqrt(square + high * high)
         if low + high > 0:
             grown = log((to_high + high) / (to_low + low))

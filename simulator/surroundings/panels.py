@@ -1,4 +1,4 @@
-"""The foam and its two sheets as panels, narrower towards the edges, where charges concentrate."""
+"""Panels of the foam and its two sheets, narrower at edges, where charge is dense."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ ITSELF = np.array([[1.0, 1.0, 0.0, 0.0]])
 
 @dataclass(frozen=True)
 class PanelBlock:
-    """Panels of each sheet and of the foam's side faces; the bottom sheet lies at z = 0.
+    """Panels of both sheets and of the foam's side faces; the bottom sheet is at z = 0.
 
-    panels: of either sheet, in the plane, m, shape (panel, 4, 2), of triangles with one corner
-    twice. edges: of the outline and of holes, anticlockwise around the foam, m, shape (edge, end,
-    2). thickness: of the foam, m. slices: of the side faces, from each sheet to the middle between
-    them. mirrors: signs and shifts in m, of x and of y, of the symmetric parts that the foam
-    consists of, shape (part, 4).
+    panels: those of either sheet, in the plane, m, shape (panel, 4, 2); a triangle has one corner
+    twice. edges: those of the outline and of holes, anticlockwise around the foam, m, shape (edge,
+    end, 2). thickness: of the foam, m. slices: number of panels of the side faces from each sheet
+    to the middle between them. mirrors: signs and shifts in m, of x and of y, of the symmetric
+    parts that the foam consists of, shape (part, 4).
     """
 
     panels: Points
@@ -43,9 +43,9 @@ class PanelBlock:
 
     @cached_property
     def corners(self) -> Points:
-        """Of the panels of the bottom sheet, of the top one and of the side faces, (panel, 4, 3).
+        """Corners of the panels of bottom sheet, top sheet and side faces, (panel, 4, 3).
 
-        In m; seen from outside they run anticlockwise on side faces.
+        They are in m. On side faces they run anticlockwise as seen from outside.
         """
         return np.concatenate([self._sheet(0.0), self._sheet(self.thickness), self._sides])
 
@@ -67,7 +67,10 @@ class PanelBlock:
 
     @property
     def _halves(self) -> tuple[NDArray[np.float64], Points]:
-        """Areas and middles of the triangles on both sides of a diagonal, (2, panel), (..., 3)."""
+        """Areas and middles of the triangles on both sides of a diagonal.
+
+        Shapes (2, panel) and (2, panel, 3).
+        """
         a, b, c, d = np.moveaxis(self.corners, 1, 0)
         twice = [np.cross(u - a, v - a) for u, v in ((b, c), (c, d))]
         middles = np.stack([(a + b + c) / 3, (a + c + d) / 3])
@@ -100,9 +103,9 @@ class PanelBlock:
 def quarter(
     length: float, width: float, thickness: float, count: int, even: float = 0.0
 ) -> PanelBlock:
-    """A quarter of a rectangular skin, all in m, and its mirrors. count: panels along each side.
+    """Quarter of a rectangular skin, all in m, and its mirrors.
 
-    even: as of `lines`.
+    count: panels along each side of the quarter. even: as for `lines`.
     """
     x, y = (lines(side, thickness, count, even)[: count + 1] for side in (length, width))
     left, bottom = (each.ravel() for each in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
@@ -120,9 +123,9 @@ def quarter(
 def lines(side: float, thickness: float, count: int, even: float = 0.0) -> NDArray[np.float64]:
     """Ends of the panels along a side, m, shape (2 * count + 1,), symmetric.
 
-    They grow with the square of their number within the foam's thickness of an end, to suit a
+    Within the foam's thickness of an end they grow with the square of their number, to suit a
     charge proportional to one over the root of the distance, and by a constant factor beyond. even:
-    share of them that is equidistant, which bounds those in the middle.
+    fraction of them that is equidistant, which bounds the width of those in the middle.
     """
     a = np.arcsinh(np.sqrt(side / (2 * thickness)))
     number = np.linspace(0, 1, 50 * count + 1)

@@ -1,4 +1,7 @@
-"""Smooth potentials of a sheet: products of Legendre polynomials over the rectangle around it."""
+"""Smooth potentials of a sheet: products of Legendre polynomials on a rectangle.
+
+The rectangle is the one around the sheet.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 SMOOTH = 1
 DEGREE, LEAST_DEGREE = 8, 3
-"""Degrees along the longer side of a skin, and minimum along any: half a wave of the highest is an
-eighth of the side."""
+"""Degrees along the longer side of a skin, and minimum along any.
+
+Half a wave of the highest is an eighth of the side.
+"""
 
 
 @dataclass(frozen=True)
@@ -32,8 +37,10 @@ class Polynomials:
 
     @property
     def odd(self) -> NDArray[np.bool_]:
-        """True for polynomials that are odd about the middle in x, and in y, shape (2,
-        polynomial)."""
+        """True for polynomials that are odd about the middle in x, and in y.
+
+        Shape (2, polynomial).
+        """
         return self._degrees % 2 == 1
 
     @property

@@ -40,10 +40,10 @@ def layer(body: Body) -> Layer:
 
 
 def images(layer: Layer | None) -> NDArray[np.float64]:
-    """Sign and shift in m along z and weight of the images, the charges themselves first, (image,
-    3).
+    """Images of charges along z: sign, shift in m and weight, shape (image, 3).
 
-    As of `kernel.fill_influence`; the layer begins at z = 0.
+    The charges themselves come first. They are used as in `influence_kernel.fill_influence`; the
+    layer begins at z = 0.
     """
     found = [ITSELF]
     if layer is not None:

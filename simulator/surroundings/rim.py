@@ -1,4 +1,4 @@
-"""Capacitance along the outline of a skin, beyond the local capacitance of its sheets.
+"""Capacitance along the outline of a skin, beyond the local one of its sheets.
 
 It follows from the charges of the two sheets, each at one potential, less those of straight fields:
 across the foam, and towards a plane in front of a sheet. The rest is spread uniformly along the
@@ -24,16 +24,18 @@ from .reflections import Layer, layer
 
 KEPT = 64
 MARGIN = 0.5
-"""Of what extrapolation to panels of no size adds: the error that it leaves. On nine rectangles,
-0.5 to 10 mm thick, with planes at 0.5 to 20 mm and without, it left 0.14 of that at most, and 0.5
-on triangles."""
+"""Estimated error over the change by extrapolation to panels of zero size.
+
+On nine rectangles, 0.5 to 10 mm thick, with planes at 0.5 to 20 mm and without, the error was 0.14
+of that change at most, and 0.5 on triangles.
+"""
 
 
 @dataclass(frozen=True)
 class RimDensities:
-    """Capacitance for each metre of the outline, holes included, F/m.
+    """Capacitance per metre of the outline, holes included, F/m.
 
-    mutual: between the sheets. top, bottom: of each sheet to earth; where there is a body, to that
+    mutual: between the sheets. top, bottom: from each sheet to earth; if there is a body, to that
     body, whatever its potential. error: estimated, of the largest of them, F/m; 0 where a scene
     gives them.
     """
@@ -81,10 +83,11 @@ def computed(scene: Scene) -> RimDensities:
 
 @lru_cache(maxsize=KEPT)
 def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, float]:
-    """Mutual, of the sheet away from the plane, of the one that faces it, and the error, F/m.
+    """Mutual density, of the sheet away from the plane and of the facing one; error.
 
-    Errors go with the square of the panels' size. None of them is below 0: within the thickness of
-    an edge a cover as thin as that takes more from the foam than fringes add.
+    All are in F/m. Errors are proportional to the square of the panels' size. No density is below
+    0: within the thickness of an edge a cover as thin as that takes more from the foam than fringes
+    add.
     """
     (coarse, size), (fine, half) = (
         (_densities(block, plane, shape.permittivity), size) for block, size in blocks(shape)
@@ -96,7 +99,10 @@ def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, flo
 
 
 def _densities(block: PanelBlock, plane: Layer | None, permittivity: float) -> NDArray[np.float64]:
-    """Mutual, of the sheet away from the plane and of the one that faces it, F/m, shape (3,)."""
+    """Mutual density, of the sheet away from the plane and of the facing one, F/m.
+
+    Shape (3,).
+    """
     C = capacitances(block, plane, permittivity)
     foam = VACUUM_PERMITTIVITY * permittivity / block.thickness * block.area
     straight = plane.per_area * block.area if plane else 0.0

@@ -1,8 +1,8 @@
-"""The surroundings of a skin as one matrix: charges of both sheets by smooth potentials of both.
+"""Surroundings of a skin as one matrix: charges of sheets by smooth potentials.
 
-Beyond what each place of a sheet has by itself, which elements have in M already: straight fields
-across the foam and towards a plane, and the part of those across the foam that runs along it
-(`thickness`).
+It is that of both sheets by both. Local charges are left out, since elements have them in M
+already: those of straight fields across the foam and towards a plane, and of the part of those
+across the foam that runs along it (`thickness`).
 """
 
 from __future__ import annotations
@@ -26,22 +26,25 @@ from .reflections import Layer, layer
 Array = NDArray[np.float64]
 KEPT = 16
 PANELS, EVEN = (15, 22), 0.5
-"""From the edge of a skin to its middle, of a coarse and of a fine block; and the share of them
-that is spread evenly, for potentials that vary there."""
+"""Panels from a skin's edge to its middle, of a coarse and of a fine block.
+
+EVEN is the fraction of them that is equidistant, for potentials that vary there.
+"""
 MARGIN = 0.1
-"""Of what extrapolation to panels of no size adds to the charges of potentials that are linear: the
-error of Rs and Cp that it leaves. On the paper's sheet, 1 to 200 kHz, it left 0.04 of that at
-most."""
+"""Estimated error of Rs and Cp over the change by extrapolation to no panel size.
+
+That change is the one of the charges of linear potentials. On the paper's sheet, 1 to 200 kHz, the
+error was 0.04 of it at most.
+"""
 ACROSS = np.array([[1.0, -1.0], [-1.0, 1.0]])
 ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 
 
 @dataclass(frozen=True)
 class SurroundingsMatrix:
-    """D, the charges of both sheets by potentials of both: of polynomials, one sheet after the
-    other.
+    """Charges D of both sheets by potentials of both, in polynomials.
 
-    basis: with places as they are before a skin is stretched. matrix: F, shape (2, polynomial, 2,
+    basis: on places as they are before a skin is stretched. matrix: F, shape (2, polynomial, 2,
     polynomial), the top sheet first; positive semidefinite. error: estimated, of the charges of the
     smoothest potentials, over those of straight fields across the foam.
     """
@@ -86,7 +89,7 @@ def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
 
 @lru_cache(maxsize=KEPT)
 def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Array, float]:
-    """The matrix, F, the sheet that faces a plane first, and its error; from disk where it is."""
+    """Matrix, F, sheet that faces a plane first, and its error; from disk if cached."""
     key = repr((shape, plane, basis, PANELS, EVEN))
     found = array_cache.read(key)
     if found is None or found.shape != (len(PANELS), *2 * (2, basis.count)):
@@ -104,7 +107,10 @@ def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Arra
 
 
 def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
-    """Largest change of charges of the smoothest potentials over those of straight fields."""
+    """Largest change of charges of the smoothest potentials.
+
+    It is over those of straight fields.
+    """
     size = 2 * basis.count
     norms = np.tile(np.sqrt(basis.squared), 2)
     smooth = np.tile(basis.smooth, 2)
@@ -116,10 +122,10 @@ def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
 def excess(
     block: PanelBlock, layer: Layer | None, permittivity: float, basis: Polynomials
 ) -> Array:
-    """Of one block, F, shape (2, polynomial, 2, polynomial), the bottom sheet first.
+    """Matrix of one block, F, shape (2, polynomial, 2, polynomial).
 
-    Polynomials are those of the whole skin; where the block is a part of it that mirrors make up,
-    even ones and odd ones are solved for apart.
+    The bottom sheet is first. Polynomials are those of the whole skin. If the block is a part of it
+    that mirrors complete, even ones and odd ones are solved separately.
     """
     found, of_parts = np.zeros((2, basis.count, 2, basis.count)), influence(block, layer)
     for odd in np.unique(basis.odd, axis=1).T if len(block.mirrors) > 1 else [None]:
@@ -140,9 +146,9 @@ def excess(
 
 
 def _local(block: PanelBlock, layer: Layer | None, values: Array, slopes: Array) -> Array:
-    """What sheets with vacuum between have place by place, over eps0, m, shape (2 k, 2 k).
+    """Local charges of sheets with vacuum between, over eps0, m, shape (2 k, 2 k).
 
-    values, slopes: of k potentials and of their gradients at the middles of all panels.
+    values, slopes: those of k potentials and of their gradients at the middles of all panels.
     """
     sheet = np.s_[..., : len(block.panels)]
     weights, u, du = block.areas[sheet], values[sheet], slopes[sheet]
