@@ -19,7 +19,7 @@ from ..scene.skin import Skin
 from ..scene.wiring_checks import strip
 
 Shape = Circle | Points
-"""A circle, or the corners of a polygon or polyline, shape (corner, 2)."""
+"""Circle, or the corners of a polygon or polyline, shape (corner, 2)."""
 Angular = Touch | Rectangle | Polygon
 
 

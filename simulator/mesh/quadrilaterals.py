@@ -261,7 +261,7 @@ def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, 
 
 
 def _inwards(end: tuple[float, float], contact: Contact, skin: Skin) -> tuple[float, float]:
-    """The corner of a foil with a width that lies off its end."""
+    """Inner corner of a foil with a width at its end; the end itself without a width."""
     if not contact.width:
         return end
     corners = strip(contact, skin)

@@ -174,8 +174,8 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
 def _finger(scene: Scene) -> dict[str, Any] | None:
     """Capacitance of a finger to earth: on any touch, F, or by its area in m2.
 
-    It is null if it is unknown. areas: of the skin in each pixel that has any. series: capacitance
-    in series with it. earthed: True if presses are by fingers from the start.
+    It is null if it is unknown. areas: those of the skin in each pixel that has any. series:
+    capacitance in series with it. earthed: True if presses are by fingers from the start.
     """
     around, how = scene.surroundings, scene.press.finger or "earthed"
     assert around is not None

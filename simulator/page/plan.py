@@ -31,7 +31,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
 
     family: that of the scene; its mesh has the pixels' groups. outline: closed lines. foils: with
     pieces (x, y, x, y, away x, away y), where away is a unit vector off the skin. held: numbers,
-    from 0, of the pixels that have any skin. middles: that of the skin in each pixel. groups:
+    from 0, of the pixels that contain any skin. middles: that of the skin in each pixel. groups:
     closed lines around the skin of each pixel, where pixels are groups.
     """
     mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None

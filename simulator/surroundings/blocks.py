@@ -69,7 +69,7 @@ def shape_of(scene: Scene, key: str) -> Shape:
 
 
 def blocks(shape: Shape) -> list[tuple[PanelBlock, float]]:
-    """A coarse block and a fine one, each with the size of its panels, in any unit."""
+    """Coarse and fine block, each with the size of its panels, in any unit."""
     if shape.drawn is None:
         sides = shape.length, shape.width, shape.thickness
         return [(quarter(*sides, count), 1 / count) for count in PANELS]

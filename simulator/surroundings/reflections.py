@@ -1,8 +1,8 @@
-"""A conducting plane that faces a skin, as images of the skin's charges.
+"""Conducting plane that faces a skin, as images of the skin's charges.
 
 A layer of relative permittivity e and thickness h that begins at a sheet and ends at the plane
-reflects a field exp(-k z) by -(b + exp(-2kh)) / (1 + b exp(-2kh)) with b = (e - 1)/(e + 1), which
-is the series of images below: for e = 1 the one mirror image.
+reflects a field exp(-k z) by -(b + exp(-2kh)) / (1 + b exp(-2kh)) with b = (e - 1)/(e + 1). This is
+the series of images below; for e = 1 it is the one mirror image.
 """
 
 from __future__ import annotations

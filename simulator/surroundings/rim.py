@@ -47,12 +47,12 @@ class RimDensities:
 
 
 def rim_densities(scene: Scene) -> RimDensities:
-    """Those of a scene: given in it, computed where `surroundings.rim = true`, else 0.
+    """Densities of a scene: given, computed if `surroundings.rim = true`, else 0.
 
-    A bent skin is taken as flat, and a stretched one as it is stretched. Without a body, and with a
-    low terminal that floats, earth takes no part: both sheets' capacitance to it is in `mutual`, in
-    series. Raises InputError for a foam of unknown thickness, two bodies, and a mesh that is not
-    flat.
+    A bent skin is taken as flat, and a stretched one as it is stretched. A foam without thickness
+    is as thick as one of ASSUMED_PERMITTIVITY. Without a body, and with a low terminal that floats,
+    earth takes no part: both sheets' capacitance to it is in `mutual`, in series. Raises InputError
+    for two bodies, and for a mesh that is not flat.
     """
     around = scene.surroundings
     if around is None or around.rim is False:
@@ -63,7 +63,7 @@ def rim_densities(scene: Scene) -> RimDensities:
 
 
 def computed(scene: Scene) -> RimDensities:
-    """Computed densities, even if a scene gives its rim."""
+    """Computed densities of a scene, even if it gives its rim."""
     around, key = scene.surroundings, "surroundings.rim = true"
     bodies = around.body if around else ()
     if len(bodies) > 1:

@@ -186,7 +186,7 @@ def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
 
 
 def show(stage: ViewedPress, what: str) -> None:
-    """Opens a window with the first frequency of each quantity, until it is closed."""
+    """Opens a window with each quantity at its first frequency, until it is closed."""
     from .painting import add_all, window
 
     panels = [panels_of(stage, quantity)[0] for quantity in chosen(what, stage.fields)]

@@ -137,7 +137,10 @@ def _power_at(
     conductance: NDArray[np.float64],
     held: Numbers,
 ) -> float:
-    """Exponent at a point by the wedges around it. held: edges of foils."""
+    """Exponent at a point by the wedges around it.
+
+    held: edges of foils, which fix the field, shape (2, edge).
+    """
     corner, triangle = np.nonzero(t == point)
     sides = [set(t[:, k].tolist()) - {point} for k in triangle.tolist()]
     turn, first, last = _in_turn(sides)

@@ -37,8 +37,8 @@ def graded(
 ) -> tuple[Domain, NDArray[np.float64]]:
     """Mesh with triangles halved until about `enough` is left of each error.
 
-    Also returns the predicted parts of its triangles. parts: of each triangle in some errors, shape
-    (error, triangle). order: that of the elements. exponents: at points, as from
+    Also returns the predicted parts of its triangles. parts: those of each triangle in some errors,
+    shape (error, triangle). order: that of the elements. exponents: at points, as from
     `corner_exponents`. Raises what `finer` raises.
     """
     pixel, found, most = mesh.pixel, mesh, MOST_GROWN * mesh.t.shape[1]
@@ -72,7 +72,10 @@ def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def fewest(parts: NDArray[np.float64], held: float) -> NDArray[np.int64]:
-    """Fewest triangles whose parts sum to `held`, by number, ascending; at least one."""
+    """Fewest triangles whose parts sum to `held`, by number, ascending.
+
+    There is at least one.
+    """
     order = np.argsort(-parts, kind="stable")
     return np.sort(order[: int(np.searchsorted(np.cumsum(parts[order]), held)) + 1])
 
