@@ -1,14 +1,14 @@
-// The simulated press that is nearest to what was measured, and how far off it is.
+// Fits the simulated press that is nearest to a measured sweep, with its residual.
 
 import { observed } from "rcskin/meter";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/localizer").Localizer} Localizer */
-/** A pixel, 0 where nothing is pressed, and how far its capacitance rises. @typedef {{row: number, column: number, rise: number}} Fit */
-/** In standard errors, of ln |Z| and of the phase, by interface and frequency; NaN where nothing was read. @typedef {{size: number[][], phase: number[][]}} Residual */
+/** Pixel of a press, 0 if nothing is pressed, and the relative rise of its capacitance. @typedef {{row: number, column: number, rise: number}} Fit */
+/** Residuals of ln |Z| and of the phase in standard errors, by interface and frequency; NaN where nothing was read. @typedef {{size: number[][], phase: number[][]}} Residual */
 
 /**
- * @param {Localizer} localizer @param {Complex[][]} Z measured @param {Complex[][]} rest as measured, or simulated where it was not
+ * @param {Localizer} localizer @param {Complex[][]} Z measured @param {Complex[][]} rest baseline as measured, or as simulated if it was not measured
  * @returns {Fit}
  */
 export function fitted(localizer, Z, rest) {
@@ -29,7 +29,7 @@ export function fitted(localizer, Z, rest) {
   return { row: best.row, column: best.column, rise: best.rise };
 }
 
-/** The place between two points that is nearest to what was seen, where anything was. @param {Float64Array} from @param {Float64Array} to @param {Float64Array} seen */
+/** Finds the place between two points that is nearest to the observed values; NaN values do not count. @param {Float64Array} from @param {Float64Array} to @param {Float64Array} seen */
 function nearest(from, to, seen) {
   let [length, along] = [0, 0];
   for (let i = 0; i < seen.length; i++) {
@@ -47,7 +47,7 @@ function nearest(from, to, seen) {
 }
 
 /**
- * What is left of a change when the simulated one is taken from it.
+ * Measured change less the simulated one.
  * @param {{Z: Complex[][], rest: Complex[][]}} measured @param {{Z: Complex[][], rest: Complex[][]}} simulated
  * @param {{magnitude: number, phase: number}} error of one change
  * @returns {Residual}
@@ -67,7 +67,7 @@ export function residual(measured, simulated, error) {
   return { size: part(0, error.magnitude), phase: part(1, error.phase) };
 }
 
-/** Root of the mean square, and the largest and where. @param {Residual} residual */
+/** Root mean square of a residual, and its largest value with its place. @param {Residual} residual */
 export function summary({ size, phase }) {
   let [sum, count] = [0, 0];
   const worst = { value: 0, drive: 0, at: 0 };

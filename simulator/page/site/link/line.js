@@ -1,12 +1,12 @@
-// The line to the program that serves the page: frames in, each drawn before the next one is sent.
+// Connection to the program that serves the page: each frame is drawn before the next one is sent.
 
 /** @typedef {{frame: number, state: any}} Frame */
 /**
- * frame: is given the newest state. told: answers to what was said. changed: whether the line is up, and how many frames were left out.
+ * frame: receives the newest state. told: receives answers to messages. changed: receives true if the line is up, and the number of frames left out.
  * @typedef {{frame: (state: any) => void, told: (answer: any) => void, changed: (up: boolean, left: number) => void}} Ends
  */
 
-const FIRST_WAIT = 500; // ms until it is tried again
+const FIRST_WAIT = 500; // ms until the next attempt
 const LONGEST_WAIT = 4000;
 
 export class Line {
@@ -19,7 +19,7 @@ export class Line {
     this.#open();
   }
 
-  /** Whether it went out. @param {any} message */
+  /** Sends a message; true if it was sent. @param {any} message */
   say(message) {
     if (this.socket?.readyState !== WebSocket.OPEN) return false;
     this.socket.send(JSON.stringify(message));
@@ -45,7 +45,7 @@ export class Line {
     });
   }
 
-  /** A page that is not looked at draws nothing, and is sent nothing. @param {any} message */
+  /** Handles a message. A hidden page draws nothing, and no further frame is sent to it. @param {any} message */
   #heed(message) {
     if (message.do) return this.ends.told(message);
     requestAnimationFrame(() => {

@@ -1,4 +1,4 @@
-// A page that is served: on the line to a live session, or to a virtual meter whose skin it presses.
+// Served page: connected to a live session, or to a virtual meter whose skin it presses.
 
 import { page } from "rcskin/app";
 import { Line } from "rcskin/line";

@@ -1,4 +1,4 @@
-// What a live session shows: the answer in words and on the skin, faults, and measured against simulated curves.
+// View of a live session: answer in words and on the skin, faults, measured and simulated curves.
 
 import { Chart, withPrefix } from "rcskin/charts";
 import { drawBelief, fit } from "rcskin/field";
@@ -8,7 +8,7 @@ import { SpectraCharts } from "rcskin/spectra";
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 
-const SURE = 2; // standard errors: 19 of 20 readings lie within
+const SURE = 2; // standard errors, within which 19 of 20 readings lie
 const NOT_READ = { re: NaN, im: NaN };
 
 export class Measured {
@@ -24,7 +24,7 @@ export class Measured {
     window.addEventListener("rcskin-drawn", () => this.shown && this.#draw());
   }
 
-  /** @param {any} state as the session tells it */
+  /** @param {any} state as the session sends it */
   show(state) {
     this.shown = state;
     this.#draw();
@@ -92,7 +92,7 @@ export class Measured {
     this.#tell("residual", this.#inWords(measured, found, left));
   }
 
-  /** Of a change; of a reading by itself, where nothing is known of the skin at rest. @param {number} rests */
+  /** Standard errors of a change, or of a reading alone if no baseline is known. @param {number} rests */
   #error(rests) {
     const { magnitude, phase } = this.page.station.localizer.readings;
     if (rests > 0) {
@@ -153,7 +153,7 @@ function inFigures(times, progress) {
   );
 }
 
-/** Begun with a capital, where it begins with a word. @param {string} text */
+/** Text with a capital first letter, if it begins with a word. @param {string} text */
 function sentence(text) {
   return text.replace(/^[a-z](?=[a-z])/, (first) => first.toUpperCase());
 }

@@ -1,4 +1,4 @@
-// A touch at a place: a cross, and the ellipse of two standard deviations.
+// Mark of a located touch: a cross, and the ellipse of two standard deviations.
 
 import { line } from "rcskin/charts";
 import { Plan } from "rcskin/field";

@@ -1,4 +1,4 @@
-// The virtual skin: what is pressed on the page is pressed there, and what others press is shown.
+// Virtual skin: touches on the page press it, and presses by others are shown.
 
 import { withPrefix } from "rcskin/charts";
 import { parsed, unmistakable } from "rcskin/presses";
@@ -10,14 +10,14 @@ export class Pressed {
   constructor(page, say) {
     this.page = page;
     this.say = say;
-    /** @type {string | null} the page's touches when both were last the same; null before the first frame */
+    /** @type {string | null} the page's touches when both were last equal; null before the first frame */
     this.agreed = null;
-    /** @type {string | null} what was asked for and not yet answered */
+    /** @type {string | null} press that was requested and not yet answered */
     this.asked = null;
     window.addEventListener("rcskin-drawn", () => this.#ask());
   }
 
-  /** The line was lost: what was asked may not have come through. */
+  /** Drops the pending request: the line was lost, and the request may not have arrived. */
   forget() {
     this.asked = null;
     this.agreed = null;

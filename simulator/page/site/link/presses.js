@@ -1,21 +1,21 @@
-// A press as rcskin's commands write it, read back as touches.
+// Parser of a press as rcskin's commands write it.
 
 import { pressText } from "rcskin/takeaway";
 
 /** @typedef {import("rcskin/skin").Touch} Touch */
 
-const MOST = 2; // touches that a page has at once
+const MOST = 2; // largest number of touches of a page
 const PIXEL = /^(\d+),(\d+)(?::([\d.]+))?(?::([\d.e-]+)F)?$/;
 const RECTANGLE = /^rect\(([^()]*)\)(?::([\d.]+))?(?::([\d.e-]+)F)?$/;
 
-/** The touches; null where they are none of a page's. @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch[] | null} */
+/** Touches of a press; null if a page cannot have them. @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch[] | null} */
 export function parsed(text, skin) {
   if (text === "none") return [];
   const touches = text.split("+").map((each) => touch(each, skin));
   return touches.length <= MOST && touches.every((each) => each !== null) ? touches : null;
 }
 
-/** The touches as text that names rods, too: what else presses by the scene's finger. @param {Touch[]} touches @param {any} data of the page */
+/** Touches as text that names rods too; without that name the scene's finger would press. @param {Touch[]} touches @param {any} data of the page */
 export function unmistakable(touches, data) {
   if (!data.finger) return pressText(touches);
   const named = (/** @type {Touch} */ each) => pressText([each]) + (each.finger ? "" : ":rod");

@@ -1,4 +1,4 @@
-// The page: what is set and pressed becomes curves, a field, a belief, and words.
+// Page: settings and touches become curves, a field, an answer of the localizer, and texts.
 
 import { withPrefix } from "rcskin/charts";
 import { Controls, element } from "rcskin/controls";
@@ -15,7 +15,7 @@ import { csv, pressText, save, toml } from "rcskin/takeaway";
 
 const FEW_DRAWS = 3;
 const MANY_DRAWS = 20;
-const PATIENCE = 250; // ms of quiet until shares are counted with many draws, and the address is renewed
+const PATIENCE = 250; // ms without change until rates are estimated with many draws, and the address is updated
 const TURN = 2500; // ms for the phase to run once around
 
 const data = JSON.parse(element("data").textContent);
@@ -32,7 +32,7 @@ const gestures = new Gestures(element("skin"), skin, {
   changed: press,
 });
 
-/** For what the page is linked to. */
+/** Access for the program that the page is linked to. */
 export const page = { data, skin, station, gestures, element, state: () => state };
 
 /** @type {Touch[]} */
@@ -57,7 +57,7 @@ function press(touches) {
   refresh(false);
 }
 
-/** What touches stays, by a finger or a rod as the switch says. */
+/** Presses the same touches anew, by a finger or a rod as the switch is set. */
 function touchAnew() {
   state.touches = state.touches.map(({ finger: _, ...rod }) => station.pressed(rod));
   gestures.touches = state.touches;
@@ -72,7 +72,7 @@ function set(values, cast) {
   refresh(cast);
 }
 
-/** Of the latest touch and the next. @param {number} factor */
+/** Sets the strength of the latest touch and of the next. @param {number} factor */
 function setStrength(factor) {
   const strength = Math.min(Math.max(Number(factor.toFixed(3)), 1), 1 + data.range.rise[1]);
   const touches = state.touches.map((touch, k) =>
@@ -83,7 +83,7 @@ function setStrength(factor) {
   element("strength").value = strength;
 }
 
-/** Everything is drawn once before the next picture of the screen, however often this is asked. @param {boolean} cast whether the skin or its readings have changed */
+/** Draws everything once before the next frame of the screen, however often it is called. @param {boolean} cast true if the skin or its readings have changed */
 function refresh(cast) {
   waiting.cast ||= cast;
   if (waiting.picture) return;
@@ -101,7 +101,7 @@ function refresh(cast) {
   });
 }
 
-/** What takes longer, once nothing moves. */
+/** Computes what takes longer, once nothing moves. */
 function settle() {
   if (station.few) {
     station.renew(false);
@@ -133,7 +133,7 @@ function draw() {
   if (element("answer").textContent !== told.words) element("answer").textContent = told.words;
 }
 
-/** @param {number | null} phase rad, null for the size alone */
+/** @param {number | null} phase rad, null for the amplitude alone */
 function drawField(phase) {
   const { high, low } = data.interfaces[state.drive];
   const { arrows, touches } = state;

@@ -4,7 +4,7 @@
 
 const ROOM = { left: 56, right: 26, top: 22, bottom: 30 };
 
-/** Numbers that people count in, about so many from low to high. @param {number} low @param {number} high @param {number} count */
+/** Round numbers for ticks, about `count` of them from low to high. @param {number} low @param {number} high @param {number} count */
 function round(low, high, count) {
   const rough = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -14,7 +14,7 @@ function round(low, high, count) {
   return { values: found, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
-/** A number with the prefix of its unit. @param {number} value @param {string} unit */
+/** Number with its unit and the unit's prefix. @param {number} value @param {string} unit */
 export function withPrefix(value, unit) {
   if (value === 0) return `0 ${unit}`;
   const rounded = Math.abs(Number(value.toPrecision(3)));
@@ -127,7 +127,7 @@ export class Chart {
   }
 }
 
-/** A canvas cleared, as fine as the screen. @param {HTMLCanvasElement} canvas */
+/** Context of a cleared canvas with the resolution of the screen. @param {HTMLCanvasElement} canvas */
 export function prepared(canvas) {
   const { width, height } = canvas.getBoundingClientRect();
   const ratio = window.devicePixelRatio || 1;

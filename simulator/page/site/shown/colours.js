@@ -1,4 +1,4 @@
-// Colours that those who are colour-blind tell apart, too.
+// Colours that colour-blind users can distinguish, too.
 
 const VIRIDIS = [
   "#440154",
@@ -37,13 +37,13 @@ function between(anchors) {
   };
 }
 
-/** From little, 0, to much, 1. */
+/** Colour of a fraction from 0 (little) to 1 (much). */
 export const sequential = between(VIRIDIS);
-/** From -1 over none, 0, to 1, given as a part from 0 to 1. */
+/** Colour of a value from -1 over 0 to 1, given as a fraction from 0 to 1. */
 export const diverging = between(BLUE_TO_ORANGE);
 /** @param {[number, number, number]} colour */
 export const css = (colour) => `rgb(${colour.map(Math.round).join(" ")})`;
-/** Black or white, whichever is read better upon it: WCAG 2.2. @param {[number, number, number]} colour */
+/** Black or white, whichever has more contrast with a colour: WCAG 2.2. @param {[number, number, number]} colour */
 export function ink(colour) {
   const [r, g, b] = colour.map((value) => {
     const part = value / 255;

@@ -1,4 +1,4 @@
-// Sliders, boxes and what stands beside them: they show the state, and change it.
+// Sliders, boxes and their values: they show the state, and change it.
 
 import { withPrefix } from "rcskin/charts";
 import { near, reads } from "rcskin/state";
@@ -15,7 +15,7 @@ export const element = (id) => document.getElementById(id);
 export class Controls {
   /**
    * @param {any} data of the page @param {() => State} state
-   * @param {(values: Partial<State>, cast: boolean) => void} set cast: whether the skin or its readings change
+   * @param {(values: Partial<State>, cast: boolean) => void} set cast: true if the skin or its readings change
    * @param {(factor: number) => void} setStrength
    */
   constructor(data, state, set, setStrength) {
@@ -49,7 +49,7 @@ export class Controls {
       this.#on(name, "change", (box) => set({ [name]: box.checked }, name === "earthed"));
   }
 
-  /** Puts every control where the state is. */
+  /** Sets every control to the state. */
   show() {
     const state = this.state();
     element("strength").value = state.strength;
@@ -67,7 +67,7 @@ export class Controls {
     this.tell();
   }
 
-  /** Writes the values beside the sliders, in their units. */
+  /** Writes the values next to the sliders, in their units. */
   tell() {
     const { data } = this;
     const state = this.state();
@@ -90,7 +90,7 @@ export class Controls {
     }
   }
 
-  /** What a sheet's slider does to the other sheet. @param {string} name @param {number} value @returns {Partial<State>} */
+  /** Change of the other sheet by a sheet's slider. @param {string} name @param {number} value @returns {Partial<State>} */
   #besides(name, value) {
     const other = { top: "bottom", bottom: "top" }[name];
     if (other !== "top" && other !== "bottom") return {};
@@ -115,7 +115,7 @@ export class Controls {
       element(id).hidden = interfaces.length === 1;
   }
 
-  /** A box to be ticked for every frequency, or interface; the last that is read stays. @param {string} id @param {"frequencies" | "drives"} name @param {string[]} labels */
+  /** Adds a check box for every frequency or interface; the last ticked one stays ticked. @param {string} id @param {"frequencies" | "drives"} name @param {string[]} labels */
   #boxes(id, name, labels) {
     for (const [k, text] of labels.entries()) {
       const label = document.createElement("label");

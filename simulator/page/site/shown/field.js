@@ -1,4 +1,4 @@
-// The skin from above: a field in colours, current in arrows, pixels, foils and touches.
+// Skin from above: a field in colours, current in arrows, pixels, foils and touches.
 
 import { unpacked } from "rcskin/arrays";
 import { prepared } from "rcskin/charts";
@@ -10,10 +10,10 @@ import { arrow, foils, frame, grid, traced } from "rcskin/lines";
 /** @typedef {import("rcskin/skin").Skin} Skin */
 
 const MARGIN = 34;
-const TALLEST = 0.62; // of the window
-const ARROWS = 11; // along the longer side
+const TALLEST = 0.62; // largest height over the window's
+const ARROWS = 11; // number along the longer side
 
-/** Where the skin lies on a canvas: m to pixels of the screen and back. */
+/** Place of the skin on a canvas: converts m to pixels of the screen and back. */
 export class Plan {
   /** @param {{length: number, width: number}} skin @param {HTMLCanvasElement} canvas */
   constructor(skin, canvas) {
@@ -44,7 +44,7 @@ export function fit(canvas, skin) {
 /**
  * @param {HTMLCanvasElement} canvas @param {Skin} skin @param {{across: Phasor, top: Phasor}} field
  * @param {{phase: number | null, arrows: boolean, touches: Touch[], cursor: Touch | null, driven: string[]}} shown
- * @returns {{least: number, most: number}} of the difference of potential, V
+ * @returns {{least: number, most: number}} range of the difference of potential, V
  */
 export function drawSkin(canvas, skin, field, shown) {
   const { data, outline } = skin;
@@ -89,7 +89,7 @@ function paint(context, plan, data, across, { least, most }, phase) {
   context.drawImage(small, left, top, plan.scale * data.skin.length, plan.scale * data.skin.width);
 }
 
-/** The current in the top sheet at one moment, by its conductance and the fall of its potential. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {any} data @param {Phasor} top @param {number} phase */
+/** Draws the current in the top sheet at one moment, from its conductance and potential gradient. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {any} data @param {Phasor} top @param {number} phase */
 function arrows(context, plan, data, top, phase) {
   const { rows, columns } = data.raster;
   const { length, width } = data.skin;
@@ -137,7 +137,7 @@ function arrows(context, plan, data, top, phase) {
   }
 }
 
-/** Where the localizer believes a touch, pixel by pixel. Pixels of a column or row that share a chance show it once, in their middle. @param {HTMLCanvasElement} canvas @param {Skin} skin @param {{row: number, column: number}[]} classes @param {Float64Array} chances @param {"column" | "row" | ""} shared */
+/** Draws the localizer's probability of each pixel. Pixels of a column or row that share a probability show it once, in their middle. @param {HTMLCanvasElement} canvas @param {Skin} skin @param {{row: number, column: number}[]} classes @param {Float64Array} chances @param {"column" | "row" | ""} shared */
 export function drawBelief(canvas, skin, classes, chances, shared = "") {
   const context = prepared(canvas);
   if (!context) return;

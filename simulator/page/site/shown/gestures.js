@@ -1,12 +1,12 @@
-// Pressing: mouse, pen and fingers on the skin, the wheel, and keys for those without.
+// Input of touches: mouse, pen and fingers on the skin, the wheel, and keys.
 
 import { Plan } from "rcskin/field";
 
 /** @typedef {import("rcskin/skin").Touch} Touch */
 
 const KEYS = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
-const MOST = 2; // touches at once
-const STEP = 0.1; // of capacitance
+const MOST = 2; // largest number of touches at once
+const STEP = 0.1; // of the capacitance factor
 
 export class Gestures {
   /**
@@ -41,7 +41,7 @@ export class Gestures {
     this.of.changed(touches);
   }
 
-  /** The pixel that keys press, outlined. @returns {Touch | null} */
+  /** Outlined pixel that keys press. @returns {Touch | null} */
   get pointed() {
     return this.cursor && this.skin.pixel(this.cursor.row, this.cursor.column, 1);
   }
@@ -89,7 +89,7 @@ export class Gestures {
     event.preventDefault();
   }
 
-  /** Presses the pixel pointed at, or lets go of it. @param {boolean} beside */
+  /** Presses the outlined pixel, or releases it. @param {boolean} beside */
   #pressPointed(beside) {
     if (!this.cursor) return;
     const touch = this.skin.pixel(this.cursor.row, this.cursor.column, this.of.factor());

@@ -23,7 +23,7 @@ export function traced(plan, rings) {
   return path;
 }
 
-/** The lines between pixels, and their numbers. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline @param {CSSStyleDeclaration} style */
+/** Draws the lines between pixels, and the numbers of rows and columns. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline @param {CSSStyleDeclaration} style */
 export function grid(context, plan, outline, style) {
   const whole = traced(plan, outline.rings);
   context.save();
@@ -51,7 +51,7 @@ export function grid(context, plan, outline, style) {
   }
 }
 
-/** Row and column in each pixel, where they are no grid. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline */
+/** Writes row and column in each pixel, if pixels are no grid. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline */
 function named(context, plan, outline) {
   context.lineWidth = 3;
   for (const { row, column } of outline.held) {
@@ -63,7 +63,7 @@ function named(context, plan, outline) {
   }
 }
 
-/** Foils beside the skin's edge, the top sheet's within the bottom sheet's. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {any[]} foils @param {string[]} driven names @param {CSSStyleDeclaration} style */
+/** Draws foils outside the skin's edge, those of the top sheet inside those of the bottom sheet. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {any[]} foils @param {string[]} driven names @param {CSSStyleDeclaration} style */
 export function foils(context, plan, foils, driven, style) {
   context.lineCap = "round";
   for (const { name, electrode, pieces } of foils) {
@@ -78,7 +78,7 @@ export function foils(context, plan, foils, driven, style) {
   context.lineCap = "butt";
 }
 
-/** What a touch covers. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline @param {Touch} touch @param {string} inner @param {string} outer @param {number} width */
+/** Outlines the skin that a touch covers. @param {CanvasRenderingContext2D} context @param {Plan} plan @param {Outline} outline @param {Touch} touch @param {string} inner @param {string} outer @param {number} width */
 export function frame(context, plan, outline, touch, inner, outer, width) {
   const { x, y, row, column } = touch;
   const rings =

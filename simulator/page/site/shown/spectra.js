@@ -1,4 +1,4 @@
-// Rs, Cp and their changes against rest over frequency: four charts of one interface.
+// Rs, Cp and their changes against the baseline over frequency: four charts of one interface.
 
 import { Chart, withPrefix } from "rcskin/charts";
 import { parallelCapacitance } from "rcskin/skin";
@@ -7,11 +7,11 @@ import { parallelCapacitance } from "rcskin/skin";
 /** @typedef {import("rcskin/charts").Curve} Curve */
 /** @typedef {(Z: Complex, frequency: number) => number} Quantity */
 /**
- * Of one interface. rest, last: without noise; last is empty where nothing was pressed before.
+ * Spectra of one interface. rest, last: without noise; last is empty if nothing was pressed before.
  * @typedef {{rest: Complex[], last: Complex[], now: Complex[], heldAgainst: Complex[]}} Spectra
  */
 
-const BAND = 2; // standard deviations: 19 of 20 readings
+const BAND = 2; // standard deviations, within which 19 of 20 readings lie
 /** @type {Quantity} */
 const seriesResistance = (Z) => Z.re;
 
@@ -72,7 +72,7 @@ export class SpectraCharts {
     }
   }
 
-  /** The readings at one frequency in words. @param {Spectra} spectra @param {number} at its number */
+  /** Readings at one frequency in words. @param {Spectra} spectra @param {number} at its number */
   told(spectra, at) {
     const [f, Z] = [this.frequencies[at], spectra.now[at]];
     const [Rs, Cp] = [withPrefix(Z.re, "ohm"), withPrefix(parallelCapacitance(Z, f), "F")];

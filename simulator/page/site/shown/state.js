@@ -1,12 +1,12 @@
-// What is set and pressed, kept in the page's address so that a link shows the same.
+// Settings and touches, kept in the page's address so that a link shows the same.
 
 import { readAt } from "rcskin/skin";
 
 /** @typedef {import("rcskin/skin").Touch} Touch */
 /**
- * top, bottom: factors on each sheet's resistance, together: both changed at once. capacitance, noise: factors. loss: tangent. factor: of the usual press. strength: of the
- * next touch. drive: shown. at: the frequency shown, its number. used: which interfaces and frequencies
- * are read. seed: of the meter's errors, 0 for a meter without. earthed: whether touches are by fingers.
+ * top, bottom: factors on each sheet's resistance. together: true if both change at once. capacitance, noise: factors. loss: tangent. factor: that of the usual press. strength: that of the
+ * next touch. drive: displayed interface. at: number of the displayed frequency. drives, frequencies: those that
+ * are read. seed: that of the meter's errors, 0 for a meter without errors. earthed: true if fingers touch.
  * @typedef {{top: number, bottom: number, together: boolean, capacitance: number, loss: number, noise: number, factor: number, strength: number,
  *   drive: number, at: number, seed: number, whole: boolean, arrows: boolean, running: boolean, earthed: boolean,
  *   drives: number[], frequencies: number[], touches: Touch[]}} State
@@ -37,7 +37,7 @@ export function initial(data) {
   };
 }
 
-/** What differs from the initial state, as a part of an address. @param {State} state @param {State} first */
+/** Differences from the initial state, as a part of an address. @param {State} state @param {State} first */
 export function written(state, first) {
   const parts = new URLSearchParams();
   for (const [name, value] of Object.entries(state)) {
@@ -48,7 +48,7 @@ export function written(state, first) {
   return parts.toString();
 }
 
-/** The state of an address; what is not of the kind it should be is left as it was. @param {string} text @param {State} first @param {any} data @returns {State} */
+/** State of an address; values of a wrong kind keep their initial value. @param {string} text @param {State} first @param {any} data @returns {State} */
 export function read(text, first, data) {
   const state = structuredClone(first);
   for (const [name, written] of new URLSearchParams(text)) {
@@ -57,7 +57,7 @@ export function read(text, first, data) {
       const value = JSON.parse(written);
       if (fits(name, value, first, data)) Object.assign(state, { [name]: value });
     } catch {
-      // An address that was cut or mistyped: the rest of it still counts.
+      // The address was cut or mistyped: its other parts still count.
     }
   }
   const { drives, frequencies } = reads(state, data) ? state : first;
@@ -65,12 +65,12 @@ export function read(text, first, data) {
   return structuredClone({ ...state, drives, frequencies, bottom });
 }
 
-/** Whether any interface is read at any frequency. @param {Pick<State, "drives" | "frequencies">} state @param {any} data */
+/** True if any interface is read at any frequency. @param {Pick<State, "drives" | "frequencies">} state @param {any} data */
 export function reads({ drives, frequencies }, data) {
   return drives.some((drive) => readAt(data, drive, frequencies).length > 0);
 }
 
-/** A sheet's factor, no farther from the other's than the model knows. @param {number} factor @param {number} other @param {any} data */
+/** Factor of a sheet, limited to the range around the other's that the model covers. @param {number} factor @param {number} other @param {any} data */
 export function near(factor, other, data) {
   const { apart } = data.range;
   return Math.min(Math.max(factor, other / apart), other * apart);

@@ -1,4 +1,4 @@
-// The bench: the skin as it is cast, under the meter, and the localizer made for both.
+// Measurement setup: the skin as it is set, the meter, and the localizer for both.
 
 import { Localizer, RESTS } from "rcskin/localizer";
 import { displayed, Meter } from "rcskin/meter";
@@ -7,11 +7,11 @@ import { displayed, Meter } from "rcskin/meter";
 /** @typedef {import("rcskin/skin").Touch} Touch */
 /** @typedef {import("rcskin/state").State} State */
 /**
- * Z in ohm by interface and frequency, and the mean of those at rest.
+ * Z in ohm by interface and frequency, and the mean of the baseline sweeps.
  * @typedef {{touches: Touch[], Z: Complex[][], rest: Complex[][]}} Measured
  */
 
-const LEAST_NOISE = 1e-6; // of a scene whose meter has none: what beliefs are counted in
+const LEAST_NOISE = 1e-6; // for a scene whose meter has none: unit of the localizer's errors
 
 export class Station {
   /** @param {import("rcskin/skin").Skin} skin @param {() => State} state */
@@ -22,25 +22,25 @@ export class Station {
     this.localizer = this.#localizer();
   }
 
-  /** The skin as the sliders have it. @returns {import("rcskin/skin").Cast} */
+  /** Skin as the sliders set it. @returns {import("rcskin/skin").Cast} */
   get cast() {
     const { top, bottom, capacitance, loss } = this.state();
     return { top, bottom, capacitance, loss };
   }
 
-  /** A touch by what presses here. @param {Touch} touch @returns {Touch} */
+  /** Touch by a finger or a rod, as the switch is set. @param {Touch} touch @returns {Touch} */
   pressed(touch) {
     return this.state().earthed ? this.skin.byFinger(touch) : touch;
   }
 
-  /** Of one reading, |Z| as a fraction and the phase in rad. */
+  /** Noise of one reading, |Z| as a fraction and the phase in rad. */
   get noise() {
     const { magnitude_noise, phase_noise } = this.skin.data.readout;
     const { noise } = this.state();
     return { magnitude: noise * magnitude_noise, phase: noise * phase_noise };
   }
 
-  /** To be called when the skin, the meter or what is read has changed. @param {boolean} moving whether it may change again at once */
+  /** Updates the localizer after a change of the skin, the meter or the readings. @param {boolean} moving true if it may change again at once */
   renew(moving) {
     this.few = moving && this.skin.anew(this.cast);
     this.localizer = this.#localizer();
@@ -53,7 +53,7 @@ export class Station {
     return found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
   }
 
-  /** One sweep of what is pressed, and several at rest, in one session. @returns {Measured} */
+  /** One sweep of the pressed skin, and several baseline sweeps, in one session. @returns {Measured} */
   measure() {
     const { readout, interfaces } = this.skin.data;
     const { noise, seed, touches } = this.state();
@@ -66,7 +66,7 @@ export class Station {
     return { touches, Z, rest };
   }
 
-  /** What the meter's display shows. @param {Complex[][]} Z */
+  /** Readings as the meter displays them. @param {Complex[][]} Z */
   displayed(Z) {
     const digits = this.skin.data.readout.display_digits;
     const shown = (/** @type {Complex} */ z) => ({

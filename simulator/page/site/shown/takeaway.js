@@ -1,4 +1,4 @@
-// What can be taken away: the sweep as CSV, the scene as TOML.
+// Files to save: the sweep as CSV, the scene as TOML.
 
 import { parallelCapacitance, readAt } from "rcskin/skin";
 
@@ -8,7 +8,7 @@ import { parallelCapacitance, readAt } from "rcskin/skin";
 
 const HEADER = "sweep,press,row,column,interface,frequency_Hz,Rs_ohm,X_ohm,Cp_F";
 
-/** A press as rcskin's commands take it. @param {Touch[]} touches */
+/** Press as rcskin's commands take it. @param {Touch[]} touches */
 export function pressText(touches) {
   const each = touches.map((touch) => {
     const where = touch.row
@@ -45,7 +45,7 @@ export function csv(data, sweeps) {
   return `${[HEADER, ...lines].join("\n")}\n`;
 }
 
-/** The scene as the sliders have it. @param {any} data @param {State} state */
+/** Scene as the sliders set it. @param {any} data @param {State} state */
 export function toml(data, state) {
   const scene = structuredClone(data.scene);
   for (const name of /** @type {const} */ (["top", "bottom"]))
@@ -74,7 +74,7 @@ export function toml(data, state) {
   return how + table(scene, "");
 }
 
-/** A table: its own values first, then the tables within. @param {any} values @param {string} path @returns {string} */
+/** Table as text: its own values first, then its tables. @param {any} values @param {string} path @returns {string} */
 function table(values, path) {
   const isTable = (/** @type {any} */ value) =>
     value !== null && typeof value === "object" && !Array.isArray(value);

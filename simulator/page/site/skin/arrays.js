@@ -1,8 +1,8 @@
-// Arrays of numbers as the page holds them.
+// Arrays of numbers as the page stores them.
 
 /** @typedef {{type: string, base64: string}} Packed */
 
-/** Numbers from base64; of float48 the lowest two bytes are left out. @param {Packed} packed @returns {Float64Array | Float32Array} */
+/** Numbers from base64; float48 lacks the lowest two bytes of a number. @param {Packed} packed @returns {Float64Array | Float32Array} */
 export function unpacked(packed) {
   const bytes = Uint8Array.from(atob(packed.base64), (letter) => letter.charCodeAt(0));
   if (packed.type === "float32") return new Float32Array(bytes.buffer);
@@ -11,7 +11,7 @@ export function unpacked(packed) {
   return new Float64Array(whole.buffer);
 }
 
-/** Where the factors of each cell begin, in rows. @param {number[]} ranks */
+/** First row of the factors of each cell. @param {number[]} ranks */
 export function startsOf(ranks) {
   const starts = [0];
   for (const rank of ranks) starts.push(starts[starts.length - 1] + rank);

@@ -1,19 +1,19 @@
-// Where a touch is, by Bayes on the simulator's own curves: pixels of unknown strength, and none.
+// Location of a touch by Bayes' rule on simulated curves: pixels of unknown strength, and no touch.
 
 import { normal } from "rcskin/meter";
 
 /**
- * What every class does to the readings against the skin at rest, in units of their error.
- * Curves over the strength of a press are straight between the strengths that are known.
+ * Change of the readings by every class against the baseline, in units of their error.
+ * Curves over the strength of a press are linear between the known strengths.
  * @typedef {{row: number, column: number, curve: Float64Array[]}} Class
  */
 /** @typedef {{chances: Float64Array, misfit: number, readings: number}} Belief */
 /** @typedef {{pixel: number, column: number, row: number, draws: number, nearest: {first: number, second: number, distance: number}}} Apart */
 
-const SURE = 3.7; // standard deviations: one sweep in ten thousand is misfit by more
+const SURE = 3.7; // standard deviations: one sweep in ten thousand has a larger misfit
 
 /**
- * The chance of each class, equal before, all strengths of its curve alike likely.
+ * Posterior of each class; the prior is equal for all classes, and uniform over the strengths of a curve.
  * @param {Class[]} classes @param {Float64Array} seen against rest, in units of the error
  * @returns {Belief}
  */
@@ -31,7 +31,7 @@ export function believed(classes, seen) {
   return { chances: chances.map((each) => each / sum), misfit: best.misfit, readings: seen.length };
 }
 
-/** Whether the nearest of all classes is further off than noise can be. @param {Belief} belief */
+/** True if even the nearest class is farther off than noise explains. @param {Belief} belief */
 export function novel(belief) {
   const n = belief.readings;
   const spread = 2 / (9 * n);
@@ -45,7 +45,7 @@ function atPoint(point, seen) {
   return { misfit, log: -misfit / 2 };
 }
 
-/** Over every straight piece of a curve the likelihood integrates to normal tails. @param {Float64Array[]} curve @param {Float64Array} seen */
+/** Integrates the likelihood along a curve: each straight piece gives normal tails. @param {Float64Array[]} curve @param {Float64Array} seen */
 function alongCurve(curve, seen) {
   let misfit = Infinity;
   const logs = [];
@@ -71,7 +71,7 @@ function alongCurve(curve, seen) {
   return { misfit, log: most + Math.log(sum / logs.length) };
 }
 
-/** ln of the integral of exp(-x²/2) from low to high. @param {number} low @param {number} high */
+/** Logarithm of the integral of exp(-x²/2) from low to high. @param {number} low @param {number} high */
 function logWithin(low, high) {
   if (low > 0) return logWithin(-high, -low);
   if (high < -5)
@@ -83,7 +83,7 @@ function logWithin(low, high) {
   return Math.log(Math.sqrt(2 * Math.PI) * Math.max(below(high) - below(low), 1e-300));
 }
 
-/** The normal distribution below x, to 7.5e-8: Abramowitz and Stegun 26.2.17. @param {number} x */
+/** Normal distribution function at x, to 7.5e-8: Abramowitz and Stegun 26.2.17. @param {number} x */
 function below(x) {
   const t = 1 / (1 + 0.2316419 * Math.abs(x));
   const tail =
@@ -100,7 +100,7 @@ function squared(a, b) {
 }
 
 /**
- * How well classes stay apart: of presses of usual strength, the share told right, and the nearest two.
+ * Separation of classes: fraction of presses of usual strength that are classified correctly, and the nearest two classes.
  * @param {Class[]} classes @param {number[]} usual places on each curve, from 0, that presses have
  * @param {number} draws of each class @returns {Apart}
  */
@@ -130,13 +130,13 @@ export function apart(classes, usual, draws) {
   return { ...share, draws: count, nearest: nearest(classes, usual[Math.floor(usual.length / 2)]) };
 }
 
-/** The row or column of most chance. @param {Class[]} classes @param {Float64Array} chances @param {"row" | "column"} axis */
+/** Row or column of the largest probability. @param {Class[]} classes @param {Float64Array} chances @param {"row" | "column"} axis */
 export function heaviest(classes, chances, axis) {
   const sums = summed(classes, chances, axis);
   return [...sums].reduce((a, b) => (b[1] > a[1] ? b : a))[0];
 }
 
-/** Chances by row or by column. @param {Class[]} classes @param {Float64Array} chances @param {"row" | "column"} axis @returns {Map<number, number>} */
+/** Probabilities summed by row or by column. @param {Class[]} classes @param {Float64Array} chances @param {"row" | "column"} axis @returns {Map<number, number>} */
 export function summed(classes, chances, axis) {
   const sums = new Map();
   for (const [k, each] of classes.entries()) {

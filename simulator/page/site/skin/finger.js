@@ -1,27 +1,27 @@
-// Earth: what a finger has to it, and what parts of M beyond the foam do, as simulator/press/parts.py.
+// Capacitance of fingers to earth, and the parts of M beyond the foam, as in simulator/press/parts.py.
 
 /** @typedef {import("rcskin/model").Touched} Touched */
 /** @typedef {import("rcskin/skin").Touch} Touch */
 
-const LOOKED_AT = 64; // places along each side of a touch at which it is looked whether there is skin
-const DIGITS = 5; // of a capacitance, so that a press as text is the press that was solved
+const LOOKED_AT = 64; // places along each side of a touch that are tested for skin
+const DIGITS = 5; // digits of a capacitance, so that a press as text equals the solved press
 
 export class Finger {
   /** @param {any} data of the page @param {import("rcskin/outline").Outline} outline */
   constructor(data, outline) {
-    /** null where nothing tells what fingers have. */
+    /** null if the capacitance of fingers is unknown. */
     this.told = data.finger ?? null;
     this.parts = data.model.parts ?? null;
     this.across = data.model.across ?? false;
     this.outline = outline;
   }
 
-  /** Whether there is more than foam: its capacitance is then no scale. */
+  /** True if there is more than foam: its capacitance is then no mere scale. */
   get around() {
     return this.parts !== null;
   }
 
-  /** F of a finger on a touch. @param {Touch} touch */
+  /** Capacitance of a finger on a touch, F. @param {Touch} touch */
   of(touch) {
     if (!this.told) return 0;
     const { whole, perArea, series } = this.told;
@@ -31,7 +31,7 @@ export class Finger {
   }
 
   /**
-   * What a press does, in units of M of which all is multiplied by the factor of the foam.
+   * Parts of M that a press changes, in units in which all of M is multiplied by the factor of the foam.
    * @param {Float64Array} factors of c of each cell @param {Float64Array} fingers F of each cell @param {number} foam factor on all of c @returns {Touched}
    */
   withAround(factors, fingers, foam) {
@@ -56,7 +56,7 @@ export class Finger {
     };
   }
 
-  /** m² of the skin under a touch. @param {Touch} touch */
+  /** Area of the skin under a touch, m². @param {Touch} touch */
   #area({ x, y, width, height, row, column }) {
     const { outline } = this;
     const pixel = outline.held.findIndex((each) => each.row === row && each.column === column);

@@ -1,10 +1,10 @@
-// What drives and interfaces show at any s, once Lanczos' method has told it.
+// Admittances of excitations and interfaces at any s, from Lanczos' method.
 
 /** @typedef {{re: number, im: number}} Complex */
-/** What an interface shows. @typedef {{admittance: (s: Complex) => Complex}} Shown */
+/** Response of an interface. @typedef {{admittance: (s: Complex) => Complex}} Shown */
 
 /**
- * What a drive sees of one press at any s: Y = G + s C - s² b0² / (1 + s a1 - s² b1² / (1 + ...)).
+ * Admittance of an excitation under one press at any s: Y = G + s C - s² b0² / (1 + s a1 - s² b1² / (1 + ...)).
  */
 export class Response {
   /**
@@ -43,7 +43,7 @@ export class Response {
   }
 }
 
-/** The weighed sum of the forms of several drives: of an interface whose low terminal is a virtual earth. */
+/** Weighted sum of the forms of several excitations, for an interface whose low terminal is a virtual earth. */
 export class Sum {
   /** @param {[number, Response][]} parts weight and form */
   constructor(parts) {

@@ -1,6 +1,6 @@
 // Small systems of linear equations, and products of vectors.
 
-/** A complex symmetric system, positive in its real part: solved without pivots. */
+/** Complex symmetric system with a positive definite real part, solved without pivots. */
 export class Symmetric {
   /** @param {number} n */
   constructor(n) {
@@ -10,7 +10,7 @@ export class Symmetric {
     this.right = { re: new Float64Array(n), im: new Float64Array(n) };
   }
 
-  /** Entry i, j of the lower triangle. @param {number} i @param {number} j @param {number} re @param {number} im */
+  /** Sets entry i, j of the lower triangle. @param {number} i @param {number} j @param {number} re @param {number} im */
   set(i, j, re, im) {
     this.re[i * this.n + j] = re;
     this.im[i * this.n + j] = im;
@@ -22,7 +22,7 @@ export class Symmetric {
     this.right.im[i] = im;
   }
 
-  /** By L D L'. Overwrites the system. */
+  /** Solves the system by L D L', and overwrites it. */
   solved() {
     const { n, re, im, right } = this;
     const rowRe = new Float64Array(n);
@@ -67,9 +67,9 @@ export class Symmetric {
   }
 }
 
-/** A real symmetric matrix, positive: L L'. */
+/** Cholesky factor L of a real positive definite matrix, L L'. */
 export class Cholesky {
-  /** @param {Float64Array} K row after row @param {number} size of its rows @param {number} first from which row and column on it is meant */
+  /** @param {Float64Array} K row after row @param {number} size of its rows @param {number} first row and column of the part that is factored */
   constructor(K, size, first) {
     const n = size - first;
     this.n = n;
@@ -85,7 +85,7 @@ export class Cholesky {
     }
   }
 
-  /** Solves for what comes after `first`, in place. @param {Float64Array} y */
+  /** Solves for the unknowns from `first` on, in place. @param {Float64Array} y */
   solve(y) {
     const { n, L, first } = this;
     for (let i = 0; i < n; i++) {
@@ -108,7 +108,7 @@ export function dot(u, v) {
   return total;
 }
 
-/** Of potentials of terminals, those of all coordinates. @param {number[]} row @param {number} size */
+/** Potentials of all coordinates from those of the terminals. @param {number[]} row @param {number} size */
 export function padded(row, size) {
   const whole = new Float64Array(size);
   whole.set(row);
@@ -120,7 +120,7 @@ export function times(M, v) {
   return v.map((_, row) => dot(M.subarray(row * v.length, (row + 1) * v.length), v));
 }
 
-/** A small matrix inverted, by Gauss and Jordan. @param {number[][]} given */
+/** Inverse of a small matrix, by Gauss and Jordan. @param {number[][]} given */
 export function inverted(given) {
   const n = given.length;
   const A = given.map((row, i) => [...row, ...row.map((_, j) => Number(i === j))]);

@@ -1,4 +1,4 @@
-// The localizer of a page: the curves of every pixel on the skin as it is cast, in units of error.
+// Localizer of a page: curves of every pixel of the skin as the sliders set it, in units of error.
 
 import { apart, believed, heaviest, novel, summed } from "rcskin/bayes";
 import { observed } from "rcskin/meter";
@@ -9,18 +9,18 @@ import { readAt } from "rcskin/skin";
 /** @typedef {import("rcskin/model").Complex} Complex */
 /** @typedef {import("rcskin/bayes").Class} Class */
 /**
- * Which readings are used, and how far each errs: of |Z| as a fraction, of the phase in rad.
+ * Readings that are used, and their standard errors: of |Z| as a fraction, of the phase in rad.
  * @typedef {{drives: number[], frequencies: number[], magnitude: number, phase: number}} Readings
  */
 
-export const RESTS = 6; // sweeps of the skin at rest, averaged, that readings are held against
-const STRENGTHS = [0.25, 0.35, 0.5, 0.7, 0.85, 1, 1.18, 1.42, 1.9, 2.5]; // of the usual rise
+export const RESTS = 6; // baseline sweeps, averaged, that readings are compared with
+const STRENGTHS = [0.25, 0.35, 0.5, 0.7, 0.85, 1, 1.18, 1.42, 1.9, 2.5]; // over the usual rise
 const FEW_STRENGTHS = [0.35, 0.7, 1, 1.9]; // while a slider moves that changes every curve
 const QUANTILES = [-1.28, -0.52, 0, 0.52, 1.28]; // of a normal distribution: 10, 30, ... 90 %
 const ENOUGH = 0.9;
 
 export class Localizer {
-  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance @param {boolean} few whether a few strengths do @param {boolean} earthed whether fingers press, which may touch without pressing */
+  /** @param {Skin} skin @param {Cast} cast @param {Readings} readings @param {number} factor usual, of capacitance @param {boolean} few true if a few strengths suffice @param {boolean} earthed true if fingers press, which may touch without pressing */
   constructor(skin, cast, readings, factor, few, earthed) {
     this.skin = skin;
     this.cast = cast;
@@ -42,7 +42,7 @@ export class Localizer {
     }
   }
 
-  /** Readings used of Z by interface and frequency, in units of their error. @param {Complex[][]} Z */
+  /** Used readings of Z by interface and frequency, in units of their error. @param {Complex[][]} Z */
   seen(Z) {
     const { drives, frequencies, magnitude, phase } = this.readings;
     const used = drives.flatMap((drive) =>
@@ -52,7 +52,7 @@ export class Localizer {
     return observed(used).map((value, i) => (scale * value) / (i % 2 ? phase : magnitude));
   }
 
-  /** Of a press without noise. @param {import("rcskin/skin").Touch[]} touches */
+  /** Readings of a press without noise. @param {import("rcskin/skin").Touch[]} touches */
   curve(touches) {
     const { skin, cast } = this;
     const found = skin.responses(touches, cast, true);
@@ -66,7 +66,7 @@ export class Localizer {
     return this.curve(touches).map((value, i) => value - this.rest[i]);
   }
 
-  /** What measured readings tell. @param {Complex[][]} Z @param {Complex[][]} rest both by interface and frequency */
+  /** Answer of the localizer from measured readings. @param {Complex[][]} Z @param {Complex[][]} rest both by interface and frequency */
   told(Z, rest) {
     const held = this.seen(rest);
     const belief = believed(
@@ -76,13 +76,13 @@ export class Localizer {
     return { ...belief, words: this.#words(belief) };
   }
 
-  /** How well pixels stay apart. @param {number} spread of the rise, as a fraction @param {number} draws of each */
+  /** Separation of pixels. @param {number} spread of the rise, as a fraction @param {number} draws of each */
   apart(spread, draws) {
     const usual = QUANTILES.map((quantile) => this.#place(1 + spread * quantile));
     return apart(this.classes, usual, draws);
   }
 
-  /** The place on the curves of a rise, as a part of the usual one. @param {number} part */
+  /** Place on the curves of a rise, given as a fraction of the usual one. @param {number} part */
   #place(part) {
     const known = this.strengths;
     const above = known.findIndex((each) => each >= part);

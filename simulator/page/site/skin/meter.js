@@ -1,8 +1,8 @@
-// The meter: its errors drawn from a seed, what it displays, and how far readings may be trusted.
+// Meter: its errors drawn from a seed, and the digits that it displays.
 
 /** @typedef {import("rcskin/model").Complex} Complex */
 
-/** Uniform numbers from a seed, as mulberry32 draws them. @param {number} seed */
+/** Generator of uniform numbers from a seed, by mulberry32. @param {number} seed */
 function uniform(seed) {
   let state = seed >>> 0;
   return () => {
@@ -13,13 +13,13 @@ function uniform(seed) {
   };
 }
 
-/** Normal numbers from a seed, as Box and Muller make them. @param {number} seed */
+/** Generator of normal numbers from a seed, by Box and Muller. @param {number} seed */
 export function normal(seed) {
   const draw = uniform(seed);
   return () => Math.sqrt(-2 * Math.log(1 - draw())) * Math.cos(2 * Math.PI * draw());
 }
 
-/** A value as a meter shows it. @param {number} value @param {number} digits */
+/** Value as a meter displays it. @param {number} value @param {number} digits */
 export function displayed(value, digits) {
   return value === 0 ? 0 : Number(value.toPrecision(digits));
 }
@@ -37,7 +37,7 @@ export class Meter {
     }));
   }
 
-  /** One reading of Z in ohm. @param {Complex} Z @param {number} drive @returns {Complex} */
+  /** One reading of Z, ohm. @param {Complex} Z @param {number} drive @returns {Complex} */
   read(Z, drive) {
     const { gain, turn } = this.session[drive];
     const size = gain * (1 + this.magnitude * this.draw());
@@ -47,7 +47,7 @@ export class Meter {
   }
 }
 
-/** ln |Z / ohm| and the phase in rad of all readings, one after the other. @param {Complex[]} Z */
+/** Observations ln |Z / ohm| and phase in rad of all readings, one reading after the other. @param {Complex[]} Z */
 export function observed(Z) {
   const seen = new Float64Array(2 * Z.length);
   Z.forEach((each, k) => {

@@ -1,4 +1,4 @@
-// The reduced model of a skin: the twin in a browser of simulator/models/reduced/kernel.py.
+// Reduced model of a skin: the browser's twin of simulator/models/reduced/kernel.py.
 
 import { startsOf, unpacked } from "rcskin/arrays";
 import { Response, Sum } from "rcskin/forms";
@@ -17,7 +17,7 @@ import { fedAtRest } from "rcskin/sheets";
  *   gauges: {piezoresistance: number[], ranks: number[], factors: Packed} | null}} PackedModel
  */
 /**
- * Parts of M, cells of the grid first, and by how much each rises; and by how much what is fixed does.
+ * Parts of M that rise, cells of the grid first, and the rise of each; fixed: rise of the part that no press changes.
  * @typedef {{cells: number[], rises: number[], fixed: number}} Touched
  */
 /** @typedef {import("rcskin/forms").Complex} Complex */
@@ -32,30 +32,30 @@ export class Model {
     this.steps = packed.steps;
     this.terminals = packed.terminals;
     this.size = packed.size;
-    /** Of sheets as the model has them. */
+    /** Excitations with the sheets of the model. */
     this.fed = packed.feeds.map((feed) => fedAtRest(feed, packed.size));
     this.rows = unpacked(packed.rows);
     this.diagonal = unpacked(packed.diagonal);
     this.factors = unpacked(packed.factors);
     this.starts = startsOf(packed.ranks);
-    /** Of each interface the drives that it combines, and their weights; null where each drive is one. */
+    /** Excitations and their weights for each interface; null if each interface is one excitation. */
     this.combined = packed.combined ?? null;
-    /** M of what no press changes, row after row; null where there is only foam. */
+    /** M of the parts that no press changes, row after row; null if there is only foam. */
     this.fixed = packed.fixed ? unpacked(packed.fixed) : null;
   }
 
-  /** What interfaces show. @param {Response[]} forms of every drive @returns {Shown[]} */
+  /** Responses of the interfaces. @param {Response[]} forms of every excitation @returns {Shown[]} */
   interfaces(forms) {
     if (!this.combined) return forms;
     return this.combined.map((parts) => new Sum(parts.map(([k, weight]) => [weight, forms[k]])));
   }
 
-  /** The drives of an interface: with high at 1 V and low at 0 V all are there at once. @param {number} k @returns {number[]} */
+  /** Excitations of an interface; all act at once with high at 1 V and low at 0 V. @param {number} k @returns {number[]} */
   drivesOf(k) {
     return this.combined ? this.combined[k].map(([drive]) => drive) : [k];
   }
 
-  /** M v in C. @param {Touched} touched @param {Float64Array} v @param {Float64Array} charge */
+  /** Adds M v to the charge, in C. @param {Touched} touched @param {Float64Array} v @param {Float64Array} charge */
   charge(touched, v, charge) {
     const { terminals, size, rows, diagonal, factors } = this;
     charge.fill(0, 0, terminals);
@@ -86,8 +86,8 @@ export class Model {
   }
 
   /**
-   * Lanczos' method for one drive, until two steps in a row change neither Rs nor Cp.
-   * @param {Fed} fed @param {Touched} touched @param {Complex} farthest s in rad/s, of all asked
+   * Response of one excitation by Lanczos' method, until two steps in a row change neither Rs nor Cp.
+   * @param {Fed} fed @param {Touched} touched @param {Complex} farthest s in rad/s, of all requested
    * @param {number} rtol of Rs and Cp @returns {Response}
    */
   response(fed, touched, farthest, rtol = this.steps.rtol) {
@@ -133,7 +133,7 @@ export class Model {
   }
 
   /**
-   * Potentials at 1 V in the model's coordinates, by one dense complex system.
+   * Potentials at 1 V in the model's coordinates, from one dense complex system.
    * @param {Fed} fed @param {Touched} touched @param {Complex} s rad/s
    * @returns {{re: Float64Array, im: Float64Array}}
    */
@@ -181,7 +181,7 @@ export class Model {
     }
   }
 
-  /** M of a press in F, row after row. @param {Touched} touched */
+  /** M of a press, F, row after row. @param {Touched} touched */
   #mass(touched) {
     const { size, terminals, rows, diagonal, factors } = this;
     const M = new Float64Array(size * size);
@@ -205,7 +205,7 @@ export class Model {
     return M;
   }
 
-  /** Shifts what floats as a whole so that it keeps its charge. @param {Fed} fed @param {Touched} touched */
+  /** Shifts parts that float as a whole, so that each keeps its charge. @param {Fed} fed @param {Touched} touched */
   #neutral(fed, touched) {
     /** @type {{common: Float64Array, charge: Float64Array, own: number}[]} none of which charges another */
     const known = [];
@@ -235,7 +235,7 @@ function tie(fed, y, solution) {
   });
 }
 
-/** Of Rs and of Cp, relative to the other's. @param {Complex} Y @param {Complex} other */
+/** Difference of Rs and of Cp, relative to the other's. @param {Complex} Y @param {Complex} other */
 function difference(Y, other) {
   const Rs = (/** @type {Complex} */ y) => y.re / (y.re * y.re + y.im * y.im);
   const susceptance = Math.max(

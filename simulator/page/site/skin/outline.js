@@ -1,4 +1,4 @@
-// Where the skin is: its outline, the pixels that have a part of it, and which of them is where.
+// Geometry of the skin: its outline, and the pixels that contain a part of it.
 
 /** @typedef {[number, number][]} Ring closed, in m */
 
@@ -10,9 +10,9 @@ export class Outline {
     this.pixels = pixels;
     /** @type {Ring[]} */
     this.rings = plan.outline;
-    /** Closed lines around each pixel, where pixels are no grid. @type {Ring[][] | null} */
+    /** Closed lines around each pixel, if pixels are no grid. @type {Ring[][] | null} */
     this.groups = plan.groups;
-    /** Of the skin in each pixel. @type {[number, number][]} */
+    /** Middle of the skin in each pixel. @type {[number, number][]} */
     this.middles = plan.middles;
     /** Pixels that have any skin. @type {{row: number, column: number}[]} */
     this.held = plan.held.map((/** @type {number} */ k) => ({
@@ -26,7 +26,7 @@ export class Outline {
     return this.held.some((each) => each.row === row && each.column === column);
   }
 
-  /** The middle and the size of a pixel, m. @param {number} row @param {number} column */
+  /** Middle and size of a pixel, m. @param {number} row @param {number} column */
   box(row, column) {
     const [width, height] = [
       this.skin.length / this.pixels.columns,
@@ -39,24 +39,24 @@ export class Outline {
     return { x: (column - 0.5) * width, y: (row - 0.5) * height, width, height };
   }
 
-  /** Of the skin in a pixel. @param {number} row @param {number} column */
+  /** Middle of the skin in a pixel. @param {number} row @param {number} column */
   middle(row, column) {
     return this.middles[(row - 1) * this.pixels.columns + column - 1];
   }
 
-  /** The lines around a pixel. @param {number} row @param {number} column @returns {Ring[]} */
+  /** Lines around a pixel. @param {number} row @param {number} column @returns {Ring[]} */
   around(row, column) {
     if (this.groups) return this.groups[(row - 1) * this.pixels.columns + column - 1];
     const { x, y, width, height } = this.box(row, column);
     return [rectangle(x, y, width, height)];
   }
 
-  /** Whether there is skin. @param {number} x @param {number} y */
+  /** True if there is skin. @param {number} x @param {number} y */
   has(x, y) {
     return within(this.rings, x, y);
   }
 
-  /** The pixel at a place on the skin. @param {number} x @param {number} y */
+  /** Pixel at a place on the skin. @param {number} x @param {number} y */
   pixelAt(x, y) {
     if (!this.has(x, y)) return null;
     if (this.groups)
@@ -67,7 +67,7 @@ export class Outline {
     return this.holds(row, column) ? { row, column } : null;
   }
 
-  /** The next pixel with skin that way, the same where there is none. @param {{row: number, column: number} | null} from @param {number} up @param {number} right */
+  /** Next pixel with skin in a direction; the given pixel if there is none. @param {{row: number, column: number} | null} from @param {number} up @param {number} right */
   next(from, up, right) {
     if (!from) return this.held[0];
     const { rows, columns } = this.pixels;
@@ -90,7 +90,7 @@ export function rectangle(x, y, width, height) {
   ];
 }
 
-/** Whether an odd number of lines lies to the right. Places on the outer edges count as within. @param {Ring[]} rings @param {number} x @param {number} y */
+/** True if an odd number of lines lies to the right. Places on the outer edges count as inside. @param {Ring[]} rings @param {number} x @param {number} y */
 function within(rings, x, y) {
   let odd = false;
   for (const ring of rings) {

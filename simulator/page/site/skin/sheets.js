@@ -1,23 +1,23 @@
-// K of a skin whose sheets are not those of the model: how drives then feed it.
+// Excitations of a skin whose sheets differ from those of the model, with its K.
 
 import { startsOf, unpacked } from "rcskin/arrays";
 import { Cholesky, dot, inverted, padded, times } from "rcskin/linear";
 
 /**
- * A drive as it is packed. allowed: potentials of terminals in V, the first one driven.
+ * Packed excitation. allowed: potentials of terminals in V, the first one driven.
  * @typedef {{conductance: number, driven: number[], tied: number[][], tiedInverse: number[][], common: number[][],
  *   allowed: number[][], allowedAtNoCurrent: boolean[]}} Feed
  */
 /**
- * A drive: potentials in V of all coordinates; those that float, tied by a conductance or common to a sheet.
- * K in S, and its factors beyond the terminals; null where it is 1.
+ * Excitation: potentials of all coordinates in V; floating ones are tied by a conductance or common to a sheet.
+ * K in S, and its factors beyond the terminals; null if K is the identity.
  * @typedef {{conductance: number, driven: Float64Array, tied: Float64Array[], tiedInverse: number[][],
  *   common: Float64Array[], K: Float64Array | null, factors: Cholesky | null}} Fed
  */
 /** Conductance of top and bottom over that of the model. @typedef {[number, number]} Conductances */
 /** @typedef {import("rcskin/model").Touched} Touched */
 
-/** Where K is 1. @param {Feed} feed @param {number} size @returns {Fed} */
+/** Excitation of a model in whose coordinates K is the identity. @param {Feed} feed @param {number} size @returns {Fed} */
 export function fedAtRest(feed, size) {
   const whole = (/** @type {number[]} */ row) => padded(row, size);
   return {
@@ -43,12 +43,12 @@ export class Sheets {
     };
   }
 
-  /** Whether each sheet is a field of its own. */
+  /** True if each sheet is a field of its own. */
   get apart() {
     return this.top !== null;
   }
 
-  /** Every drive of the skin, pressed like this; null where its sheets are as the model has them. @param {Conductances} conductances @param {Touched} touched @returns {Fed[] | null} */
+  /** All excitations of a pressed skin; null if its sheets are those of the model. @param {Conductances} conductances @param {Touched} touched @returns {Fed[] | null} */
   fed(conductances, touched) {
     const gauged = this.gauges !== null && touched.cells.length > 0;
     const same = conductances.every((each) => each === 1);
@@ -59,7 +59,7 @@ export class Sheets {
     return fedBy(this.packed, K);
   }
 
-  /** K of the model in S, row after row. */
+  /** K of the model, S, row after row. */
   #stiffness() {
     const { size, terminals, conductance } = this.packed;
     const K = new Float64Array(size * size);
@@ -75,7 +75,7 @@ export class Sheets {
     for (let k = 0; k < K.length; k++) K[k] = ofTop * top[k] + ofBottom * (K[k] - top[k]);
   }
 
-  /** What touches change of piezoresistive sheets. @param {Float64Array} K @param {Conductances} conductances @param {Touched} touched */
+  /** Adds the changes of piezoresistive sheets under touches. @param {Float64Array} K @param {Conductances} conductances @param {Touched} touched */
   #strain(K, conductances, { cells, rises }) {
     if (!this.gauges) return;
     const { size } = this.packed;
@@ -99,7 +99,7 @@ export class Sheets {
   }
 }
 
-/** Every drive where K is any; the twin of own_coordinates and driven_by. @param {import("rcskin/model").PackedModel} packed @param {Float64Array} K @returns {Fed[]} */
+/** All excitations for any K; the twin of own_coordinates and excited_terminals. @param {import("rcskin/model").PackedModel} packed @param {Float64Array} K @returns {Fed[]} */
 function fedBy(packed, K) {
   const { size, terminals, fields } = packed;
   const factors = new Cholesky(K, size, terminals);
@@ -135,7 +135,7 @@ function fedBy(packed, K) {
   });
 }
 
-/** What a drive drives, in potentials of terminals. @param {Feed} feed @param {number[][]} between conductance of terminals, S */
+/** Potentials of the terminals that an excitation drives. @param {Feed} feed @param {number[][]} between conductance of terminals, S */
 function drivenBy({ allowed, allowedAtNoCurrent }, between) {
   const S = allowed.map((a, i) =>
     allowed.map((b, j) =>
@@ -163,7 +163,7 @@ function drivenBy({ allowed, allowedAtNoCurrent }, between) {
   };
 }
 
-/** Rows and columns of one field add up to nothing without rounding. @param {number[][]} between @param {number[]} fields of terminals */
+/** Removes rounding: rows and columns of one field then sum to zero. @param {number[][]} between @param {number[]} fields of terminals */
 function withoutCommon(between, fields) {
   for (const field of new Set(fields)) {
     const [first, ...others] = [...fields.keys()].filter((k) => fields[k] === field);

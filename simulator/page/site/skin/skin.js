@@ -1,4 +1,4 @@
-// The skin as it would be cast and read: what the sliders change, and what a meter then shows.
+// Skin as the sliders set it, and the impedances that a meter then reads.
 
 import { unpacked } from "rcskin/arrays";
 import { Finger } from "rcskin/finger";
@@ -11,7 +11,7 @@ import { Walls } from "rcskin/walls";
 /** @typedef {import("rcskin/model").Touched} Touched */
 /** @typedef {import("rcskin/model").Shown} Shown */
 /**
- * A touch over a rectangle about x, y in m; a pixel has its row and column, from 1. finger: capacitance to earth, F; a rod has none.
+ * Touch of a rectangle about x, y in m; a pixel has its row and column, from 1. finger: capacitance to earth, F; a rod has none.
  * @typedef {{x: number, y: number, width: number, height: number, factor: number, finger?: number, row?: number, column?: number}} Touch
  */
 /**
@@ -19,8 +19,8 @@ import { Walls } from "rcskin/walls";
  * @typedef {{top: number, bottom: number, capacitance: number, loss: number}} Cast
  */
 
-const REFERENCE = 1e3; // Hz, where a constant-phase capacitance has the size that is named
-const ROUGHLY = 1e-8; // of Rs and of Cp: what beliefs may be off by
+const REFERENCE = 1e3; // Hz, at which a constant-phase capacitance has its nominal value
+const ROUGHLY = 1e-8; // relative error of Rs and of Cp that the localizer accepts
 const MOST_KNOWN = 3000;
 
 export class Skin {
@@ -41,12 +41,12 @@ export class Skin {
     this.kept = null;
   }
 
-  /** The touch of a whole pixel. @param {number} row @param {number} column @param {number} factor @returns {Touch} */
+  /** Touch of a whole pixel. @param {number} row @param {number} column @param {number} factor @returns {Touch} */
   pixel(row, column, factor) {
     return { ...this.outline.box(row, column), factor, row, column };
   }
 
-  /** The same touch by a finger. @param {Touch} touch @returns {Touch} */
+  /** Touch by a finger. @param {Touch} touch @returns {Touch} */
   byFinger(touch) {
     const finger = this.finger.of(touch);
     return finger ? { ...touch, finger } : touch;
@@ -77,7 +77,7 @@ export class Skin {
     };
   }
 
-  /** Cells that a touch covers, and what part of each. @param {Touch} touch @returns {[number, number][]} */
+  /** Cells that a touch covers, and the covered fraction of each. @param {Touch} touch @returns {[number, number][]} */
   #covered(touch) {
     const { rows, columns } = this.model.grid;
     const { length, width } = this.data.skin;
@@ -92,7 +92,7 @@ export class Skin {
     );
   }
 
-  /** The factor that stands for those of both sheets. @param {Cast} cast */
+  /** Factor that represents those of both sheets. @param {Cast} cast */
   common({ top, bottom }) {
     if (top === bottom) return top;
     if (this.sheets.apart) return Math.sqrt(top * bottom);
@@ -100,21 +100,21 @@ export class Skin {
     return (top * ofTop + bottom * ofBottom) / (ofTop + ofBottom);
   }
 
-  /** Conductances of the sheets over those of the model, next to the common factor. @param {Cast} cast @returns {[number, number]} */
+  /** Conductances of the sheets over those of the model, apart from the common factor. @param {Cast} cast @returns {[number, number]} */
   conductances(cast) {
     const { top, bottom } = cast;
     if (!this.sheets.apart || top === bottom) return [1, 1];
     return [Math.sqrt(bottom / top), Math.sqrt(top / bottom)];
   }
 
-  /** Whether this cast changes every curve, and not by scale alone. @param {Cast} cast */
+  /** True if these settings change every curve, and not by a scale alone. @param {Cast} cast */
   anew(cast) {
     const { sheets, finger } = this;
     const scaled = !finger.around || cast.capacitance === 1;
     return sheets.gauges !== null || this.conductances(cast)[0] !== 1 || !scaled;
   }
 
-  /** Every drive of the skin as it is cast and pressed. @param {Cast} cast @param {Touched} touched */
+  /** All excitations of the skin as it is set and pressed. @param {Cast} cast @param {Touched} touched */
   fed(cast, touched) {
     if (this.sheets.gauges) return this.#fedAnew(cast, touched);
     const ratio = this.conductances(cast)[0];
@@ -127,7 +127,7 @@ export class Skin {
     return this.sheets.fed(this.conductances(cast), touched) ?? this.model.fed;
   }
 
-  /** Of every interface, good for all capacitance and loss that may be cast. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Shown[]} */
+  /** Responses of every interface, valid for all capacitances and losses of the sliders. @param {Touch[]} touches @param {Cast} cast @param {boolean} roughly to 1e-8 @returns {Shown[]} */
   responses(touches, cast, roughly = false) {
     const foam = this.finger.around ? cast.capacitance : 1;
     const key = JSON.stringify([touches, this.conductances(cast)[0], foam, roughly]);
@@ -151,7 +151,7 @@ export class Skin {
     return found;
   }
 
-  /** s of the model in rad/s, for a skin as it is cast. @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
+  /** Variable s of the model, rad/s, for a skin as it is set. @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
   variable(frequency, cast) {
     const scale = this.common(cast) * cast.capacitance * 2 * Math.PI * frequency;
     const exponent = this.data.foam.phase_exponent - 1;
@@ -161,7 +161,7 @@ export class Skin {
     return { re: size * (cast.loss * cos - sin), im: size * (cos + cast.loss * sin) };
   }
 
-  /** Z in ohm at the meter's end. @param {Shown} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
+  /** Impedance at the meter's end, ohm. @param {Shown} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
   impedance(response, frequency, cast) {
     const Y = response.admittance(this.variable(frequency, cast));
     const common = this.common(cast);
@@ -173,7 +173,7 @@ export class Skin {
   }
 
   /**
-   * The difference of the sheets' potentials and the top sheet's, at the raster's points, for 1 V.
+   * Difference of the sheets' potentials, and the top sheet's potential, at the raster's points for 1 V.
    * @param {number} drive @param {Touch[]} touches @param {number} frequency Hz @param {Cast} cast
    */
   field(drive, touches, frequency, cast) {
@@ -214,7 +214,7 @@ export class Skin {
   }
 }
 
-/** Of even cells along a side, what part of each lies under a touch. @param {number} middle @param {number} size @param {number} side @param {number} cells */
+/** Fraction of each uniform cell along a side that lies under a touch. @param {number} middle @param {number} size @param {number} side @param {number} cells */
 function shares(middle, size, side, cells) {
   const step = side / cells;
   return Array.from({ length: cells }, (_, cell) => {
@@ -225,7 +225,7 @@ function shares(middle, size, side, cells) {
   });
 }
 
-/** Those of some frequencies that an interface is read at, all by their numbers. @param {any} data @param {number} drive @param {number[]} frequencies @returns {number[]} */
+/** Frequencies, among the given ones, at which an interface is read; all by number. @param {any} data @param {number} drive @param {number[]} frequencies @returns {number[]} */
 export function readAt(data, drive, frequencies) {
   return data.taken ? frequencies.filter((k) => data.taken[drive][k]) : frequencies;
 }

@@ -1,22 +1,22 @@
-// Walls around touches, as simulator/press/walls.py and, of cells that are covered in part, bounds/fields/edges.py.
+// Walls around touches, as in simulator/press/walls.py and, for partly covered cells, bounds/fields/edges.py.
 
 /**
- * A touch: what part it covers of each cell, and its factor.
+ * Touch: the fraction that it covers of each cell, and its factor.
  * @typedef {{covered: Map<number, number>, factor: number}} Cover
  */
 
-const SAME = 1e-9; // of a cell
+const SAME = 1e-9; // fraction of a cell
 
 export class Walls {
   /** @param {any} model of the page */
   constructor(model) {
-    /** Pairs of cells that meet, one after the other. @type {number[]} */
+    /** Pairs of adjacent cells, one after the other. @type {number[]} */
     this.pairs = model.walls?.pairs ?? [];
     this.start = model.walls?.start ?? 0;
     this.grid = model.grid;
   }
 
-  /** Walls that there are, and how much of each. @param {Cover[]} covers @returns {[number, number][]} */
+  /** Walls and the amount of each. @param {Cover[]} covers @returns {[number, number][]} */
   of(covers) {
     const pressed = covers.filter(({ factor }) => factor !== 1);
     /** @type {[number, number][]} */
@@ -30,7 +30,7 @@ export class Walls {
     return found;
   }
 
-  /** What a touch covers on either side; an outermost cell that it covers less than the other counts as none. @param {number} wall @param {Cover} cover @returns {[number, number]} */
+  /** Covered fractions on both sides of a wall; an outermost cell that is covered less than the other counts as not covered. @param {number} wall @param {Cover} cover @returns {[number, number]} */
   #sides(wall, { covered }) {
     const [one, other] = this.pairs.slice(2 * wall, 2 * wall + 2);
     const [a, b] = [covered.get(one) ?? 0, covered.get(other) ?? 0];
@@ -40,7 +40,7 @@ export class Walls {
     ];
   }
 
-  /** Whether there is nothing behind a cell, as seen from its neighbour. @param {number} cell @param {number} neighbour */
+  /** True if there is no cell behind a cell, as seen from its neighbour. @param {number} cell @param {number} neighbour */
   #outermost(cell, neighbour) {
     const { rows, columns } = this.grid;
     const behind = 2 * cell - neighbour;
@@ -50,7 +50,7 @@ export class Walls {
   }
 }
 
-/** Between two cells that touches cover in part: the mean over what they cover. @param {[number, number][]} sides of each touch @param {Cover[]} covers @returns {number} */
+/** Amount of a wall between two partly covered cells: the mean over the covered length. @param {[number, number][]} sides of each touch @param {Cover[]} covers @returns {number} */
 function excess(sides, covers) {
   if (sides.every(([a, b]) => a === b)) return 0;
   const ends = [...new Set([0, 1, ...sides.flat()])].sort((a, b) => a - b);
@@ -65,7 +65,7 @@ function excess(sides, covers) {
   return whole;
 }
 
-/** Capacitance of a step in the gap, over permittivity and for each metre. @param {number} a smaller gap over the larger */
+/** Capacitance of a step in the gap, per metre, over the permittivity. @param {number} a smaller gap over the larger */
 function ofStep(a) {
   const b = 1 - a;
   const walls = b > 0 ? ((b * b) / a) * Math.log((1 + a) / b) : 0;
