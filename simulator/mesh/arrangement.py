@@ -74,7 +74,7 @@ WIDEST = np.pi / 8
 """Largest angle of an arc, seen from the centre, rad."""
 
 CLOSE = 0.05
-"""Distance to a circle over its radius; nearer points divide it at their angles."""
+"""Distance to a circle over its radius within which points divide it at their angles."""
 
 MOST_ROUNDS = 20
 

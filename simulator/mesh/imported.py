@@ -112,7 +112,7 @@ def _conforming(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
 def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: float) -> Domain:
     """Mesh cut along shapes with arcs of at most `widest` [rad].
 
-    Raises ToleranceError where these arcs are too wide.
+    Raises ToleranceError where the mesh cannot follow these arcs.
     """
     same = SAME * float(np.ptp(mesh.p, axis=1).max())
     kept = mesh.p[:, _kept_edges(mesh)].transpose(2, 1, 0)

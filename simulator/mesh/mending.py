@@ -148,7 +148,10 @@ def _excess(p: Points, t: Numbers, of_triangle: Numbers) -> NDArray[np.float64]:
 
 
 def _opposite(p: Points, t: Numbers) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sine and cosine of the angles opposite the edges 0-1, 1-2 and 2-0, shape (3, triangle)."""
+    """Sine and cosine of the angles opposite the edges 0-1, 1-2 and 2-0.
+
+    Shape (3, triangle).
+    """
     corner = p[:, t[[2, 0, 1]]]
     u, v = p[:, t] - corner, p[:, t[[1, 2, 0]]] - corner
     size = np.linalg.norm(u, axis=0) * np.linalg.norm(v, axis=0)

@@ -250,7 +250,7 @@ def _apart(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.fl
 
 
 def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
-    """Ends of foils within an edge, and where a foil meets another that it is not joined with."""
+    """Ends of foils within an edge, and where foils meet that are not joined."""
     found = {
         _inwards(end, contact, skin): None
         for contact in contacts
