@@ -1,4 +1,4 @@
-"""The same scene read otherwise: at other frequencies, through some of its interfaces."""
+"""Changes the readings of a scene: other frequencies, or some of its interfaces."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from .scene import Scene, checked_interface, interface_names
 
 
 def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, ...]:
-    """The same names, each once; all of the scene where none is given. Raises InputError."""
+    """Names of interfaces without duplicates; all of the scene if none is given.
+
+    Raises InputError for an unknown name.
+    """
     asked = dict.fromkeys(names or interface_names(scene))
     return tuple(checked_interface(each, scene) for each in asked)
 
@@ -21,9 +24,9 @@ def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, 
 def with_frequencies(
     scene: Scene, frequency: Sequence[float], taken: NDArray[np.bool_] | None = None
 ) -> Scene:
-    """The same scene read at these frequencies in Hz, ascending, and at no others.
+    """The scene with these ascending frequencies in Hz in place of its own.
 
-    taken: which interface at which, shape (interface, frequency); all at all for None.
+    taken: mask of the readings, shape (interface, frequency); None for all of them.
     """
     whole = np.array(frequency, dtype=np.float64)
     told = np.ones((len(scene.interfaces), whole.size), dtype=bool) if taken is None else taken
@@ -36,7 +39,7 @@ def with_frequencies(
 
 
 def restricted_to_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene through these of its interfaces, in this order, at what they are read at."""
+    """The scene with only these interfaces in this order, at the frequencies of their readings."""
     by_name = {each.name: number for number, each in enumerate(scene.interfaces)}
     numbers = [by_name[name] for name in names]
     some = scene.model_copy(update={"interfaces": tuple(scene.interfaces[k] for k in numbers)})

@@ -1,4 +1,4 @@
-"""Points, lines, polygons and circles in the plane, and how much of cells they cover."""
+"""Geometry of points, lines, polygons and circles in the plane, and the parts of cells covered."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Points = NDArray[np.float64]
 
 
 class Circle(NamedTuple):
-    """Around (x, y), in m."""
+    """A circle around (x, y); all in m."""
 
     x: float
     y: float
@@ -28,26 +28,26 @@ class Circle(NamedTuple):
         return self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
     def angle(self, points: Points) -> NDArray[np.float64]:
-        """Of points (..., 2) as they are seen from the centre, 0 to 2 pi rad, shape (...)."""
+        """Polar angles of points (..., 2) around the centre, 0 to 2 pi rad, shape (...)."""
         x, y = np.moveaxis(points - self.centre, -1, 0)
         return np.arctan2(y, x) % (2 * np.pi)
 
     def beyond(self, points: Points) -> NDArray[np.float64]:
-        """How far outside points (..., 2) lie, negative within, m, shape (...)."""
+        """Distances of points (..., 2) from the circle, negative inside, m, shape (...)."""
         return np.linalg.norm(points - self.centre, axis=-1) - self.radius
 
     def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether positions x, shape (2, ...), lie within it, shape (...)."""
+        """True where positions x, shape (2, ...), lie within the circle, shape (...)."""
         return self.beyond(np.moveaxis(x, 0, -1)) < 0
 
     def passes(self, low: Points, high: Points) -> bool:
-        """Whether it runs through the rectangle between two corners (x, y)."""
+        """True if the circle runs through the rectangle between two corners (x, y)."""
         nearest = np.clip(self.centre, low, high)
         farthest = np.where(2 * self.centre > low + high, low, high)
         return bool(self.beyond(nearest) < 0 < self.beyond(farthest))
 
     def gap(self, other: Circle | Points) -> float:
-        """To another circle or to a polygon's sides, m; 0 where they meet."""
+        """Distance to another circle or to the sides of a polygon, m; 0 if they meet."""
         if isinstance(other, Circle):
             far = float(np.linalg.norm(other.centre - self.centre))
             apart = max(far - other.radius, other.radius - far) - self.radius
@@ -57,10 +57,10 @@ class Circle(NamedTuple):
 
 
 def regular(x: float, y: float, radius: float, sides: int) -> Points:
-    """The regular polygon of the same area as a disc around (x, y), shape (sides, 2).
+    """Regular polygon with the area of a disc around (x, y), shape (sides, 2).
 
-    Anticlockwise; the first corner lies at y. Its circumference exceeds the circle's by
-    (pi / sides)² / 6.
+    It runs anticlockwise from the corner at angle 0. Its circumference exceeds that of the circle
+    by (pi / sides)² / 6 of it.
     """
     angle = 2 * np.pi * np.arange(sides) / sides
     corner = radius * np.sqrt(2 * np.pi / sides / np.sin(2 * np.pi / sides))
@@ -68,23 +68,23 @@ def regular(x: float, y: float, radius: float, sides: int) -> Points:
 
 
 def area(polygon: Points) -> float:
-    """Area of a simple polygon, m²; negative where it runs clockwise."""
+    """Area of a simple polygon, m²; negative if the polygon runs clockwise."""
     x, y = (polygon - polygon[0]).T
     return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
 
 
 def sides(polygon: Points) -> Points:
-    """The sides of a closed polygon, in order, shape (side, end, 2)."""
+    """Sides of a closed polygon in order, shape (side, end, 2)."""
     return np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
 
 
 def ring(polygon: Points) -> Points:
-    """The corners of a polygon, the first one again at last, shape (corner + 1, 2)."""
+    """Corners of a polygon with the first one repeated at the end, shape (corner + 1, 2)."""
     return np.vstack([polygon, polygon[:1]])
 
 
 def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
+    """True where positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
     crossed = np.zeros(np.shape(x)[1:], dtype=bool)
     for (x0, y0), (x1, y1) in sides(polygon):
         if y0 != y1:
@@ -94,9 +94,9 @@ def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def nearest(points: Points, segments: Points) -> tuple[Points, Points]:
-    """How far along each segment each point's nearest lies, 0..1, and how far off it is, m.
+    """Closest point of each segment to each point: position along it, 0..1, and distance, m.
 
-    Both of shape (point, segment).
+    Both have the shape (point, segment).
     """
     x, y = (points[:, axis, None] - segments[:, 0, axis] for axis in (0, 1))
     run_x, run_y = (segments[:, 1] - segments[:, 0]).T
@@ -107,14 +107,14 @@ def nearest(points: Points, segments: Points) -> tuple[Points, Points]:
 
 
 def distance(points: Points, segments: Points) -> NDArray[np.float64]:
-    """From each point to each segment, m, shape (point, segment)."""
+    """Distance from each point to each segment, m, shape (point, segment)."""
     return nearest(points, segments)[1]
 
 
 def crossings(first: Points, second: Points) -> NDArray[np.float64]:
-    """Where on each of `first` each of `second` crosses it, 0..1; NaN where none does.
+    """Position along each segment of `first`, 0..1, where each segment of `second` crosses it.
 
-    Shape (first, second). Parallel segments do not cross.
+    Shape (first, second); NaN if they do not cross. Parallel segments do not cross.
     """
     (run_x, run_y), (other_x, other_y) = ((each[:, 1] - each[:, 0]).T for each in (first, second))
     x, y = (second[:, 0, axis] - first[:, 0, axis, None] for axis in (0, 1))
@@ -127,7 +127,7 @@ def crossings(first: Points, second: Points) -> NDArray[np.float64]:
 
 
 def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
-    """Between segments, m, shape (first, second); 0 where they cross."""
+    """Distances between segments, m, shape (first, second); 0 where they cross."""
     a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     ends_of_a = [distance(a[:, end], b) for end in (0, 1)]
     ends_of_b = [distance(b[:, end], a).T for end in (0, 1)]
@@ -136,9 +136,10 @@ def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
 
 
 def reach_into(parts: Points, low: Points, high: Points) -> bool:
-    """Whether any segment or convex polygon, shape (part, corner, 2), reaches into a rectangle.
+    """True if any segment or convex polygon, shape (part, corner, 2), reaches into a rectangle.
 
-    low, high: its corners (x, y). What only touches it does not: some line parts the two.
+    low, high: corners (x, y) of the rectangle. A part that only touches the rectangle does not
+    count. A part reaches into it if no line separates the two (separating axis theorem).
     """
     (left, bottom), (right, top) = low, high
     corners = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
@@ -153,7 +154,7 @@ def reach_into(parts: Points, low: Points, high: Points) -> bool:
 def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
     """Fraction of each interval of `cells` within each interval of `spans`, shape (span, cell).
 
-    spans, cells: ascending lines, m.
+    spans, cells: ascending limits of the intervals, m.
     """
     return covered(spans[:-1], spans[1:], cells)
 
@@ -170,7 +171,8 @@ def disc_fraction(
 ) -> NDArray[np.float64]:
     """Fraction of each cell within the disc around (x, y), shape (row, column); all in m.
 
-    columns, rows: ascending lines. Exact but for rounding of 1e-16 radius² in each area.
+    columns, rows: ascending limits of the cells. The areas are exact except for rounding errors of
+    1e-16 radius².
     """
     u, v = (columns - x) / radius, (rows - y) / radius
     areas = np.diff(np.diff(_area_below(u, v[:, None]), axis=0), axis=1)
@@ -195,16 +197,20 @@ def _under_arc(u: NDArray[np.float64]) -> NDArray[np.float64]:
 
 SAME_LINE = 1e-9
 SAME_EDGE = 1e-8
-"""Over the skin's side, edges of touches are told apart by: in thinner elements rounding tells."""
+"""Distance, over the skin's side, below which edges of touches count as equal: in thinner elements
+rounding errors would matter."""
 
 Lines = tuple[tuple[float, ...], tuple[float, ...]]
-"""Lines across x, and lines across y; m."""
+"""Positions of lines across x, and of lines across y, m."""
 
 NO_LINES: Lines = ((), ())
 
 
 def distinct(lines: Sequence[float], same: float = SAME_LINE) -> NDArray[np.float64]:
-    """The lines in ascending order, those that are the same but for that part of the last once."""
+    """Positions in ascending order, without duplicates.
+
+    A position no further than `same` times the largest one from its predecessor is a duplicate.
+    """
     ascending = np.sort(np.asarray(lines))
     apart = np.diff(ascending) > same * ascending[-1]
     return ascending[np.append(True, apart)]

@@ -1,4 +1,4 @@
-"""How skins and presses of a data set differ: distributions, and what is drawn from them."""
+"""Random variation of the skins and presses of a data set, and its distributions."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ Chances = NDArray[np.float64] | np.float64 | float
 
 
 class _Drawn(Table):
-    """What all distributions have.
+    """Base of all distributions.
 
-    low, high: the least and the largest value that is drawn. at: the values below which a draw
-    falls with these chances (quantiles).
+    low, high: the smallest and the largest value that can be drawn. at: quantiles, the values below
+    which a draw falls with the given probabilities.
     """
 
 
 class Fixed(_Drawn):
-    """One value, always; a plain number means this."""
+    """A constant value; a number in place of a table is short for this."""
 
     distribution: Literal["fixed"] = "fixed"
     value: Finite
@@ -49,7 +49,7 @@ class Fixed(_Drawn):
 
 
 class Uniform(_Drawn):
-    """Any value between `low` and `high` alike; a table of these two alone means this."""
+    """Uniform between `low` and `high`; a table of these two keys alone is short for this."""
 
     distribution: Literal["uniform"] = "uniform"
     low: Finite
@@ -66,7 +66,7 @@ class Uniform(_Drawn):
 
 
 class Normal(_Drawn):
-    """Normal about `mean` with standard `deviation`; nothing beyond `cut` deviations is drawn."""
+    """Normal with `mean` and standard `deviation`, truncated at `cut` deviations."""
 
     distribution: Literal["normal"] = "normal"
     mean: Finite
@@ -88,10 +88,10 @@ class Normal(_Drawn):
 
 
 class Lognormal(_Drawn):
-    """A value whose logarithm is normal about that of `median`.
+    """A value whose logarithm is normally distributed around that of `median`.
 
-    spread: standard deviation of the logarithm, for small ones the relative standard deviation;
-    nothing beyond `cut` of them is drawn.
+    spread: standard deviation of the logarithm; a small one is the relative standard deviation of
+    the value. The distribution is truncated at `cut` of these deviations.
     """
 
     distribution: Literal["lognormal"] = "lognormal"
@@ -114,7 +114,7 @@ class Lognormal(_Drawn):
 
 
 def truncated_normal(chance: Chances, cut: float) -> NDArray[np.float64]:
-    """Quantiles of the standard normal distribution of which only |x| <= cut is kept."""
+    """Quantiles of the standard normal distribution truncated to |x| <= cut."""
     from scipy.special import ndtr, ndtri
 
     outside = ndtr(-cut)
@@ -155,7 +155,7 @@ Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]
 
 
 class EveryDrawWithin(NumberRange):
-    """A validator of distributions by all that they may draw."""
+    """A validator that checks all values that a distribution can draw."""
 
     def __call__(self, drawn: AnyDistribution) -> AnyDistribution:
         self.check(drawn.low, drawn.high, of=" in every draw")
@@ -163,16 +163,17 @@ class EveryDrawWithin(NumberRange):
 
 
 def drawn_within(low: float, high: float, unit: str, why: str) -> AfterValidator:
-    """Accepts distributions of which every draw is from `low` to `high`."""
+    """Accepts distributions whose draws are all from `low` to `high`."""
     return AfterValidator(EveryDrawWithin(low, high, unit, why))
 
 
 CUT = 3.0
-"""Standard deviations beyond which no coefficient of a slow variation or spread is drawn."""
+"""Truncation, in standard deviations, of the coefficients of cosine modes and of the spread of
+pixels."""
 
 SLOW_MODES = 3
 MAX_UNEVENNESS = 0.1
-"""Conductance and capacitance stay positive: CUT * SLOW_WAVES * MOST_UNEVEN < 1."""
+"""Conductance and capacitance stay positive: CUT * SLOW_MODES * MAX_UNEVENNESS < 1."""
 
 Factor = Annotated[
     Distribution, drawn_within(1e-6, 1e6, "times that at rest", "foam cannot be pressed further")
@@ -200,17 +201,18 @@ def _chances(values: tuple[float, ...]) -> tuple[float, ...]:
 
 
 class DrawnPress(Table):
-    """A press: how many touches, where, how large and how strong.
+    """A random press: number, places, sizes and strengths of its touches.
 
-    touches: chances of 0, 1, 2 touches. place: whole pixels, or anywhere on the skin. offset: how
-    far the hand presses beside a pixel, along each side, a standard deviation over that side; the
-    press is told as that of the pixel. factor: capacitance over that at rest; where the
-    scene presses by depth, that under the applicator, unless depth [m] is drawn. shape and size [m]
-    (sides of a rectangle, diameter of a disc) count only anywhere. cells_per_pixel: along each
-    side, where touches are no whole pixels; each cell rises by the part of it that is covered, or
-    by the mean of what a tension spreads. finger: capacitance of a touch to earth, spread evenly
-    over it; else that of the scene's `press.finger`. without_press: share of touches that do not
-    press, but only have a finger.
+    touches: probabilities of 0, 1 and 2 touches. place: whole pixels, or anywhere on the skin.
+    offset: standard deviation of a touch's displacement from its pixel along each side, over that
+    side; the label of the press is the pixel without displacement. factor: capacitance over the
+    unpressed one; in a scene that presses by depth, the factor under the applicator, unless depth
+    [m] is drawn. shape and size [m] (sides of a rectangle, diameter of a disc): used only for the
+    place "anywhere". cells_per_pixel: cells along each side of a pixel if touches are not whole
+    pixels; the capacitance of a cell rises in proportion to its covered part, or by the mean over
+    the cell where a tension spreads the press. finger: capacitance of a touch to earth, uniform
+    over the touch; default that of the scene's `press.finger`. without_press: fraction of touches
+    by a finger without pressure.
     """
 
     touches: Annotated[
@@ -233,35 +235,34 @@ class DrawnPress(Table):
 
     @property
     def rasterized(self) -> bool:
-        """Whether touches are no whole pixels, and are laid on cells."""
+        """True if touches are not whole pixels, so that they are rasterized on cells."""
         return self.place == "anywhere" or self.offset > 0
 
     @property
     def max_touches(self) -> int:
-        """The largest number of touches that has a chance."""
+        """The largest number of touches with a probability above 0."""
         return max(count for count, chance in enumerate(self.touches) if chance > 0)
 
 
 class Session(Table):
-    """What is drawn once for every session.
+    """Quantities that are drawn once for every session.
 
-    rest_every: as in a lab, a session begins with three sweeps at rest, and another follows every
-    so many presses; 0 promises none beyond those that `touches` draws.
-    sheet_resistance: factor on both sheets together (ageing, humidity). sheet_mismatch: further
-    factor on each sheet of its own. unevenness: standard deviation of each slow wave of a sheet's
-    conductance over its mean; the waves are half a cosine along x, along y, and along both.
-    capacitance: factor on all of the foam. foam_spread: relative standard deviation of the
-    capacitance over the foam: of each pixel on its own or, where foam_pattern is smooth, of each
-    slow wave. loss_tangent: added to the foam's own. contact_resistance: factor on each contact's
-    resistance; ideal foils have none. stray_capacitance [F] and lead_resistance [ohm]: added to
-    those of the leads, beyond any guard. temperature [°C], humidity [%RH]: at which a session is
-    measured, where the foam has their tables; those of `experiment` unless given. body, rim:
-    factors on the capacitance of the scene's `surroundings.body` and of its rim; without them these
-    are as the scene has them.
+    rest_every: number of presses between baseline sweeps; a session begins with three of them, as
+    in a lab. 0: the only unpressed sweeps are those that `touches` draws.
+    sheet_resistance: common factor on both sheets (ageing, humidity). sheet_mismatch: further
+    factor, drawn for each sheet. unevenness: standard deviation of each cosine mode of a sheet's
+    conductance over its mean; the modes are half a cosine along x, along y, and along both.
+    capacitance: factor on the whole foam. foam_spread: relative standard deviation of the
+    capacitance over the foam: of each pixel independently or, if foam_pattern is "smooth", of each
+    cosine mode. loss_tangent: added to that of the foam. contact_resistance: factor, drawn for each
+    contact; ideal foils have no resistance. stray_capacitance [F] and lead_resistance [ohm]: added
+    to those of the leads; a guard does not reduce them. temperature [°C], humidity [%RH]: ambient
+    of a session, if the foam has tables for them; default those of `experiment`. body, rim: factors
+    on the capacitance of the scene's `surroundings.body` and of its rim; default 1.
 
-    The defaults are assumptions. Geometry of 3 % and contacts of 4 % a session are what simulations
-    of electrical impedance tomography that were to be carried to real devices took; the sheets'
-    5 % stands for carbon-filled rubber from one batch, the leads for 10 cm of cable after the
+    The defaults are assumptions. Simulations of electrical impedance tomography for transfer to
+    real devices used 3 % for geometry and 4 % for contacts in each session. 5 % for the sheets
+    represents carbon-filled rubber from one batch. The leads represent 10 cm of cable after the
     meter's own open and short correction.
     """
 
@@ -293,7 +294,10 @@ class Session(Table):
     ) = None
 
     def check_ambient(self, foam: Foam) -> None:
-        """Raises ValueError where a state is drawn that the foam has no table of, or is far off."""
+        """Raises ValueError if a drawn temperature or humidity does not suit the foam.
+
+        The foam needs a table for it, and the factors must be allowed by `ambient_factors`.
+        """
         for name in AMBIENT:
             drawn, table = getattr(self, name), getattr(foam, name)
             if drawn is None:
@@ -306,7 +310,7 @@ class Session(Table):
 
 
 class Randomisation(Table):
-    """How the sweeps of a data set differ: from press to press, and from session to session."""
+    """Random variation of a data set's sweeps between presses and between sessions."""
 
     press: DrawnPress = DrawnPress()
     session: Session = Session()

@@ -1,8 +1,9 @@
-"""What numbers of a scene may be: a range for each quantity, and why it ends where it does.
+"""Allowed ranges of the numbers of a scene, with a reason for each limit.
 
-Ranges are far wider than skins are, so that a number in another unit is still read and warned of
-with what was likely meant (`asked.plausibility`). Beyond them no skin is thin, quasi-static and
-linear, or double precision no longer holds both ends of the same skin.
+The ranges are far wider than those of real skins, so that a number in another unit is still read;
+the warning then suggests the number that was likely intended (`requests.plausibility`). Outside
+these ranges a skin is not thin, quasi-static and linear, or double precision cannot represent the
+largest and smallest quantities of one skin.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from .validation import Number, NumberRange, Whole, within
 
 MIN_FILM_RESISTANCE = 1e-12
-"""ohm m: a thousandth of what soldered metal has; its conductance is still a number."""
+"""Smallest contact resistance that is not 0, ohm m: a thousandth of that of soldered metal, with a
+finite conductance."""
 
 
 def ideal_or_resolved(resistance: float) -> float:
-    """The same contact resistance in ohm m. Raises ValueError for one that is nearly 0."""
+    """Returns a contact resistance in ohm m. Raises ValueError for one that is nearly 0."""
     if 0 < resistance < MIN_FILM_RESISTANCE:
         raise ValueError(
             f"must be 0, or at least {MIN_FILM_RESISTANCE:g} ohm m, got {resistance:g}"
@@ -99,7 +101,7 @@ FINGERS = ("earthed", "floating")
 
 
 class FingerOrWithin(NumberRange):
-    """A validator of what touches: one of FINGERS, or a capacitance to earth."""
+    """A validator of fingers: one of FINGERS, or a capacitance to earth."""
 
     def __call__(self, given: object) -> object:
         if isinstance(given, str | bool) or not isinstance(given, int | float):
@@ -120,6 +122,6 @@ AnyFinger = Annotated[
 ]
 
 MAX_SEED = 2**32 - 1
-"""Seeds of scikit-learn end there; one range serves for all."""
+"""Largest seed of scikit-learn; all seeds have this range."""
 
 Seed = Annotated[Whole, Field(ge=0, le=MAX_SEED)]

@@ -1,4 +1,4 @@
-"""What is read of a skin: through which interfaces, at which frequencies, behind which leads."""
+"""Readings of a skin: interfaces, frequencies and leads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from .meter import Leads
 
 @dataclass(frozen=True)
 class ReadingSetup:
-    """frequency: Hz, ascending, shape (frequency,); interfaces may be read at some of them."""
+    """Interfaces, frequencies and leads of a sweep.
+
+    frequency: Hz, ascending, shape (frequency,); an interface may be read at some of them only.
+    """
 
     interfaces: Sequence[Interface]
     frequency: NDArray[np.float64]
@@ -22,28 +25,28 @@ class ReadingSetup:
 
     @property
     def taken(self) -> NDArray[np.bool_] | None:
-        """Which interface is read at which frequency, see `contacts.taken`."""
+        """Mask of the readings, or None if all are taken, see `contacts.taken`."""
         return taken(self.interfaces, self.frequency)
 
     @property
     def read(self) -> NDArray[np.bool_]:
-        """The same, all True where all are read at all; shape (interface, frequency)."""
+        """Mask of the readings, shape (interface, frequency); all True if all are taken."""
         taken = self.taken
         return np.ones(self.shape, dtype=bool) if taken is None else taken
 
     def frequency_at(self, interface: str) -> NDArray[np.float64]:
-        """Those that the interface of that name is read at, Hz, ascending."""
+        """Frequencies at which the interface of that name is read, Hz, ascending."""
         number = [each.name for each in self.interfaces].index(interface)
         return self.frequency[self.read[number]]
 
     @property
     def own(self) -> dict[str, list[float]]:
-        """Those of every interface by name, Hz; empty where all are read at all."""
+        """Frequencies of each interface by name, Hz; empty if all readings are taken."""
         if self.taken is None:
             return {}
         return {each.name: self.frequency_at(each.name).tolist() for each in self.interfaces}
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(interfaces, frequencies)."""
+        """Numbers of interfaces and of frequencies."""
         return len(self.interfaces), len(self.frequency)
