@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 CANNOT_TELL = "cannot tell"
 """The answer if no class is probable enough, or the sweep is unlike the training."""
 SHARES = (1.0, 0.85, 0.7, 0.5, 0.3, 0.15)
-"""Candidate shares of answered sweeps, the most probable ones."""
+"""Candidate shares of sweeps to answer; the most probable sweeps are answered."""
 NOTHING_PRESSED = ("0", "0,0")
 """Labels of the unpressed skin, as text."""
 
@@ -26,10 +26,10 @@ NOTHING_PRESSED = ("0", "0,0")
 class Answers(Tabular):
     """An answer to each sweep.
 
-    labels: text of the class or CANNOT_TELL, shape (sweep,). probability: of the most probable
-    class, also where it is not told, shape (sweep,). novel: whether the sweep is unlike all of the
-    training, shape (sweep,). chances: of every class, shape (sweep, K); of none where places are
-    told.
+    labels: text of the class or CANNOT_TELL, shape (sweep,). probability: probability of the most
+    probable class, also where the answer is CANNOT_TELL, shape (sweep,). novel: True if the sweep
+    is unlike all of the training, shape (sweep,). chances: probability of each class, shape
+    (sweep, K); K is 0 for a localizer of places.
     """
 
     labels: NDArray[np.str_]
@@ -51,7 +51,10 @@ class Answers(Tabular):
         ]
 
     def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
-        """These, of some rows of so many sweeps; the others cannot be told, but guessed."""
+        """Answers to `count` sweeps: these at `rows`, CANNOT_TELL at all others.
+
+        guess: probability of each class for the others.
+        """
         chances = np.full((count, self.chances.shape[1]), guess)
         labels = np.full(count, CANNOT_TELL, dtype=object)
         probability, novel = np.full(count, guess), np.zeros(count, dtype=bool)
@@ -63,7 +66,9 @@ class Answers(Tabular):
 def decide(
     classes: NDArray, probabilities: NDArray[np.float64], novel: NDArray[np.bool_], threshold: float
 ) -> Answers:
-    """The most probable class where it is no novelty and as probable as the threshold.
+    """The most probable class of each sweep, or CANNOT_TELL.
+
+    CANNOT_TELL is the answer if the sweep is novel or the probability is below the threshold.
 
     classes: shape (K,). probabilities: shape (sweep, K). novel: shape (sweep,).
     """
@@ -78,16 +83,18 @@ def decide(
 def threshold_of(
     probability: NDArray[np.float64], right: NDArray[np.bool_], certain: float
 ) -> float:
-    """The probability from which on answers are right at the rate `certain`: of the most SHARES.
+    """Probability threshold above which answers are right at the rate `certain`.
 
-    That holds with CONFIDENCE, if sweeps are alike and each right by chance alone: the exact bound
-    of each share is taken at its part of what confidence leaves (Bonferroni), so that choosing
-    among them costs nothing. Shares and probabilities are known before it is looked up who is
-    right. Source: A. N. Angelopoulos, S. Bates, E. J. Candes, M. I. Jordan, L. Lei, "Learn then
-    test", arXiv:2110.01052 (2021).
+    It is the threshold of the largest of SHARES that reaches the rate. The rate holds with
+    CONFIDENCE if sweeps are independent and identically distributed: each share takes its exact
+    bound at an equal part of the significance level (Bonferroni), which accounts for the choice
+    among SHARES. The candidate thresholds do not depend on which answers are right. Source:
+    A. N. Angelopoulos, S. Bates, E. J. Candes, M. I. Jordan, L. Lei, "Learn then test",
+    arXiv:2110.01052 (2021).
 
-    probability: of the best class of sweeps that were not trained on. right: whether it was theirs.
-    Raises InputError where `certain` is not within (0, 1), or no share reaches it.
+    probability: probability of the best class of sweeps that were not trained on. right: True where
+    that class is the true one. Raises InputError if `certain` is not within (0, 1), or if no share
+    reaches it.
     """
     if not 0 < certain < 1:
         raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")

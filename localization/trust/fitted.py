@@ -19,11 +19,11 @@ from .temperature import probabilities
 
 @dataclass(frozen=True, eq=False)
 class Guards:
-    """What sweeps of the training looked like, each kind of press.
+    """Guards fitted to the training sweeps.
 
-    several: None where the localizer knows more touches than one, and where the training showed
-    none of more. changes: those of the same sweeps' changes from the skin at rest, where the
-    localizer itself does not look at these.
+    kinds: guard by kind of press. several: guard against several touches; None if the localizer
+    itself knows several touches, or if too few training sweeps show them. changes: guards of the
+    changes from the baseline of the same sweeps, where the localizer itself does not use these.
     """
 
     kinds: KindGuard
@@ -35,7 +35,7 @@ class Guards:
     ) -> NDArray[np.bool_]:
         """True for sweeps unlike those of the training, shape (n,).
 
-        X: shape (n, feature). changes: as of `baseline_changes`, shape (n, feature).
+        X: shape (n, feature). changes: as in `baseline_changes`, shape (n, feature).
         """
         told = self.kinds.predict(X) < 0
         if self.several is not None:
@@ -48,7 +48,7 @@ class Guards:
 
 
 def with_known_baseline(changes: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Indices of the sweeps whose changes are known, of (n, feature)."""
+    """Indices of the sweeps whose changes are known. changes: shape (n, feature)."""
     return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
 
@@ -59,8 +59,10 @@ def has_novelty_test(pipeline: Pipeline) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Learned:
-    """pipeline: fitted. guards: know what sweeps of the training looked like; None where the
-    pipeline tells novelties by itself."""
+    """Fitted pipeline with its guards.
+
+    guards: None if the pipeline itself detects novel sweeps.
+    """
 
     pipeline: Pipeline
     guards: Guards | None
@@ -68,7 +70,7 @@ class Learned:
     def novel(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> NDArray[np.bool_]:
-        """True for sweeps unlike any that are known, shape (n,).
+        """True for sweeps unlike those of the training, shape (n,).
 
         X: shape (n, feature). changes: from the baseline, for guards that use them.
         """
@@ -80,11 +82,11 @@ class Learned:
 
 @dataclass(frozen=True, eq=False)
 class Classifier(Learned):
-    """Tells classes.
+    """Localizer of classes.
 
-    sharpness: factor of decisions of which the softmax tells probabilities. threshold: the least
-    probability that is answered. right, answered: how many of the sweeps held out were told right,
-    and how many reach the threshold. held_out: of how many.
+    sharpness: factor of decisions before the softmax that gives probabilities. threshold: the
+    minimum probability of an answer. right, answered: number of held-out sweeps whose most probable
+    class is right, and that reach the threshold. held_out: number of held-out sweeps.
     """
 
     sharpness: float
@@ -110,18 +112,18 @@ class Classifier(Learned):
     def answers(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> Answers:
-        """A class or CANNOT_TELL for each row. changes: as of `novel`."""
+        """A class or CANNOT_TELL for each row. changes: as in `novel`."""
         novel = self.novel(X, changes)
         return decide(self.classes, self.probabilities(X), novel, self.threshold)
 
 
 @dataclass(frozen=True, eq=False)
 class Regressor(Learned):
-    """Tells positions.
+    """Localizer of positions.
 
-    factor: of standard deviations, by which they were too small on held-out sweeps, shape (3,).
-    spread: tells their squares where the pipeline has none of its own, from positions.
-    median_error: mm, of the sweeps held out.
+    factor: correction of the standard deviations, from held-out sweeps, shape (3,). spread:
+    predicts variances from positions, where the pipeline has no deviations of its own.
+    median_error: median error of the held-out sweeps, mm.
     """
 
     factor: NDArray[np.float64]
@@ -134,7 +136,7 @@ class Regressor(Learned):
         return f"median error {self.median_error:.1f} mm"
 
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions and standard deviations, in mm and of the strength, each of shape (n, 3)."""
+        """Positions (x, y in mm, strength) and standard deviations, each of shape (n, 3)."""
         if self.spread is None:
             told, deviation = self.pipeline.predict(X, return_std=True)
             return told, self.factor * deviation

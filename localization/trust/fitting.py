@@ -1,4 +1,4 @@
-"""How a localizer is trained: pipeline, then probabilities and deviations on held-out sweeps."""
+"""Training of a localizer: pipeline, then probabilities and deviations on held-out sweeps."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from .temperature import probabilities, sharpness_of
 from .tuning import trainer
 
 NEIGHBOURS, RESIDUALS = 50, 5000
-"""Errors that a deviation is the root mean square of, and how many are kept in all."""
+"""Number of errors whose root mean square is a deviation, and of errors kept in all."""
 FEWEST = 10
-"""Sweeps with the skin at rest that guards of changes are learned from, and judged by, at least."""
+"""Minimum number of sweeps with a baseline to fit guards of changes to, and to score them by."""
 ALL = np.arange(0), np.arange(0)
-"""Stands for the fit to all sweeps, beside the splits that are fitted too."""
+"""Placeholder for the fit to all sweeps, which progress counts together with the splits."""
 
 
 def learn_classes(
@@ -42,10 +42,11 @@ def learn_classes(
     tune: bool = False,
     progress: ProgressCallback = silent,
 ) -> Classifier:
-    """A classifier whose sharpness and threshold were found on sweeps held out.
+    """Train a classifier, and fit its sharpness and threshold to held-out sweeps.
 
-    certain: the rate at which answers are to be right; None answers always. progress: of the fits.
-    Raises InputError where the samples are of one class, or as `scoring_splits`, `threshold_of`.
+    certain: the rate at which answers are to be right; None answers always. progress: callback for
+    the fits. Raises InputError if the samples are of one class, and as `scoring_splits` and
+    `threshold_of` do.
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
@@ -75,9 +76,9 @@ def learn_positions(
     tune: bool = False,
     progress: ProgressCallback = silent,
 ) -> Regressor:
-    """A regressor whose deviations were found on sweeps held out. Raises as `scoring_splits`.
+    """Train a regressor, and fit its deviations to held-out sweeps.
 
-    progress: of the fits.
+    progress: callback for the fits. Raises InputError as `scoring_splits` does.
     """
     samples = samples.first_sessions(estimator.sessions)
     splits = scoring_splits(None, samples.sessions)
@@ -102,12 +103,12 @@ def learn_positions(
 def _again(
     train: Callable[[Samples], Pipeline], estimator: Estimator, whole: Pipeline
 ) -> Callable[[Samples], Pipeline]:
-    """Trains on a part of the sweeps; what no sweep teaches is the pipeline of all of them."""
+    """Training on a part of the sweeps; the pipeline of all if it does not depend on sweeps."""
     return train if estimator.taught else lambda part: whole
 
 
 def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
-    """Tells squares of errors by those of the nearest answers to sweeps held out."""
+    """Fit the variance of errors as the mean over the nearest positions of held-out sweeps."""
     physical_cpu_count()
     kept = np.random.default_rng(0).permutation(len(told))[:RESIDUALS]
     near = KNeighborsRegressor(min(NEIGHBOURS, len(kept)), algorithm="brute")
@@ -115,7 +116,7 @@ def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipelin
 
 
 def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:
-    """None where the pipeline tells novelties by itself; what it takes for drift is no novelty."""
+    """Guards, fitted to sweeps with synthetic drift; None if the pipeline detects novelties."""
     if has_novelty_test(pipeline):
         return None
     own = _guards_of(replace(samples, X=drifting(pipeline)(samples.X)), splits)

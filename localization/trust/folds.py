@@ -1,4 +1,4 @@
-"""Parts of sweeps to train on and to test on, by which neither tells of the other."""
+"""Splits of sweeps into independent parts for training and for testing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 GROUPINGS = ("press", "session")
 MIN_SESSIONS = 2
-"""Number of sessions from which on whole sessions are held out."""
+"""Minimum number of sessions for whole sessions to be held out."""
 PLENTY = 50_000
 """Number of sweeps above which one fold is held out instead of all in turn."""
 MAX_SCORED = 20_000
@@ -27,15 +27,14 @@ Splits = list[Split]
 def folds_of(
     sweeps: xr.Dataset, y: NDArray, *, folds: int, grouping: str | None, seed: int
 ) -> Splits:
-    """Indices (train, test) of each fold, with classes in like shares in every fold.
+    """Indices (train, test) of each fold; every fold has similar shares of the classes.
 
-    y: labels, shape (sweep,). seed: of the shuffle.
+    y: labels, shape (sweep,). seed: seed of the shuffle.
     grouping: None lets repetitions of one press stand on both sides. With "press" all repetitions
-        of a pixel are left out together, so that a column must be recognised from pixels never
-        seen in training; the unpressed sweeps are left out one by one. With "session" a mounting
+        of a pixel are left out together, so that a column must be recognised from pixels that are
+        not in the training; the unpressed sweeps are left out one by one. With "session" a mounting
         of the skin is left out as a whole.
-    Raises InputError for another grouping, and where folds cannot be made so that every class is in
-    every training.
+    Raises InputError for another grouping, and if no folds have every class in every training.
     """
     groups = groups_of(sweeps, grouping)
     _check_number(folds, y, groups)
@@ -53,10 +52,10 @@ def folds_of(
 def splits_of(
     strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
 ) -> Splits:
-    """As many folds as can be, at most `folds`, by session where there are MIN_SESSIONS.
+    """As many folds as possible up to `folds`, by session if there are MIN_SESSIONS.
 
-    strata: what is to be in like shares in every fold, shape (sweep,); None for no such thing.
-    Raises InputError where there are no two folds.
+    strata: labels that every fold has in similar shares, shape (sweep,); None does not stratify.
+    Raises InputError if two folds are not possible.
     """
     groups = sessions if by_session(sessions) else None
     most = folds if groups is None else min(folds, np.unique(groups).size)
@@ -75,9 +74,9 @@ def splits_of(
 
 
 def scoring_splits(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
-    """As `splits_of`, but only the first where one fold has sweeps in plenty to judge by.
+    """The splits of `splits_of`, or only the first one if there are more than PLENTY sweeps.
 
-    Of more than MAX_SCORED that it holds out, as many are asked about, evenly.
+    If that one holds out more than MAX_SCORED sweeps, MAX_SCORED evenly spaced ones are scored.
     """
     splits = splits_of(strata, sessions)
     if sessions.size <= PLENTY:
@@ -98,7 +97,7 @@ def by_session(sessions: NDArray[np.int64]) -> bool:
 
 
 def describe_splits(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
-    """How sweeps were held out, as text. asked: how many folds were, told where there are fewer."""
+    """Text on how sweeps were held out. asked: requested folds, named if there are fewer."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
     if len(splits) < asked:
         folds += f" ({asked} asked: there are no more {_units(sessions)})"
@@ -108,7 +107,7 @@ def describe_splits(splits: Splits, sessions: NDArray[np.int64], asked: int = 0)
 
 
 def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
-    """As `describe_splits`, and whether the inner folds hold out whole sessions too."""
+    """Text of `describe_splits`, with a remark if the inner folds hold out no whole sessions."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
     return describe_splits(splits, sessions, asked) + but
@@ -119,7 +118,7 @@ def _units(sessions: NDArray[np.int64]) -> str:
 
 
 def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:
-    """Sweeps of the same number must share a fold; shape (sweep,), None where all are free."""
+    """Group numbers; sweeps of one group share a fold. Shape (sweep,), None without groups."""
     if grouping is None:
         return None
     if grouping == "session":

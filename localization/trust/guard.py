@@ -9,7 +9,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 
 class Guard(BaseEstimator):
-    """Tells novelties by how far they are `away` from what was learned, against `limit_`."""
+    """Base of the guards: a sweep is novel if its distance `away` exceeds `limit_`."""
 
     limit_: float
 
@@ -24,5 +24,5 @@ class Guard(BaseEstimator):
         return self.away(X) / self.limit_
 
     def predict(self, X):
-        """1 for a sweep like what was learned, -1 for a novelty; shape (n,)."""
+        """1 for a sweep like those of the training, -1 for a novel one; shape (n,)."""
         return np.where(self.distances(X) > 1, -1, 1)

@@ -21,10 +21,10 @@ def held_out_decisions(
     unseen: NDArray[np.intp],
     classes: NDArray,
 ) -> NDArray[np.float64]:
-    """Decisions of each sweep by a pipeline that was not trained on it, for all of the classes.
+    """Decisions for each sweep and class by a pipeline that was not trained on the sweep.
 
-    unseen: the sweeps of all tests, ascending. A class that one training lacks is told as unlikely
-    as its least likely one. Shape (unseen, K).
+    unseen: indices of the sweeps of all tests, ascending. A class that a training lacks takes the
+    decision of the least likely class. Shape (unseen, K).
     """
     told = np.empty((unseen.size, classes.size))
     for train_on, test in splits:
@@ -40,9 +40,10 @@ def held_out_decisions(
 def held_out_positions(
     train: Callable[[Samples], Pipeline], samples: Samples, splits: Iterable[Split]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Positions of each sweep by a pipeline that was not trained on it, and their own deviations.
+    """Positions by a pipeline that was not trained on the sweep, and their deviations.
 
-    Shape (n, 3), NaN where a sweep is in no test; None where the regressor tells no deviations.
+    Each has shape (n, 3), NaN if a sweep is in no test. The deviations are None if the regressor
+    gives none.
     """
     told, deviation = np.full((2, *samples.y.shape), np.nan)
     own = False

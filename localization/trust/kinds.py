@@ -1,8 +1,8 @@
-"""Whether a sweep is of no kind of press that a localizer was trained on: two touches are another.
+"""Guard against sweeps of a kind of press that is not in the training, such as two touches.
 
-Of one touch at one place the sweeps spread little: by strength, by noise, by what differs between
-skins. A second touch leads out of that spread, though not out of all that one touch can do. What no
-press does, as a reading that failed, leads out of the components that presses are looked at by.
+Sweeps of one touch at one place spread little: by strength, by noise and by differences between
+skins. A second touch leads out of that spread, but not out of the range of all single touches. A
+sweep that no press can cause, such as a failed reading, leads out of the principal components.
 """
 
 from __future__ import annotations
@@ -21,47 +21,54 @@ from .folds import Splits, by_session
 from .guard import Guard
 
 COMPONENTS = 6
-"""Of features, that a press is looked at by: more of them hold noise alone."""
+"""Number of principal components that describe a press; further ones hold noise alone."""
 SWEEPS_FOR_EACH = 4
-"""Sweeps beyond the means of kinds that tell how a component spreads."""
+"""Sweeps, less the number of kinds, that are needed for each component."""
 LENT = 10
-"""Sweeps of all kinds together that each kind's own spread is filled up with."""
+"""Weight of the pooled covariance in the covariance of each kind, as a number of sweeps."""
 MOST_PLACES, SWEEPS_OF_PLACE = 25, 20
-"""Parts of a skin that positions are taken for, and how many sweeps each has at least."""
+"""Maximum number of clusters of positions, and minimum mean number of sweeps in each."""
 FURTHER, FURTHER_UNSEEN = 1.15, 2.0
-"""How many times farther off than sweeps held out a known kind reaches, on skins that differ more
-than sessions that were held out; and where none were, so that none are known to differ."""
+"""Factor of the limit over the distances of held-out sweeps.
+
+The first allows for skins that differ more than the held-out sessions. The second applies where no
+session was held out, so that the difference between sessions is unknown.
+"""
 LEAST_VARIANCE = 1e-9
-"""Of the largest within kinds."""
+"""Variance added to each component, relative to the total variance within kinds."""
 SHARE_BESIDE, FURTHER_BESIDE = 0.99, 1.3
-"""Of sweeps held out, those that lie no farther beside the components; and how many times farther
-beside is no novelty yet: noise alone is there, more of it where fewer rests came before."""
+"""Quantile of held-out distances outside the components, and factor of the limit over it.
+
+Only noise lies outside the components. It is larger after fewer baseline sweeps.
+"""
 LEAST_BESIDE = 1e-5
-"""Of how features spread: sweeps held out count as lying at least so far beside the components."""
+"""Minimum of that quantile, relative to the root-sum-square spread of the features."""
 TAILS = 0.01
-"""Part of the training at either end of a feature that may be outliers."""
+"""Share of the training at either end of a feature that may be outliers."""
 
 
 class KindGuard(Guard):
-    """Distance to the nearest kind of press, in units of how sweeps of that kind spread; or that
-    beside all components, times `beside_`, if it is more.
+    """Guard by the Mahalanobis distance to the nearest kind of press.
+
+    The distance outside all components, times `beside_`, counts instead where it is larger.
 
     Each kind is a normal distribution of leading components; the distance is that of
-    P. C. Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49-55. The skin at rest, of which noise
-    alone would be the spread, is lent that of all kinds, for a rest that drifts must stay one. A
-    few bad sweeps among the training do not widen it: features count no farther than TAILS, and the
-    limit is a quantile.
+    P. C. Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49-55. The unpressed skin, whose own
+    spread is noise alone, takes the pooled spread of all kinds, so that it stays known while it
+    drifts. A few bad training sweeps do not widen the guard: features are clipped beyond TAILS, and
+    the limit is a quantile.
 
     Parameters
     ----------
-    share: of the sweeps held out that are to be of a known kind. reach: how many times farther off
-    is no novelty yet.
+    share: share of the held-out sweeps that are to be of a known kind. reach: factor of the limit
+    over the distance of that share.
 
     Attributes
     ----------
-    told_: features looked at, shape (told,). scale_: what they are divided by. pca_: components.
+    told_: indices of the features used, shape (k,). scale_: their divisors. pca_: components.
     means_: shape (kind, component). whitening_: shape (kind, component, component). limit_: the
-    largest distance that is no novelty. beside_: what makes it that of distances beside components.
+    largest distance that is no novelty. beside_: factor that brings distances outside the
+    components to the same limit.
     """
 
     def __init__(self, share=0.98, reach=FURTHER):
@@ -77,11 +84,11 @@ class KindGuard(Guard):
         told: NDArray[np.intp] | None = None,
         alike: bool = True,
     ):
-        """Learn how sweeps of each kind spread, and how far held-out ones lie from their like.
+        """Fit the spread of each kind, and the limit to the distances of held-out sweeps.
 
-        X: shape (n, feature). kinds: a name for each, shape (n,). told: features to look at, all
-        without. alike: whether these err alike; else each is brought to unit variance. Returns
-        self.
+        X: shape (n, feature). kinds: a name for each sweep, shape (n,). told: indices of the
+        features to use; None uses all. alike: True if these have equal errors; else each is brought
+        to unit variance. Returns self.
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         kinds = np.asarray(kinds).astype(str)
@@ -96,7 +103,7 @@ class KindGuard(Guard):
         return self
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From the nearest kind, in units of its spread, or beside all of them, shape (n,)."""
+        """Distance from the nearest kind, or outside all components if larger, shape (n,)."""
         within, beside = self._both(X)
         return np.maximum(within, self.beside_ * beside)
 
@@ -134,7 +141,7 @@ def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
 
 
 def _without_outliers(X: NDArray[np.float64]) -> NDArray[np.float64]:
-    """With features clipped as far beyond TAILS as these are apart."""
+    """Clip each feature beyond its TAILS quantiles by the distance between them."""
     low, high = np.quantile(X, [TAILS, 1 - TAILS], axis=0)
     return np.clip(X, 2 * low - high, 2 * high - low)
 
@@ -142,7 +149,7 @@ def _without_outliers(X: NDArray[np.float64]) -> NDArray[np.float64]:
 def _whitenings(
     aside: NDArray[np.float64], index: NDArray[np.intp], names: NDArray[np.str_]
 ) -> NDArray[np.float64]:
-    """Turns what lies aside from a kind's mean so that it varies by 1, (kind, component, same)."""
+    """Matrices that whiten deviations from each kind's mean, (kind, component, component)."""
     pooled = aside.T @ aside / max(1, len(aside) - names.size)
     floor = LEAST_VARIANCE * max(float(np.trace(pooled)), np.finfo(float).tiny)
     pooled += floor * np.eye(len(pooled))
@@ -156,7 +163,7 @@ def _whitenings(
 
 
 def _places(positions: NDArray[np.float64]) -> NDArray[np.intp]:
-    """A number for each touch, the same where they are near each other. positions: (n, >= 2)."""
+    """Cluster number of each touch, by its place. positions: shape (n, >= 2)."""
     from sklearn.cluster import KMeans
 
     count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MOST_PLACES))

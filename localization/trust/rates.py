@@ -6,14 +6,14 @@ import math
 
 CONFIDENCE = 0.95
 MANY = 500
-"""Number of cases from which on a bound has a tenth of a per cent."""
+"""Number of cases from which on a bound is shown to a tenth of a per cent."""
 
 
 def lower_bound(right: int, total: int, confidence: float = CONFIDENCE) -> float:
-    """The rate that the true one surpasses with that confidence, if each was right by chance alone.
+    """Lower confidence bound of a rate, for independent cases.
 
-    Exact, one-sided: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404-413. Sweeps of one
-    session are less than independent: they tell less of other sessions.
+    The bound is exact and one-sided: C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404-413.
+    Sweeps of one session are not independent: they say less about other sessions.
     """
     from scipy.stats import binomtest
 
@@ -22,9 +22,9 @@ def lower_bound(right: int, total: int, confidence: float = CONFIDENCE) -> float
 
 
 def rate_text(right: int, total: int) -> str:
-    """As `98 % (52 of 53, at least 91 % with 95 % confidence)`; the bound is never rounded up.
+    """Text such as `98 % (52 of 53, at least 91 % with 95 % confidence)`; `none of 0` for none.
 
-    Where there was none: `none of 0`.
+    The bound is never rounded up.
     """
     if not total:
         return "none of 0"
@@ -37,7 +37,7 @@ def rate_text(right: int, total: int) -> str:
 
 
 def interval(right: int, total: int) -> tuple[float, float]:
-    """Lowest and highest rate that agree with what was seen, with CONFIDENCE; exact, two-sided."""
+    """Exact two-sided confidence interval of a rate, at CONFIDENCE."""
     from scipy.stats import binomtest
 
     found = binomtest(right, total).proportion_ci(CONFIDENCE, "exact")

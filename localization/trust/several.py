@@ -1,8 +1,8 @@
-"""Whether a sweep is of more touches than the one that a localizer tells, learned from such sweeps.
+"""Guard of a single-touch localizer against several touches, trained on sweeps of several touches.
 
-Where one touch may be weak or strong, two weak ones lie close to what one can do. What parts them
-best is learned from sweeps of both, of changes from the skin at rest: as they are read, sweeps
-tell skins apart before they tell touches, and a skin never seen would be taken for two touches.
+If the strength of a touch varies, two weak touches resemble one touch. An SVM learns to separate
+them from sweeps of both. It uses changes from the baseline: sweeps as read differ more between
+skins than between touches, and an unknown skin would be taken for two touches.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from .folds import Splits, by_session
 from .guard import Guard
 
 FEWEST, MOST = 50, 5000
-"""Sweeps of several touches that it takes, and sweeps of each kind that it learns from at most."""
+"""Minimum number of sweeps of several touches, and maximum number of sweeps of each kind."""
 PENALTY = 10.0
-"""Of sweeps on the wrong side, `C` of the SVM."""
+"""Penalty of sweeps on the wrong side, `C` of the SVM."""
 
 
 class SeveralGuard(Guard):
-    """By the decision of an SVM between one touch and several, against that of one touch held out.
+    """Guard by the decision of an SVM between one touch and several.
 
-    What one touch may look like at most is a quantile of sweeps that were not trained on, so that
-    the share of presses that stays answered is chosen, whatever of the rest is noticed.
+    The limit is a quantile of the decisions of held-out sweeps of one touch. It fixes the share of
+    single touches that are answered; the share of several touches that are detected follows.
 
     Parameters
     ----------
-    share: of the sweeps of one touch held out that are to be told as such.
+    share: share of the held-out sweeps of one touch that are to be recognized as one touch.
 
     Attributes
     ----------
-    told_: features looked at, shape (told,). parting_: the fitted pipeline. limit_: exp of the
-    largest decision that is no novelty.
+    told_: indices of the features used, shape (k,). parting_: the fitted pipeline. limit_: exp of
+    the largest decision that is no novelty.
     """
 
     def __init__(self, share=0.99):
@@ -56,12 +56,12 @@ class SeveralGuard(Guard):
         touched: NDArray[np.bool_],
         told: NDArray[np.intp],
     ):
-        """Learn what parts several touches from fewer.
+        """Fit the SVM that separates several touches from fewer, and the limit.
 
-        X: sweeps of one touch or none, shape (n, feature). several: those of more, (m, feature).
-        splits: sweeps of X to learn from and to hold out; apart: those of `several` to learn from
-        beside each. touched: which of X have a touch, (n,). told: features to look at. Returns
-        self.
+        X: sweeps of one touch or none, shape (n, feature). several: sweeps of more touches, shape
+        (m, feature). splits: sweeps of X to train on and to hold out. apart: for each split, the
+        sweeps of `several` to train on. touched: True for sweeps of X with a touch, shape (n,).
+        told: indices of the features to use. Returns self.
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         self.told_ = told
@@ -80,11 +80,11 @@ class SeveralGuard(Guard):
 
 
 def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
-    """None where the target is of several touches, no feature is against the skin at rest, or too
-    few sweeps show more than one touch.
+    """Guard against several touches; None where it does not apply.
 
-    splits: sweeps to learn from and to hold out. Sweeps of a session that is held out teach it
-    nothing, of several touches neither.
+    It does not apply if the target has several touches, if no feature uses the baseline, or if too
+    few sweeps show more than one touch. splits: sweeps to train on and to hold out. A held-out
+    session is left out of the training, its sweeps of several touches included.
     """
     problem = samples.problem
     if not problem.single_touch or problem.ignores_baseline:

@@ -1,9 +1,9 @@
-"""Probabilities from decisions, by one number found on sweeps that were held out.
+"""Probabilities from decisions, by one factor that is fitted to held-out sweeps.
 
 Source: C. Guo, G. Pleiss, Y. Sun, K. Q. Weinberger, "On calibration of modern neural networks",
 Proc. 34th Int. Conf. Machine Learning (2017), section 4.2. scikit-learn's
-`CalibratedClassifierCV(method="temperature")` finds the same probabilities to 1e-7, but keeps the
-decisions of held-out sweeps to itself, of which thresholds are found too: it would train all twice.
+`CalibratedClassifierCV(method="temperature")` gives the same probabilities to 1e-7, but does not
+return the decisions of held-out sweeps. Thresholds need these too, so all would be trained twice.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from scipy.optimize import minimize_scalar
 from scipy.special import log_softmax, softmax
 
 SHARPEST = 1e4
-"""Decisions are multiplied by at most this much, and at least by its inverse."""
+"""Maximum factor of decisions; the minimum is its inverse."""
 BINS = 10
-"""Of answers, by how sure they are."""
+"""Number of bins of answers, by their probability."""
 
 
 def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> float:
-    """The factor of decisions of which the softmax tells the classes with least log loss.
+    """Factor of the decisions whose softmax has the least log loss.
 
-    decisions: of sweeps that were not trained on, shape (n, K). index: their classes, shape (n,).
+    decisions: those of sweeps that were not trained on, shape (n, K). index: true classes, (n,).
     """
     rows = np.arange(index.size)
 
@@ -35,15 +35,15 @@ def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> flo
 
 
 def probabilities(decisions: NDArray[np.float64], sharpness: float) -> NDArray[np.float64]:
-    """The softmax of decisions times sharpness, shape (n, K): rows sum to 1, order is kept."""
+    """Softmax of decisions times sharpness, shape (n, K): rows sum to 1, the order is kept."""
     return np.asarray(softmax(sharpness * decisions, axis=1))
 
 
 def calibration_error(probability: ArrayLike, right: ArrayLike) -> float:
-    """Expected calibration error: how far answers are from being right as often as they say.
+    """Expected calibration error: mean difference of the rate of right answers from probability.
 
-    sum_b |mean right - mean probability| n_b / n over BINS of like numbers of answers (Guo et al.,
-    section 2, with bins of like widths). Both arrays: shape (n,).
+    sum_b |mean right - mean probability| n_b / n over BINS with equal numbers of answers (Guo et
+    al., section 2, take bins of equal width). Both arrays: shape (n,).
     """
     probability, right = np.asarray(probability, dtype=float), np.asarray(right, dtype=float)
     order = np.argsort(probability, kind="stable")

@@ -1,4 +1,4 @@
-"""Hyper-parameters by cross-validation within what a localizer is trained on."""
+"""Tuning of hyper-parameters by cross-validation within the training sweeps."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .folds import splits_of
 
 
 def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline]:
-    """A function that trains the localizer on samples, its parameters tuned on these if asked.
+    """A function that trains the localizer on samples. tune: also tunes its parameters on them.
 
-    It raises InputError where there are no two folds to tune on.
+    The function raises InputError if there are no two folds to tune on.
     """
 
     def train(some: Samples) -> Pipeline:
@@ -46,7 +46,7 @@ def _best(estimator: Estimator, samples: Samples) -> dict[str, object]:
 
 
 def _shared(strata: np.ndarray | None) -> np.ndarray | None:
-    """The strata, if every fold can have some of each."""
+    """The strata if every fold can have sweeps of each, else None."""
     few = strata is not None and np.unique(strata, return_counts=True)[1].min() < 2
     return None if few else strata
 
