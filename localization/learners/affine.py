@@ -1,4 +1,4 @@
-"""A trained regressor of places corrected by a few touches: moved and stretched a little."""
+"""Correction of a trained regressor of places by a few touches: a small affine map."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from sklearn.utils.validation import check_is_fitted
 class Affine(RegressorMixin, BaseEstimator):
     """Places y of a fitted regressor plus b + A (y - c), by ridge regression.
 
-    c: middle of the places that teach. A. E. Hoerl, R. W. Kennard, Technometrics 12 (1970) 55-67.
+    c: mean of the places predicted for the touches fitted to. Source: A. E. Hoerl, R. W. Kennard,
+    Technometrics 12 (1970) 55-67.
 
     Parameters
     ----------
-    estimator: a FrozenEstimator, which tells x, y [mm] and strength. prior: touches that no
-    correction counts as.
+    estimator: a FrozenEstimator that predicts x, y [mm] and strength. prior: weight of the prior of
+    no correction, as a number of touches.
 
     Attributes
     ----------
-    centre_, scale_: of what it told of the touches, (3,). correction_: b, then A times the scale,
-    (4, 3).
+    centre_, scale_: mean and standard deviation of its predictions for the touches, (3,).
+    correction_: b, then A times the scale, (4, 3).
     """
 
     def __init__(self, estimator=None, prior=5.0):

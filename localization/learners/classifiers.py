@@ -23,8 +23,8 @@ KERNEL_WIDTH = 0.1
 def reference(features: int, C: float = 100.0) -> Pipeline:
     """An untrained pipeline: features of zero mean and unit variance, then the paper's SVM.
 
-    features: how many there are; sets the width of the kernel by KERNEL_WIDTH. C: penalty of a
-    sweep on the wrong side of a margin.
+    features: number of features, which sets the width of the kernel by KERNEL_WIDTH. C: penalty of
+    a sweep on the wrong side of a margin.
 
     Width and penalty were chosen on the paper's six simulated devices, six presses a pixel, 5-fold,
     mean of six draws of 0.3 % and 0.15 degrees of noise: against gamma = "scale" and C = 10 they
@@ -38,20 +38,20 @@ def reference(features: int, C: float = 100.0) -> Pipeline:
 def components_svm() -> Pipeline:
     """An untrained pipeline: components in the proportions of the features, then `SVC`.
 
-    For quantities that err alike, such as dlnZ and dphase.
+    It is for quantities of equal errors, such as dlnZ and dphase.
     """
     svc = SVC(kernel="rbf", C=1e4, break_ties=True).set_params(gamma=0.1)
     return Pipeline([("components", Components()), ("classify", svc)])
 
 
 def network() -> Pipeline:
-    """An untrained pipeline: components that all vary alike, then a network."""
+    """An untrained pipeline: components of unit variance, then a network."""
     alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
     return Pipeline([*alike, ("classify", NetworkClassifier())])
 
 
 def gaussian(problem: LocalizationProblem) -> Pipeline:
-    """An untrained pipeline: a normal density of each class, given the curve at rest if known."""
+    """An untrained pipeline: a normal density per class, given the baseline curve if known."""
     blocks = problem.blocks
     if all(name in BASELINE for name in problem.quantities):
         raise InputError(
@@ -65,9 +65,10 @@ def gaussian(problem: LocalizationProblem) -> Pipeline:
 
 
 def on_one_scale(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
-    """For quantities that do not err alike, as Rs and Cp: each feature of unit variance at first.
+    """The pipeline, with scaling to unit variance first if its quantities have unequal errors.
 
-    In their own units, Rs would leave nothing of Cp in components, or in distances.
+    Rs and Cp are such quantities: in their own units, Rs would leave nothing of Cp in components or
+    in distances.
     """
     if not any(name in READ for name in problem.quantities):
         return pipeline
@@ -75,9 +76,9 @@ def on_one_scale(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
 
 
 def _partners(quantities: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Those of the curve at rest, and of the sweep as read, in the order of the changes from rest.
+    """Quantities of the baseline and of the sweep as read, in the order of the changes.
 
-    Those as read only where each change has both beside it, and nothing else is there.
+    The second list is empty unless each change comes with both, and there are no other quantities.
     """
     changes = [name for name in quantities if name in RELATIVE]
     curve = [BASELINE[RELATIVE.index(name)] for name in changes]

@@ -9,18 +9,18 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 
 class Components(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
-    """The leading principal components, all divided by one number: they vary by 1 in sum.
+    """The leading principal components, all divided by one number: their variances sum to 1.
 
-    Features that err alike, as ln |Z| and phase do, still err alike in all components; scaling each
-    feature on its own would raise the noise of those that a press hardly changes.
+    Features of equal errors, such as ln |Z| and phase, keep equal errors in all components; scaling
+    each feature on its own would raise the noise of those that a press hardly changes.
 
     Parameters
     ----------
-    count: how many components, or all there are if fewer.
+    count: maximum number of components.
 
     Attributes
     ----------
-    pca_: the fitted components. scale_: what they are divided by.
+    pca_: the fitted components. scale_: their divisor.
     """
 
     def __init__(self, count=8):

@@ -11,7 +11,7 @@ LEAST_PROBABILITY = 1e-12
 
 
 def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A number for each class, the larger the likelier, in the order of `classes_`; (n, K)."""
+    """Decision for each of `classes_`, larger if more probable, shape (n, K)."""
     if hasattr(classifier, "decision_function"):
         told = classifier.decision_function(X)
         return told if told.ndim == 2 else np.column_stack([-told, told]) / 2

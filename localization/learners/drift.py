@@ -1,7 +1,7 @@
-"""What a skin may drift by between a touch and the rests before it, told by how skins differ.
+"""Synthetic drift between a baseline and the touch after it, from the differences between skins.
 
-Simulated skins do not drift while they are pressed, real ones do: foam gets stiffer, sheets conduct
-less, in the few ways in which skins also differ from each other, only far less.
+Simulated skins do not drift while they are pressed, but real ones do: foam gets stiffer and sheets
+conduct less. Drift has the few directions in which skins also differ, but is much smaller.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ Array = NDArray[np.float64]
 
 
 class Drifting(TransformerMixin, BaseEstimator):
-    """Lets what is learned from be of skins that drift; what is told of is left as it is.
+    """Adds synthetic drift to training sweeps. Sweeps to be predicted are not changed.
 
     Parameters
     ----------
-    curve: indices of the features that show the skin at rest. moved: of the features that move with
-    it, as many for each of `curve` or none, shape (k, len(curve)). drift: as DRIFT.
+    curve: indices of the features of the baseline curve. moved: indices of the features that shift
+    with the curve, shape (k, len(curve)); may be empty. drift: as DRIFT.
     """
 
     def __init__(self, curve=(), moved=(), drift=DRIFT):
@@ -85,7 +85,7 @@ def with_drift(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
 
 
 def drifting(pipeline: Pipeline) -> Callable[[Array], Array]:
-    """What a pipeline takes for drift: a function of sweeps, which leaves them if it takes none."""
+    """Function that adds the synthetic drift of a pipeline; the identity if it has none."""
     steps = (step for _, step in pipeline.steps if hasattr(step, "drifted"))
     allowing = next(steps, None)
     return lambda X: X if allowing is None else allowing.drifted(X)

@@ -1,9 +1,9 @@
-"""How far a skin at rest has moved since its opening, told by all of its sweeps at rest.
+"""Baseline of a drifting skin, from the opening baseline sweeps and the latest ones together.
 
-Few sweeps at rest come shortly before a touch, and their noise is in its change. A skin that drifts
-moves along the few ways in which skins differ most: as a whole it gets stiffer, or conducts less.
-So along these the latest sweeps at rest count, and across them those of the opening beside, which
-are more, as long as the skin has moved no farther there than noise would let it seem.
+Few baseline sweeps come shortly before a touch, and their noise is in its change. A skin drifts
+along the few directions in which skins differ most: as a whole it gets stiffer, or conducts less.
+Along these directions only the latest baseline sweeps count. Across them the opening sweeps, which
+are more, count too, as long as the difference there is no larger than noise.
 """
 
 from __future__ import annotations
@@ -14,26 +14,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 FOLLOWED = 2
-"""Ways in which skins differ most, along which drift is followed: of foam, and of sheets."""
+"""Number of directions in which skins differ most and drift is followed: foam and sheets."""
 OPENING = 0.65
-"""Part that the opening has in what is known of the skin across them."""
+"""Weight of the opening sweeps in the baseline across the directions."""
 SHARE = 0.99
-"""Of the sweeps of the training, which do not drift, that have moved no farther."""
+"""Share of the training sweeps, which do not drift, whose squared length is within `noise`."""
 
 Array = NDArray[np.float64]
 
 
 class DriftDirections(NamedTuple):
-    """ways: orthonormal, shape (feature, way). noise: squared length across them."""
+    """Directions of drift, and the noise across them.
+
+    ways: orthonormal, shape (feature, way). noise: squared length of the noise across them.
+    """
 
     ways: Array
     noise: float
 
     @classmethod
     def learned(cls, opening: Array, recent: Array, count: int) -> DriftDirections:
-        """From sweeps at rest of skins that do not drift: means of the opening and the latest.
+        """Fit the directions to skins that do not drift.
 
-        Shape (sweep, feature) each. count: of ways, at most.
+        opening, recent: means of the opening and of the latest baseline sweeps, each of shape
+        (sweep, feature). count: maximum number of directions.
         """
         apart = opening - opening.mean(axis=0)
         power, axes = np.linalg.eigh(apart.T @ apart)
@@ -42,10 +46,11 @@ class DriftDirections(NamedTuple):
         return cls(ways, float(np.quantile(across, SHARE)))
 
     def settled(self, moved: Array) -> Array:
-        """What is to be added to changes from the latest sweeps at rest, shape (sweep, feature).
+        """Correction to add to changes from the latest baseline, shape (sweep, feature).
 
-        moved: the latest at rest less those of the opening. Across the ways OPENING of it counts;
-        the less, the farther it is beyond noise, as W. James and C. Stein (1961) shrink.
+        moved: latest baseline less the opening one. The correction is its part across the
+        directions times OPENING. It is smaller the more that part exceeds the noise, by the
+        shrinkage of W. James and C. Stein (1961).
         """
         across = _across(moved, self.ways)
         size = np.square(across).sum(axis=1, keepdims=True)

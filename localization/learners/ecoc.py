@@ -1,7 +1,7 @@
 """Error-correcting output codes: SVMs of all pairs of classes joined into one of K classes.
 
-A coding matrix M (class, learner) holds +1, -1 or 0: learner j is trained to tell the class of +1
-from that of -1 and never sees those of 0. A new sample goes to the class whose row of M agrees
+A coding matrix M (class, learner) holds +1, -1 or 0: learner j is trained to separate the class of
++1 from that of -1, without the classes of 0. A new sample goes to the class whose row of M agrees
 best with the learners' scores. MATLAB's `fitcecoc` with SVM learners decodes by the same rule.
 
 Sources: E. L. Allwein, R. E. Schapire, Y. Singer, "Reducing multiclass to binary", J. Mach. Learn.
@@ -21,7 +21,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 
 def one_versus_one(classes: int) -> NDArray[np.int64]:
-    """Every pair of classes has a learner; shape (K, K(K-1)/2)."""
+    """Coding matrix with a learner for every pair of classes; shape (K, K(K-1)/2)."""
     pairs = list(combinations(range(classes), 2))
     codes = np.zeros((classes, len(pairs)), dtype=np.int64)
     for learner, (first, second) in enumerate(pairs):
@@ -30,7 +30,7 @@ def one_versus_one(classes: int) -> NDArray[np.int64]:
 
 
 def average_loss(codes: ArrayLike, scores: ArrayLike) -> NDArray[np.float64]:
-    """How badly the learners' scores agree with the code of each class, weighted by loss.
+    """Weighted mean loss of the learners' scores against the code of each class.
 
     loss(i, k) = sum_j |m_kj| g(m_kj, s_ij) / sum_j |m_kj|, with the hinge loss
     g(m, s) = max(0, 1 - m s) / 2.
@@ -54,8 +54,8 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
     ----------
     classes_: labels in ascending order, shape (K,).
     coding_matrix_: shape (K, L).
-    estimators_: one `SVC` that holds the learners of all pairs; or, of models by earlier versions,
-        each learner on its own, in the order of the columns of `coding_matrix_`.
+    estimators_: one `SVC` that holds the learners of all pairs; in models of earlier versions, one
+        learner for each column of `coding_matrix_`, in order.
     """
 
     def __init__(self, estimator=None):
@@ -85,7 +85,7 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
     def decision_function(self, X):
         """Minus the average loss of each class, shape (n, K).
 
-        Of two classes, the advantage of the second over the first, shape (n,): positive where the
+        For two classes, the advantage of the second over the first, shape (n,): positive where the
         second is predicted. X: shape (n, feature).
         """
         check_is_fitted(self)

@@ -1,10 +1,10 @@
 """Normal density for each class; its parameters depend on the baseline curve of the skin.
 
-The change of each class is x = t m + (t - 1)² b + noise. m, what a touch does to this skin, and b,
-how strength bends that, are functions of the curve at rest, quadratic and linear; t, how strong the
-touch is, is normal about 1. What is left is normal too: a few directions of most spread, where
-hands and skins differ, and the same variance in all others, which keeps so many numbers from
-learning the noise. What the classes have in common helps each of them, see `shared`.
+The change of each class is x = t m + (t - 1)² b + noise. m is the response of this skin to a touch,
+a quadratic function of the baseline curve. b is the curvature of the response in strength, a linear
+function of the baseline curve. t is the strength of the touch, normal about 1. The residual is
+normal too: it has a few directions of most spread, where presses and skins differ, and one variance
+in all other directions, which prevents overfitting. The classes share patterns, see `shared`.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from .drift_directions import FOLLOWED, DriftDirections
 from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
-"""Of changes and of curves at rest that are looked at, those of curves whose products count, and
+"""Numbers of components: of changes, of baseline curves, and of curves with products; number of
 directions of a class's own spread."""
 BENDING = 6
-"""Components of the curve that tell how strength bends."""
+"""Number of components of the curve that the curvature in strength depends on."""
 ROUNDS = 3
-"""Of finding strengths and what they multiply, in turn."""
+"""Number of alternations between the fit of strengths and the fit of their coefficients."""
 RIDGE = 1.0
-"""Sweeps that show no dependence on the curve, added to each class."""
+"""Ridge penalty of each class: weight of no dependence on the curve, as a number of sweeps."""
 SHRUNK = 10.0
-"""Sweeps of a class that the noise of all classes stands for."""
+"""Weight of the noise of all classes in that of each class, as a number of sweeps."""
 TINY = 1e-9
 
 Array = NDArray[np.float64]
@@ -56,20 +56,21 @@ class ClassDensity(NamedTuple):
 
 
 class GaussianClassifier(ClassifierMixin, BaseEstimator):
-    """Probabilities by normal densities of changes, given the curve at rest.
+    """Probabilities by normal densities of changes, given the baseline curve.
 
     Parameters
     ----------
     curve: indices of the features of the baseline curve; the other features have equal noise and
     show the press. absolute: indices of the features of the sweep as it was read; with them changes
     are taken from all baseline sweeps, see `DriftDirections`. components, of_curve, squared,
-    spread: at most, as COMPONENTS and so on. drift: as DRIFT. followed: as FOLLOWED. absolute and
-    drift are used if each of the three kinds has as many features, in the same order.
+    spread: maximum numbers, as COMPONENTS, OF_CURVE, SQUARED, SPREAD. drift: as DRIFT. followed: as
+    FOLLOWED. absolute and drift are used if each of the three kinds has as many features, in the
+    same order.
 
     Attributes
     ----------
-    classes_: ascending, shape (K,). normals_: of each, as `ClassDensity` has it.
-    moved_: as `DriftDirections` has it, None without `absolute`.
+    classes_: ascending, shape (K,). normals_: fields of `ClassDensity` for each class.
+    moved_: fields of `DriftDirections`, None without `absolute`.
     """
 
     def __init__(
@@ -129,7 +130,10 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return add_drift(X, curve, [change], self.drift)
 
     def decision_function(self, X):
-        """ln of the density of each class with its share, shape (sweep, K); (sweep,) of two."""
+        """ln of density times share of each class, shape (sweep, K).
+
+        For two classes, the value of the second less that of the first, shape (sweep,).
+        """
         check_is_fitted(self)
         X = validate_data(self, X, reset=False, dtype=np.float64)
         change, known = self._projected(np.asarray(X, np.float64))
@@ -144,12 +148,12 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return np.asarray(softmax(both, axis=1))
 
     def predict(self, X):
-        """The likeliest class, shape (sweep,)."""
+        """The most probable class, shape (sweep,)."""
         check_is_fitted(self)
         return self.classes_[self.predict_proba(X).argmax(axis=1)]
 
     def _columns(self, width: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Indices of the curve, as they are given, and of the change."""
+        """Indices of the curve, in the given order, and of the change."""
         curve = np.array(self.curve, dtype=np.intp)
         others = np.concatenate([curve, np.array(self.absolute, dtype=np.intp)])
         return curve, np.setdiff1d(np.arange(width), others)
@@ -162,7 +166,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return DriftDirections.learned(X[:, curve], recent, self.followed)
 
     def _parts(self, X: Array) -> tuple[Array, Array]:
-        """The change, and the curve at rest."""
+        """The change, and the baseline curve."""
         curve, columns = self._columns(X.shape[1])
         change = X[:, columns]
         if self.moved_ is not None:
@@ -171,7 +175,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return change, X[:, curve]
 
     def _projected(self, X: Array) -> tuple[Array, Array]:
-        """Components of the change; 1, components of the curve and some of their products."""
+        """Components of the change, and terms: 1, components of the curve, some products."""
         change, curve = self._parts(X)
         (_, turn), (at_rest, axes) = self._of_change, self._of_curve
         z = (curve - at_rest) @ axes
@@ -180,7 +184,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
 
 
 def _axes(X: Array, count: int, alike: bool = False) -> tuple[Array, Array]:
-    """Mean and leading directions; alike: of unit variance in each."""
+    """Mean and leading directions. alike: scales each direction to unit variance."""
     mean = X.mean(axis=0)
     power, axes = np.linalg.eigh((X - mean).T @ (X - mean) / len(X))
     kept = np.flatnonzero(power > TINY * power.max(initial=0.0))[::-1][:count]
@@ -218,7 +222,7 @@ def _fitted(
 def _normal(
     change: Array, known: Array, by_curve: Array, bend: Array, spread: int, turn: Array
 ) -> ClassDensity:
-    """turn: makes `known` of what is known as it stands."""
+    """Density of one class. turn: matrix from the original terms of the curve to `known`."""
     touch = known @ by_curve
     t = _strength(change, touch)
     left = change - t[:, None] * touch - _bending(t[:, None], known) @ bend
@@ -234,7 +238,7 @@ def _normal(
 
 
 def _strength(change: Array, touch: Array) -> Array:
-    """t of each sweep by least squares, (sweep,); 1 where touches do no more than noise."""
+    """t of each sweep by least squares, (sweep,); 1 if the class differs no more than noise."""
     size = np.square(touch).sum(axis=1)
     if size.mean() <= np.square(change - touch).mean():
         return np.ones(len(size))
@@ -263,7 +267,7 @@ def _regressed(terms: list[Array], changes: list[Array]) -> Array:
 
 
 def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
-    """ln density by the Sherman-Morrison formula, as t spreads along m."""
+    """ln density by the Sherman-Morrison formula, as the spread of t adds a rank-one term."""
     touch = known @ normal.by_curve
     along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
     wider = 1 + normal.strength * size
@@ -277,7 +281,7 @@ def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
 
 
 def _inner(normal: ClassDensity, one: Array, other: Array) -> Array:
-    """Inner product of each two rows, weighted by the inverse covariance of the residual."""
+    """Inner product of each pair of rows, weighted by the inverse covariance of the residual."""
     more = 1 / normal.own - 1 / normal.floor
     within = ((one @ normal.axes) * (other @ normal.axes)) @ more
     return (one * other).sum(axis=1) / normal.floor + within

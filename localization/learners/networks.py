@@ -1,7 +1,7 @@
-"""Networks of neurons, for the many sweeps that a simulator makes: learned in ever smaller steps.
+"""Neural networks for the many sweeps of a simulator, trained with decreasing step size.
 
-With sweeps without end, what a network tells tends to the posterior under all that was drawn for
-them: skin, hand and meter. A simulator has them; what is unknown needs no formula then.
+With more and more sweeps, the output of a network tends to the posterior under the distributions
+that skins, presses and readings are drawn from. The unknowns then need no formula.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 HIDDEN = (128, 128)
 STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
-"""Size of steps and how many, one stage after the other."""
+"""Step size and number of steps of each stage, in order."""
 SHORT = ((2e-3, 240), (5e-4, 120), (1e-4, 60))
-"""The same of few noisy sweeps, which by all of STAGES are learned by heart."""
+"""Stages for few noisy sweeps, which STAGES would overfit."""
 BATCH = 500
-"""Sweeps that one step looks at."""
+"""Number of sweeps of one step."""
 TOGETHER = 10
-"""Batches that are handed over at a time: of these alone every class has a number of its own."""
+"""Number of batches of one `partial_fit`, which encodes the classes of these sweeps only."""
 COMPONENTS = 26
-"""Of features, that a network looks at."""
+"""Number of principal components of the features that a network takes."""
 
 
 INTERRUPTED = "Training interrupted by user"
-"""What scikit-learn warns of where it takes Ctrl-C for the end of a fit."""
+"""Start of scikit-learn's warning when it takes Ctrl-C for the end of a fit."""
 
 
 @contextmanager
 def _interruptible() -> Iterator[None]:
-    """Ctrl-C ends more than the fit, where scikit-learn's warning of it is an error."""
+    """Raise KeyboardInterrupt on Ctrl-C. scikit-learn's warning of it must be an error here."""
     try:
         yield
     except UserWarning as warning:
@@ -46,16 +46,16 @@ def _interruptible() -> Iterator[None]:
 
 
 class _Network(BaseEstimator):
-    """What both kinds share: how they learn, and the form in which they take features.
+    """Base of both networks: training in stages, and validation of features.
 
     Parameters
     ----------
-    hidden: neurons of each layer. stages: as STAGES; every sweep is seen once at least in each.
-    seed: of the first weights and of the order.
+    hidden: number of neurons of each layer. stages: as STAGES; each stage uses every sweep at least
+    once. seed: seed of the initial weights and of the order of sweeps.
 
     Attributes
     ----------
-    network_: the fitted one of scikit-learn, in single precision.
+    network_: the fitted network of scikit-learn, in single precision.
     """
 
     kind: Any
@@ -103,9 +103,9 @@ class _Network(BaseEstimator):
 def _drawn(
     random: np.random.Generator, size: int, batch: int, steps: int
 ) -> Iterator[NDArray[np.intp]]:
-    """Rows of TOGETHER batches each, for so many steps: all of them in one order, then in another.
+    """Rows for `steps` steps, TOGETHER batches at a time: all rows in random order, repeatedly.
 
-    For more steps where else some row is in none.
+    There are more steps if some row would be in none otherwise.
     """
     left = max(steps, -(-size // batch)) * batch
     waiting = np.zeros(0, dtype=np.intp)
@@ -118,7 +118,7 @@ def _drawn(
 
 
 class NetworkClassifier(ClassifierMixin, _Network):
-    """Tells classes and their probabilities."""
+    """Network that predicts classes and their probabilities."""
 
     kind = MLPClassifier
 
@@ -127,7 +127,7 @@ class NetworkClassifier(ClassifierMixin, _Network):
 
     @property
     def classes_(self):
-        """In ascending order, shape (K,)."""
+        """Classes in ascending order, shape (K,)."""
         check_is_fitted(self)
         return self.network_.classes_
 
@@ -138,6 +138,6 @@ class NetworkClassifier(ClassifierMixin, _Network):
 
 
 class NetworkRegressor(RegressorMixin, _Network):
-    """Tells numbers, by least squares."""
+    """Network that predicts numbers, fitted by least squares."""
 
     kind = MLPRegressor

@@ -1,4 +1,4 @@
-"""A trained classifier corrected by a few sweeps: a number for each class moves its decisions."""
+"""Correction of a trained classifier by a few sweeps: one offset of the decisions per class."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from .decisions import decisions
 
 
 class Offsets(ClassifierMixin, BaseEstimator):
-    """Decisions of a fitted classifier plus one offset for each class, of least penalised log loss.
+    """Decisions of a fitted classifier plus one offset per class, of least penalised log loss.
 
     This is vector scaling (C. Guo et al., Proc. 34th Int. Conf. Machine Learning (2017), section
-    4.2) without the scales, which a few sweeps cannot tell; offsets are normal about zero.
+    4.2) without the scales, which a few sweeps do not determine. The prior of offsets is normal
+    about zero.
 
     Parameters
     ----------
-    estimator: a FrozenEstimator. sharpness: of its probabilities. prior: sweeps that no offset
-    counts as.
+    estimator: a FrozenEstimator. sharpness: factor of its decisions before the softmax. prior:
+    weight of the prior of zero offsets, as a number of sweeps.
 
     Attributes
     ----------
-    classes_: of the estimator. offsets_: shape (class,).
+    classes_: classes of the estimator. offsets_: shape (class,).
     """
 
     def __init__(self, estimator=None, sharpness=1.0, prior=5.0):
@@ -55,10 +56,10 @@ class Offsets(ClassifierMixin, BaseEstimator):
         return self
 
     def decision_function(self, X):
-        """The larger the likelier, shape (n, class)."""
+        """Decision for each class, larger if more probable, shape (n, class)."""
         check_is_fitted(self)
         return decisions(self.estimator, X) + self.offsets_
 
     def predict(self, X):
-        """The likeliest class of each row."""
+        """The most probable class of each row."""
         return self.classes_[self.decision_function(X).argmax(axis=1)]

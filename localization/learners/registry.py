@@ -1,4 +1,4 @@
-"""The learned localizers: what each can tell, how it is made, and what of it may be tuned."""
+"""Registry of trained localizers: targets, pipeline and grid of tuned parameters of each."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ Grid = Mapping[str, Sequence[Any]]
 class Estimator:
     """A localizer to be trained.
 
-    targets: what it can tell. build: an untrained pipeline for a problem; a regressor's last step
-    may take `return_std` in `predict`. grid: values of the pipeline's parameters that tuning tries,
-    or a function of the problem that tells them. most: sweeps it is trained on; more are thinned
-    out evenly. sessions: of which it is shown no more, None for all. taught: whether what it tells
-    depends on the sweeps that it is fitted to.
+    targets: targets that it can predict. build: makes an untrained pipeline for a problem; a
+    regressor's last step may take `return_std` in `predict`. grid: values of the pipeline's
+    parameters that tuning tries, or a function of the problem that returns them. most: maximum
+    number of training sweeps; more are subsampled evenly. sessions: maximum number of training
+    sessions, None for all. taught: True if predictions depend on the training sweeps.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Estimator:
     taught: bool = True
 
     def grid_for(self, problem: LocalizationProblem) -> Grid:
-        """What tuning tries for a problem."""
+        """Values of parameters that tuning tries for a problem."""
         return self.grid(problem) if callable(self.grid) else self.grid
 
 
@@ -74,7 +74,7 @@ def gone(name: str) -> str:
 
 
 def learners() -> dict[str, Estimator]:
-    """The estimators that learn from sweeps alone, by name."""
+    """The estimators that are trained on sweeps alone, by name."""
     few = tuple(target for target in CLASSES if target != "pair")
     made = [
         Estimator(REFERENCE, few, lambda each: reference(each.features), _reference_grid),

@@ -20,7 +20,7 @@ def kernel_ridge(alpha: float = 1e-4, gamma: float = WIDTH) -> Pipeline:
 
 
 def network() -> Pipeline:
-    """A network of standardised targets on components that all vary alike."""
+    """A network from components of unit variance to standardised targets."""
     regressor = TransformedTargetRegressor(NetworkRegressor(), transformer=StandardScaler())
     alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
     return Pipeline([*alike, ("regress", regressor)])

@@ -1,4 +1,4 @@
-"""What classes share of what was learned of each: coefficients, with less of the noise in them."""
+"""Shrinkage of the coefficients of all classes towards the few patterns that they share."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ Array = NDArray[np.float64]
 
 
 def shared(coefficients: Array, errors: Array, noise: Array) -> Array:
-    """Estimates of the same coefficients for all classes, each helped by what the others show.
+    """Coefficients with less noise, by shrinking the singular values of all classes together.
 
-    Neighbours on a skin move it alike: the matrix of all coefficients, a row for each class, has
-    few large singular values, and noise has many small ones. Each value y becomes
+    Neighbouring touches change a skin similarly: the matrix of all coefficients, a row for each
+    class, has few large singular values, and noise has many small ones. Each value y becomes
     sqrt((y² - b - 1)² - 4 b)/y, 0 below 1 + sqrt(b), of a matrix of shape (b n, n) in units of the
     noise times sqrt(n): M. Gavish, D. L. Donoho, IEEE Trans. Inf. Theory 63 (2017) 2137-2152, for
     the least squared error.
 
     coefficients: shape (class, term, number). errors: variance of each term in units of the noise,
-    alike for all classes, shape (term,), > 0. noise: covariance of numbers, shape (number, number).
+    equal for all classes, shape (term,), > 0. noise: covariance of numbers, shape (number, number).
     """
     unit = np.linalg.inv(np.linalg.cholesky(noise)).T
     scale = np.sqrt(errors)[:, None]
