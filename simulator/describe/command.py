@@ -17,11 +17,12 @@ def describe(
         Path | None, typer.Option("--output", "-o", help="A drawing: OUT.png, .svg or .pdf.")
     ] = None,
 ) -> None:
-    """Say what a scene is, and draw it.
+    """Describe a scene in words, and draw it.
 
-    Sizes, sheets, foam, capacitance, foils and interfaces; the cut-off
-    frequency beside the sweep's; which rows and columns look alike to any
-    meter; the meter's noise; and what the file does not say and is assumed.
+    The output names sizes, sheets, foam, capacitance, foils and interfaces;
+    the cut-off frequency and the frequencies of the sweep; rows and columns
+    that no meter can distinguish; the noise of the meter; and the defaults
+    of keys that the file does not set.
     """
     from ..press.pixels import pixels_with_skin
     from ..requests.console import report_written

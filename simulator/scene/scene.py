@@ -1,4 +1,4 @@
-"""What is there, whole: a skin, its contacts and interfaces, its pixels, and what is measured."""
+"""The model of a scene: skin, contacts, interfaces, surroundings, pixels and measurement."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ PRESSED_BY = ("capacitance_factor", "depth", "force")
 
 
 class Pixels(Table):
-    """The grid that presses are counted on.
+    """The grid of pixels, by which presses are named.
 
-    groups: on a mesh, the names of the groups of elements that pixels are, by row and column.
+    groups: on a mesh, names of the groups of elements that form the pixels, by row and column.
     """
 
     rows: Annotated[Whole, Field(ge=1, le=1000)]
@@ -76,12 +76,13 @@ class Pixels(Table):
 
 
 class Pressing(Table):
-    """How a pixel is pressed: its capacitance over that at rest, and the spread between presses.
+    """The press of a pixel: its capacitance over the unpressed one, and the spread of presses.
 
     factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise. depth
-    [m] or force [N]: pixels are pressed mechanically, by a rigid flat applicator of their shape.
-    finger: what presses: the finger of a person who is earthed, or of one who floats (150 pF to
-    earth), or a capacitance to earth [F]; a rod where nothing is said. It needs [surroundings].
+    [m] or force [N]: the pixel is pressed mechanically by a rigid flat applicator of its shape.
+    finger: the finger of an earthed person, or of a floating one (150 pF to earth), or a
+    capacitance to earth [F]; default a rod without capacitance to earth. A finger needs
+    [surroundings].
     """
 
     capacitance_factor: CapacitanceFactor = 2.0
@@ -92,7 +93,7 @@ class Pressing(Table):
 
     @property
     def by_factor(self) -> bool:
-        """Whether pixels are pressed by a capacitance factor."""
+        """True if pixels are pressed by a capacitance factor."""
         return self.depth is None and self.force is None
 
     @model_validator(mode="after")
@@ -110,11 +111,11 @@ class Pressing(Table):
 
 
 PLACEHOLDER_INTERFACE = {"name": "untold", "high": ["untold"], "low": ["untold"]}
-"""An interface in place of readings in which something is wrong."""
+"""Placeholder for the interfaces of invalid readings."""
 
 
 def _spent(readings: object) -> None:
-    """They are among the interfaces by now."""
+    """Removes the readings, which are already converted to interfaces."""
 
 
 class Scene(Table):
@@ -143,7 +144,7 @@ class Scene(Table):
     @model_validator(mode="before")
     @classmethod
     def _readings_are_interfaces(cls, given: Any) -> Any:
-        """Brief ones are written out; what is wrong with them or with contacts is told later."""
+        """Converts readings to interfaces; errors in readings or contacts are raised later."""
         if not isinstance(given, dict) or given.get("readings") is None:
             return given
         try:
@@ -163,68 +164,70 @@ class Scene(Table):
 
     @property
     def taken(self) -> NDArray[np.bool_] | None:
-        """Which interface is read at which frequency, see `contacts.taken`."""
+        """Mask of the readings, or None if all are taken, see `contacts.taken`."""
         return taken(self.interfaces, self.frequencies)
 
     @property
     def reading(self) -> ReadingSetup:
-        """What is read of its skin."""
+        """Interfaces, frequencies and leads of a sweep."""
         return ReadingSetup(self.interfaces, self.frequencies, self.leads)
 
     @property
     def uniform(self) -> bool:
-        """Whether uniform sheets and foam on a rectangle at rest are all there is."""
+        """True if uniform sheets and foam on an unstretched rectangle are the whole scene."""
         return not self.beyond_uniform
 
     @property
     def beyond_uniform(self) -> list[str]:
-        """The keys by which it is more than that."""
+        """Keys that make the scene more than `uniform` allows."""
         return [*self.skin.beyond_uniform, *self.beyond_sheets]
 
     @property
     def beyond_sheets(self) -> list[str]:
-        """The keys by which it is more than two sheets with foils on their edges alone."""
+        """Keys that add more than two sheets with foils on their edges."""
         wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
         return [*(["surroundings"] if self.surroundings else []), *wide]
 
     @property
     def two_terminal(self) -> bool:
-        """Whether all current that enters the skin leaves it by the meter.
+        """True if all current that enters the skin leaves it through the meter.
 
-        Else a virtual earth reads but a part of it, and Z is a transfer impedance, which the laws
-        of passive networks do not bind.
+        Otherwise a virtual earth reads only a part of the current, and Z is a transfer impedance,
+        to which the laws of passive networks do not apply.
         """
         return self.surroundings is None or self.surroundings.low == "floating"
 
     @property
     def for_rods(self) -> Scene:
-        """A scene that reads the same where no finger touches, and is solved as one excitation
-        where nothing but a finger is charged against earth; itself where something is, and where
-        `press` names a finger."""
+        """The scene for presses without a finger: equal readings, and one excitation if possible.
+
+        One excitation is enough if only a finger would be charged against earth. The scene itself
+        is returned if other parts are charged against earth, and if `press` has a finger.
+        """
         around = self.surroundings
         if around is None or self.press.finger or around.for_rods is around:
             return self
         return self.model_copy(update={"surroundings": around.for_rods})
 
     def require_sheets_alone(self, what: str) -> None:
-        """Raises InputError naming the key by which it has more, which `what` does not take."""
+        """Raises InputError naming a key of `beyond_sheets`, which `what` does not support."""
         for key in self.beyond_sheets:
             raise InputError(f"{self.name}: {what} cannot take `{key}`; leave it out here")
 
     @property
     def pressed_factor(self) -> float:
-        """c under a pixel that is pressed as the scene says, over that at rest.
+        """Capacitance factor of a pixel under the press of the scene.
 
-        Raises InputError as `factor_at`.
+        Raises InputError as `factor_at` does.
         """
         press = self.press
         return press.capacitance_factor if press.by_factor else self.factor_at(press.depth)
 
     def factor_at(self, depth: float | None) -> float:
-        """c under an applicator at a depth in m, over that at rest; None for that of a force.
+        """Capacitance factor under an applicator at a depth in m; None is for `press.force`.
 
-        Raises InputError where the foam cannot be pressed so far, and for a force: how deep that
-        goes differs by pixel.
+        Raises InputError for a depth beyond the foam's range, and for None, because the depth of a
+        force differs between pixels.
         """
         if depth is None:
             raise InputError(
@@ -240,17 +243,17 @@ class Scene(Table):
         return float(self.pressed_factors(np.array(depth)))
 
     def pressed_factors(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
-        """c under applicators at depths in m that the foam can be pressed to, over that at rest."""
+        """Capacitance factors under applicators at depths in m within the foam's range."""
         return self._mechanics.factor(depth / self._thickness)
 
     def pressed_depths(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The other way round, 0 for factors of 1 and less, m."""
+        """Depths of applicators at capacitance factors, m; 0 for factors up to 1."""
         return self._mechanics.strain_at(factor) * self._thickness
 
     def pressed_depth(self, factor: float) -> float:
-        """The depth in m of an applicator under which c is so many times that at rest.
+        """Depth of an applicator at a capacitance factor, m.
 
-        Raises InputError where the foam cannot be pressed so far.
+        Raises InputError for a factor below 1 or beyond the foam's range.
         """
         most = self.max_factor
         if not 1 <= factor <= most:
@@ -262,7 +265,7 @@ class Scene(Table):
 
     @property
     def max_factor(self) -> float:
-        """c under an applicator where the foam's cells are closed, over that at rest."""
+        """Capacitance factor under an applicator at which the foam's cells are closed."""
         return float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
 
     @property
@@ -276,32 +279,32 @@ class Scene(Table):
         return self.skin.foam.thickness
 
     def reach(self, *interfaces: Interface) -> float:
-        """The largest distance of a place of the skin from all foils that these interfaces drive.
+        """Largest distance of a point of the skin from its nearest foil driven by interfaces, m.
 
-        In m; of all the scene's interfaces where none is given.
+        By default all interfaces of the scene count.
         """
         return max_foil_distance(self.skin, self.contacts, interfaces or self.interfaces)
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:
-        """Its contacts that float but touch driven ones."""
+        """Contacts that float at an interface but touch driven ones."""
         return driven_by_touch(self.contacts, self.interfaces, self.skin)
 
     def on_grid(self, rows: int, columns: int) -> Scene:
-        """The same skin with so many pixels, all alike; a file may not have as many."""
+        """The scene with a grid of equal pixels, without the limits of `Pixels` on their number."""
         pixels = Pixels.model_construct(rows=rows, columns=columns)
         return self.model_copy(update={"pixels": pixels})
 
     def divided(self, cells: int) -> Scene:
-        """With each pixel cut into so many cells along each side; itself for 1."""
+        """The scene with each pixel divided into cells along each side; the scene itself for 1."""
         rows, columns = self.pixels.shape
         return self if cells == 1 else self.on_grid(cells * rows, cells * columns)
 
     def with_(self, changes: Mapping[str, object]) -> Scene:
-        """The same scene with keys of its file changed, as {"skin.top.sheet_resistance": 35e3}.
+        """The scene with changed keys of its file, such as {"skin.top.sheet_resistance": 35e3}.
 
-        Items of lists go by number from 1 or by name: "contact.left-top.resistance". "pixels" and
-        "skin.sheet_resistance" stand for both counts and both sheets; None takes a key away.
+        Items of lists are named by number from 1 or by name: "contact.left-top.resistance".
+        "pixels" changes both counts, "skin.sheet_resistance" both sheets; None removes a key.
         Raises InputError naming the key.
         """
         table = self.model_dump(mode="json", by_alias=True, exclude_none=True)
@@ -350,12 +353,12 @@ class Scene(Table):
 
 
 def interface_names(scene: Scene) -> list[str]:
-    """Names of the ways that a meter is connected to a scene."""
+    """Names of the interfaces of a scene."""
     return [interface.name for interface in scene.interfaces]
 
 
 def checked_interface(name: str | None, scene: Scene) -> str:
-    """The same name, or the first interface's for None. Raises InputError where there is none."""
+    """Returns a name of an interface, the first one for None; InputError for an unknown name."""
     names = interface_names(scene)
     if name is not None and name not in names:
         raise InputError(f"`interface` must be one of {', '.join(names)}, got {name!r}")

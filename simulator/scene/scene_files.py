@@ -81,7 +81,7 @@ def write_scene(path: str | Path, scene: Scene) -> None:
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """The built-in scene of that name, or the one in the file at that path.
+    """The built-in scene with a name, or the scene in the file at a path.
 
     Raises InputError with one line naming file, key, value and allowed range.
     """
@@ -132,7 +132,7 @@ def scene_of_sweeps(sweeps: xr.Dataset) -> Scene | None:
 
 
 def _toml_hint(text: str, error: tomllib.TOMLDecodeError) -> str:
-    """Hint at the likely mistake in the line that is no TOML."""
+    """Hint at the likely mistake in the line that is not valid TOML."""
     number = AT_LINE.search(str(error))
     line = text.splitlines()[int(number[1]) - 1] if number else ""
     whole = WHOLE_LINE.fullmatch(line)

@@ -1,6 +1,6 @@
-"""The skin itself: two electrode sheets around a foam, and its bounds.
+"""The skin: two electrode sheets around a foam, and its boundary.
 
-All lengths in m, resistances in ohm. x runs along `length`, y along `width`; pixel (1, 1) lies at
+Lengths are in m, resistances in ohm. x runs along `length`, y along `width`; pixel (1, 1) lies at
 the corner x = y = 0.
 """
 
@@ -36,7 +36,7 @@ from .validation import Number, Table, short, single_line
 
 
 def curves(skin: Skin) -> list[Curve]:
-    """What bounds a skin without mesh: the curve around it first, then those around its holes."""
+    """Boundary of a skin without mesh: the outer curve first, then the curves of its holes."""
     if skin.outline is not None:
         return [skin.outline, *skin.outline.holes]
     x, y = skin.length, skin.width
@@ -44,7 +44,7 @@ def curves(skin: Skin) -> list[Curve]:
 
 
 def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether places x of a skin without mesh, m, shape (2, ...), are on it, shape (...)."""
+    """True where positions x in m, shape (2, ...), are on a skin without mesh, shape (...)."""
     around, *holes = curves(skin)
     found = around.holds(x)
     for hole in holes:
@@ -53,7 +53,7 @@ def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def covers(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether there is skin at places x, m, shape (2, ...), as it is seen along z, shape (...)."""
+    """True where positions x in m, shape (2, ...), are on the skin seen along z, shape (...)."""
     if skin.mesh is None:
         return on_skin(skin, x)
     surface = skin.mesh.surface
@@ -68,9 +68,10 @@ def covers(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> list[bool]:
-    """Whether a part of a skin lies within each rectangle between corners (x, y); m.
+    """True for each rectangle between corners (x, y), in m, that contains a part of a skin.
 
-    An edge of it does or the whole rectangle; on a mesh in space, as it is seen along z.
+    An edge of the skin runs through such a rectangle, or the whole rectangle lies on the skin. A
+    mesh in space counts by its view along z.
     """
     if skin.mesh is not None:
         surface = skin.mesh.surface
@@ -88,18 +89,22 @@ def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> l
 
 
 MIN_DEPTH = 1e-6
-"""That the field reaches from a foil, over the skin's longer side: cells there are as narrow.
-At half of it answers still hold, after half a minute; at a tenth none comes within minutes."""
+"""Smallest penetration depth of the field from a foil, over the skin's longer side.
+
+Mesh cells near the foil are as narrow. At half of it results are still accurate, after half a
+minute; at a tenth of it there is none within minutes."""
 
 GREATEST_STRAIN = 0.99
-"""Of foam without mechanics: then a hundredth of its thickness is left."""
+"""Largest strain of a foam without mechanics: a hundredth of its thickness is left."""
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 ASSUMED_PERMITTIVITY = 2.0
-"""Of a foam of which nothing but c is known: open cells of rubber have 1.4 to 2.3 (a porosity of
-0.67 makes 1.46 of 2.8 by Looyenga's law; the 4 mm of foam with 70 pF of the paper need 2.2)."""
+"""Relative permittivity of a foam of which only c is known.
+
+Open-cell rubber has 1.4 to 2.3: by Looyenga's law a porosity of 0.67 gives 1.46 for a solid of 2.8;
+4 mm of the paper's foam with 70 pF need 2.2."""
 ROUNDING = 1e-9
-"""Relative, of a capacitance that is that of vacuum."""
+"""Relative rounding error allowed in a capacitance that equals that of vacuum."""
 
 Name = Annotated[str, Field(min_length=1), AfterValidator(single_line)]
 
@@ -109,9 +114,10 @@ AnyMesh = Annotated[MeshData | None, BeforeValidator(read_along), OrText("path")
 
 
 class Anisotropy(Table):
-    """Conductance along a direction over that across it; the angle [rad] of the direction from x.
+    """Anisotropic conductance of a sheet.
 
-    The geometric mean of both is 1 / sheet_resistance.
+    ratio: conductance along a direction over that across it; their geometric mean is
+    1 / sheet_resistance. angle [rad]: of that direction from x.
     """
 
     ratio: Annotated[Number, Field(ge=1e-3, le=1e3)]
@@ -119,10 +125,10 @@ class Anisotropy(Table):
 
 
 class Sheet(Table):
-    """An electrode sheet of a sheet resistance [ohm/sq], and how that varies.
+    """An electrode sheet: its sheet resistance [ohm/sq] and the variation of it.
 
-    piezoresistance: its relative rise for each unit of compressive strain of the foam beneath. map:
-    factor by place.
+    piezoresistance: relative rise of the sheet resistance per unit of compressive strain of the
+    foam beneath. map: factor by position.
     """
 
     sheet_resistance: SheetResistance
@@ -132,15 +138,17 @@ class Sheet(Table):
 
 
 class Foam(Table):
-    """The dielectric: capacitance per area [F/m²], or what it follows from, and its losses.
+    """The dielectric: its capacitance per area [F/m²], given or computed, and its losses.
 
-    loss_tangent: of jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance (jw)^a,
-    which has the size that is named at 1 kHz; 1 is an ideal one. map: factor by place on the
-    capacitance. mechanics: what depth or force of a press do, for a foam of known thickness; the
-    permittivity then follows unless given. It also follows from a thickness beside
-    capacitance_per_area, as where both are measured. relaxation: one or two standard linear solids,
-    by which a pressed foam creeps and a released one recovers. hysteresis: share of the work of
-    loading that unloading does not give back; a foam that is let off stays more compressed by it.
+    The capacitance is computed from thickness and relative_permittivity. If thickness and
+    capacitance_per_area are both given, such as from measurements, they determine the permittivity.
+    loss_tangent: tan d in jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance
+    (jw)^a, which has its nominal value at 1 kHz; 1 is an ideal capacitor. map: factor on the
+    capacitance by position. mechanics: response to depth or force of a press; it needs the
+    thickness, and gives the permittivity unless that is given. relaxation: one or two standard
+    linear solids, by which the foam creeps under a press and recovers after it. hysteresis:
+    fraction of the work of loading that unloading does not return; at the same load, a foam is more
+    compressed in unloading than in loading.
     """
 
     capacitance_per_area: PerArea | None = None
@@ -157,43 +165,43 @@ class Foam(Table):
 
     @property
     def in_time(self) -> list[str]:
-        """The keys by which it depends on when it was pressed, and for how long."""
+        """Keys that make the foam depend on time and duration of earlier presses."""
         keys = {"relaxation": self.relaxation, "hysteresis": self.hysteresis}
         return [f"skin.foam.{name}" for name, value in keys.items() if value]
 
     def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compressive strain that brings a factor on the capacitance about; 0 below 1.
+        """Compressive strain at a capacitance factor; 0 for factors below 1.
 
-        Without mechanics that of constant permittivity.
+        The permittivity is constant without mechanics.
         """
         return strain_of(factor) if self.mechanics is None else self.mechanics.strain_at(factor)
 
     def factor_at(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The other way round."""
+        """Capacitance factor at a compressive strain, the inverse of `strain_at`."""
         return 1 / (1 - strain) if self.mechanics is None else self.mechanics.factor(strain)
 
     @property
     def greatest_strain(self) -> float:
-        """That foam in time may come to."""
+        """Largest compressive strain that is accepted for creep and hysteresis."""
         if self.mechanics is None:
             return GREATEST_STRAIN
         return self.mechanics.elastic.greatest_strain
 
     @property
     def loss(self) -> Loss:
-        """Its losses as the equations take them."""
+        """Losses of the foam for the model's equations."""
         return Loss(self.loss_tangent, self.phase_exponent)
 
     @property
     def thickness_or_assumed(self) -> float:
-        """Its thickness in m; where that is not given, of a foam of ASSUMED_PERMITTIVITY."""
+        """Thickness in m; if it is not given, that of a foam of ASSUMED_PERMITTIVITY."""
         if self.thickness is not None:
             return self.thickness
         return VACUUM_PERMITTIVITY * ASSUMED_PERMITTIVITY / self.unpressed_capacitance_per_area
 
     @property
     def unpressed_capacitance_per_area(self) -> float:
-        """c of the foam at rest, F/m²."""
+        """Capacitance per area of the unpressed foam, F/m²."""
         if self.capacitance_per_area is not None:
             return self.capacitance_per_area
         permittivity = self.relative_permittivity
@@ -216,7 +224,7 @@ class Foam(Table):
 
     @model_validator(mode="after")
     def _permittivity_of_a_dielectric(self) -> Self:
-        """What follows from capacitance and thickness is at least that of vacuum."""
+        """Raises ValueError if capacitance and thickness give less permittivity than vacuum has."""
         if self.capacitance_per_area is not None and self.thickness is not None:
             least = VACUUM_PERMITTIVITY / self.thickness
             if self.capacitance_per_area < least * (1 - ROUNDING):
@@ -240,10 +248,10 @@ class Foam(Table):
 
 
 class Skin(Table):
-    """Two electrode sheets around a foam; length and width are those at rest, before stretching.
+    """Two electrode sheets around a foam; length and width are those before stretching.
 
-    It is a rectangle, or of an outline, or as a mesh file has it; the latter two have their pixels
-    on the rectangle.
+    The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or
+    a mesh, the grid of pixels lies on the rectangle of length and width.
     """
 
     length: Length
@@ -258,12 +266,12 @@ class Skin(Table):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Length and width at rest, m."""
+        """Length and width of the unstretched skin, m."""
         return self.length, self.width
 
     @property
     def sheet_resistances(self) -> tuple[float, float]:
-        """Of the top sheet and of the bottom one, ohm/sq."""
+        """Sheet resistances of the top and the bottom sheet, ohm/sq."""
         return self.top.sheet_resistance, self.bottom.sheet_resistance
 
     @property
@@ -272,17 +280,17 @@ class Skin(Table):
         return sum(self.sheet_resistances)
 
     def depth(self, frequency: float, factor: float = 1.0) -> float:
-        """How far from a foil the field reaches at a frequency in Hz, m; see `penetration_depth`.
+        """Penetration depth of the field from a foil at a frequency in Hz, m.
 
-        factor: of the capacitance over that at rest.
+        factor: capacitance over the unpressed one. See `penetration_depth`.
         """
         c = self.foam.unpressed_capacitance_per_area * factor
         return penetration_depth(frequency, self.both_sheets, c, self.foam.loss)
 
     def check_depth(self, frequency: float, factor: float = 1.0) -> None:
-        """Raises ValueError where the field does not reach far enough to be resolved.
+        """Raises ValueError if the penetration depth is too small to be resolved.
 
-        frequency: Hz. factor: of the capacitance over that at rest.
+        frequency: Hz. factor: capacitance over the unpressed one.
         """
         depth, least = self.depth(frequency, factor), MIN_DEPTH * max(self.sides)
         if depth < least:
@@ -295,26 +303,27 @@ class Skin(Table):
 
     @property
     def rectangular(self) -> bool:
-        """Whether it has neither outline nor mesh."""
+        """True if the skin has neither outline nor mesh."""
         return self.outline is None and self.mesh is None
 
     @property
     def stretched_sides(self) -> tuple[float, float]:
-        """Length and width as it is stretched, m."""
+        """Length and width of the stretched skin, m."""
         along, across = self.stretch.ratios if self.stretch else (1.0, 1.0)
         return self.length * along, self.width * across
 
     @property
     def maps(self) -> dict[str, Map]:
-        """Its maps, by the keys of a scene file."""
+        """Maps of the sheets and of the foam by their keys in a scene file."""
         parts = {"top": self.top, "bottom": self.bottom, "foam": self.foam}
         return {f"skin.{name}.map": part.map for name, part in parts.items() if part.map}
 
     @property
     def beyond_uniform(self) -> list[str]:
-        """The keys by which it is more than uniform sheets and foam on a rectangle at rest.
+        """Keys that make the skin more than uniform sheets and foam on an unstretched rectangle.
 
-        What `plain.form` folds in is one until then; bending to a cylinder never is one.
+        Parts that `models.uniform.equivalent_skin` can represent by a uniform skin are included;
+        bending to a cylinder is not.
         """
         keys = {
             "skin.outline": self.outline is not None,
@@ -329,7 +338,7 @@ class Skin(Table):
         return [key for key, there in keys.items() if there]
 
     def sheet(self, electrode: Electrode) -> Sheet:
-        """The sheet that is the named electrode."""
+        """The sheet of an electrode."""
         return self.top if electrode == "top" else self.bottom
 
     @model_validator(mode="after")

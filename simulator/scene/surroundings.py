@@ -1,6 +1,6 @@
-"""What is around a skin: earth, bodies and covers near its sheets, and the fields at its rim.
+"""Surroundings of a skin: earth, bodies and covers near its sheets, and the field at its rim.
 
-Earth is the reference, 0 V. Everything here adds capacitance and no conductance.
+Earth is the reference, 0 V. All surroundings add capacitance and no conductance.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from .skin import VACUUM_PERMITTIVITY, Electrode
 from .validation import Table, one_line
 
 SOLVED = {"low": "virtual earth", "solved": True}
-"""What `surroundings = "solved"` is short for."""
+"""The table for which `surroundings = "solved"` is short."""
 
 LowTerminal = Literal["virtual earth", "floating"]
-"""Of a meter: that of an LCR meter, or of one without earth."""
+"""Low terminal of a meter: that of an LCR meter, or of one without earth."""
 
 NO_EARTH = "needs the table [surroundings]: a finger's capacitance is that to earth"
 NO_COVER = (
     "needs surroundings.cover or surroundings.air, of which its capacitance follows, or a "
     "capacitance in F in its place"
 )
-"""What is wrong with a finger in a scene that has none of these."""
+"""Messages for a finger in a scene without surroundings, and without cover and air."""
 
 
 class Body(Table):
     """A conducting plane that faces one sheet, such as the metal of a robot's arm.
 
-    side: the electrode that faces it. distance [m]: from that sheet to the plane, away from the
-    foam, with relative_permittivity for what lies between; or capacitance_per_area [F/m²] in place
-    of both. potential: "earth"; "high" or "low", a guard that follows that terminal of the meter;
-    or "floating".
+    side: the electrode that faces the body. distance [m]: from that sheet to the plane, away from
+    the foam. relative_permittivity: of the material between them. capacitance_per_area [F/m²]: in
+    place of both. potential: "earth"; "high" or "low", a guard that follows that terminal of the
+    meter; or "floating".
     """
 
     side: Electrode = "bottom"
@@ -61,7 +61,7 @@ class Body(Table):
 
     @property
     def follows(self) -> bool:
-        """Whether it is a guard that follows a terminal of the meter."""
+        """True if the body is a guard that follows a terminal of the meter."""
         return self.potential in ("high", "low")
 
     @model_validator(mode="after")
@@ -81,7 +81,7 @@ class Body(Table):
 
 
 class Cover(Table):
-    """The insulating layer between one sheet and the fingers that touch it.
+    """The insulating layer between one sheet and a finger.
 
     side: the electrode that fingers touch.
     """
@@ -100,7 +100,7 @@ class Rim(Table):
 
 
 def _rim(given: object) -> object:
-    """A number is the capacitance between the sheets."""
+    """Converts a table or a number, the capacitance between the sheets, to a rim."""
     if isinstance(given, bool | Rim):
         return given
     if not isinstance(given, int | float | dict):
@@ -117,16 +117,17 @@ def _listed(given: object) -> object:
 
 
 class Surroundings(Table):
-    """What is around a skin; `surroundings = "solved"` is short for `{solved = true}`.
+    """Surroundings of a skin; `surroundings = "solved"` is short for `{solved = true}`.
 
-    low: the low terminal of the meter; "virtual earth" is that of an LCR meter, which holds it at
-    the potential of earth and reads the current into it; "floating" is that of a meter without
-    earth. rim: the capacitance of the field around the outline: true computes it, a number [F/m] is
-    that between the sheets, a table gives that to earth, too. thickness: whether the field across
-    the foam may be other than straight. edges: what walls add around touches of a factor; it needs
-    thickness. solved: the charges of both sheets come from a
-    three-dimensional solve, in place of the rim and of what each sheet has towards a body. air [m]:
-    between the cover and a finger that hovers. body: one, or a list of two, one a side.
+    low: low terminal of the meter. "virtual earth" is that of an LCR meter, which keeps it at the
+    potential of earth and reads the current into it; "floating" is that of a meter without earth.
+    rim: capacitance of the field around the outline. true computes it, a number [F/m] is that
+    between the sheets, a table also gives that to earth. thickness: true allows a field in the foam
+    that is not perpendicular to the sheets. edges: true adds the excess capacitance of the walls
+    around touches by a factor; it needs thickness. solved: true computes the charges of both sheets
+    by a three-dimensional solve, in place of the rim and of the capacitance of each sheet to a
+    body. air [m]: between the cover and a hovering finger. body: one body, or a list of two, one on
+    each side.
     """
 
     low: LowTerminal = "virtual earth"
@@ -147,7 +148,7 @@ class Surroundings(Table):
 
     @property
     def no_finger_reason(self) -> str | None:
-        """Why no finger can touch the skin, None where one can."""
+        """Reason why no finger can touch the skin; None if one can."""
         if self.low == "floating" and not self.reaches_earth:
             return (
                 'finds no way back: `surroundings.low` = "floating" and nothing else reaches '
@@ -157,7 +158,7 @@ class Surroundings(Table):
 
     @property
     def shield_reason(self) -> str | None:
-        """What is in front of the sheet that fingers touch, None where nothing is."""
+        """Message about a body in front of the sheet that fingers touch; None if there is none."""
         if any(each.side == self.touched for each in self.body):
             return (
                 f"cannot touch the {self.touched} sheet, which has surroundings.body in front of "
@@ -167,9 +168,9 @@ class Surroundings(Table):
 
     @property
     def finger_per_area(self) -> float | None:
-        """Capacitance of the touched sheet towards a finger, F/m²: the cover and the air in series.
+        """Capacitance of the touched sheet to a finger, F/m²: cover and air in series.
 
-        None where there is neither.
+        None if there is neither.
         """
         gap = self.air
         if self.cover is not None:
@@ -177,29 +178,29 @@ class Surroundings(Table):
         return VACUUM_PERMITTIVITY / gap if gap else None
 
     def in_front_of(self, electrode: Electrode) -> Body | None:
-        """The body that faces a sheet."""
+        """The body that faces a sheet; None if there is none."""
         return next((each for each in self.body if each.side == electrode), None)
 
     @property
     def without_effect(self) -> bool:
-        """Whether a meter reads the same without it, unless a finger touches.
+        """True if readings without a finger are equal to those without surroundings.
 
-        Earth alone makes no difference where nothing is charged against it.
+        Earth alone makes no difference if nothing is charged against it.
         """
         return not (self.body or self.rim or self.thickness or self.solved)
 
     def at_earth(self, body: Body) -> bool:
-        """Whether a body is at earth's potential, as what follows a virtual earth is."""
+        """True if a body is at the potential of earth; a guard on a virtual earth is as well."""
         return body.potential == "earth" or (
             body.potential == "low" and self.low == "virtual earth"
         )
 
     @property
     def for_rods(self) -> Surroundings | None:
-        """What a meter reads the same with where no finger touches; None for nothing.
+        """Simplest surroundings with equal readings if no finger touches; None for no surroundings.
 
-        A virtual earth that nothing else is charged against is a low terminal like any other: the
-        form of both terminals at +1/2 V is 0.
+        A virtual earth against which nothing else is charged is equivalent to a floating low
+        terminal: the quadratic form of both terminals at +1/2 V is 0.
         """
         if self.without_effect:
             return None
@@ -210,9 +211,9 @@ class Surroundings(Table):
 
     @property
     def reaches_earth(self) -> bool:
-        """Whether anything of it but a finger charges the sheets against earth.
+        """True if the sheets are charged against earth by anything but a finger.
 
-        A rim that is computed for a meter that floats is one between the sheets alone.
+        A computed rim for a floating meter has only the capacitance between the sheets.
         """
         rim = self.rim if isinstance(self.rim, Rim) else None
         return (
@@ -223,7 +224,7 @@ class Surroundings(Table):
 
     @property
     def symmetric_sides(self) -> bool:
-        """Whether both sheets see the same."""
+        """True if both sheets have equal surroundings."""
         one, other = (self.in_front_of(electrode) for electrode in ("top", "bottom"))
         alike = one is None or other is None or one.model_copy(update={"side": other.side}) == other
         rim = not isinstance(self.rim, Rim) or self.rim.top == self.rim.bottom
@@ -250,7 +251,7 @@ class Surroundings(Table):
 
 
 def _short(given: object) -> object:
-    """The text `solved` in place of a table."""
+    """Converts the text `solved` to a table."""
     if isinstance(given, str):
         if given != "solved":
             raise ValueError(f"must be a table or 'solved', got {given!r}")

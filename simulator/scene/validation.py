@@ -1,4 +1,4 @@
-"""Tables of a scene file: nothing unknown, nothing changed, errors in one line."""
+"""Base of the tables of a scene file: no unknown keys, no changes, errors in one line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .keys.key_paths import Location, required
 from .keys.suggestions import likely_keys
 
 Number = Annotated[float, Strict()]
-"""A number as TOML has it: neither text nor true or false."""
+"""A number of TOML; text, true and false are refused."""
 
 Whole = Annotated[int, Strict()]
 
@@ -33,13 +33,13 @@ TYPES = {
 
 
 def short(number: float) -> str:
-    """A number in six digits, its exponent as people write it: 1e-6, not 1e-06."""
+    """Writes a number with six digits and a short exponent: 1e-6, not 1e-06."""
     return re.sub(r"e([-+])0*", lambda sign: f"e{sign[1].strip('+')}", f"{number:g}")
 
 
 @dataclass(frozen=True)
 class NumberRange:
-    """The numbers of a unit that are accepted, both ends with them, and why no others are."""
+    """Range of accepted numbers with both limits, their unit, and the reason for the limits."""
 
     low: float
     high: float
@@ -52,14 +52,14 @@ class NumberRange:
         return f"from {short(self.low)} to {short(self.high)}"
 
     def check(self, *values: float, of: str = "") -> None:
-        """Raises ValueError that names the range and the first of the numbers outside it."""
+        """Raises ValueError naming the range and the first number outside it."""
         outside = [value for value in values if not self.low <= value <= self.high]
         if outside:
             raise ValueError(f"must be {self.text} {self.unit}{of}, got {outside[0]:g}: {self.why}")
 
 
 class NumberWithin(NumberRange):
-    """A validator of numbers."""
+    """A validator of numbers by their range."""
 
     def __call__(self, value: float) -> float:
         self.check(value)
@@ -67,12 +67,12 @@ class NumberWithin(NumberRange):
 
 
 def within(low: float, high: float, unit: str, why: str) -> AfterValidator:
-    """Accepts numbers from `low` to `high`; the error names the unit and says why."""
+    """Accepts numbers from `low` to `high`; the error names the unit and the reason."""
     return AfterValidator(NumberWithin(low, high, unit, why))
 
 
 def constraints_of(field: FieldInfo) -> list[Any]:
-    """What is said of a key and of the types in it."""
+    """Constraints of a key and of the types that it contains."""
     return [*_metadata(field.annotation), *field.metadata]
 
 
@@ -83,27 +83,27 @@ def _metadata(annotation: Any) -> list[Any]:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """The unit that errors name; empty where there is none."""
+    """The unit of a key as in error messages; empty if it has none."""
     units = [getattr(each, "func", each) for each in constraints_of(field)]
     return next((each.unit for each in units if isinstance(each, NumberRange)), "")
 
 
 def single_line(text: str) -> str:
-    """The text, if it holds no line break."""
+    """Returns the text; raises ValueError if it is not printable on one line."""
     if not text.isprintable():
         raise ValueError(f"must be printable, on one line, got {text!r}")
     return text
 
 
 def whole_within_rounding(fraction: float) -> float:
-    """0 or 1 for a fraction that misses them by no more than rounding does, such as 10 x 0.1."""
+    """Rounds a number that differs from an integer only by rounding errors, such as 10 x 0.1."""
     return float(round(fraction)) if abs(fraction - round(fraction)) < 1e-9 else fraction
 
 
 def by_kind(*kinds: type[BaseModel], elsewhere: str = "") -> BeforeValidator:
-    """Takes a table for the one of `kinds` that its key `kind` names.
+    """Validates a table by the one of `kinds` that its key `kind` names.
 
-    elsewhere: a further kind that there is, but not here; only told of.
+    elsewhere: a further kind that exists but is not accepted here; only the message names it.
     """
     known = {each.model_fields["kind"].default: each for each in kinds}
     names = ", ".join([*known, elsewhere] if elsewhere else known)
@@ -123,9 +123,9 @@ def by_kind(*kinds: type[BaseModel], elsewhere: str = "") -> BeforeValidator:
 
 
 def one_line(error: ValidationError, table: type[BaseModel]) -> str:
-    """What pydantic found in a table, as one line: key, what is allowed, what was given.
+    """The errors of a table in one line: key, allowed range, given value.
 
-    All keys that are unknown or missing are named; of other problems the first.
+    The line names all unknown and missing keys, and the first one of the other errors.
     """
     problems = error.errors(include_url=False)
     missing = [found["loc"] for found in problems if found["type"] == "missing"]
@@ -180,7 +180,7 @@ def _requirement(problem: Any) -> str:
 
 
 def _slip(problem: Any) -> str:
-    """What was given in place of another kind, and what was likely meant."""
+    """The value given in place of another type, and the value that was likely intended."""
     kind, given, key = problem["type"], problem["input"], problem["loc"][-1]
     if kind == "tuple_type" and isinstance(given, dict):
         return f", each part of it below [[{key}]], got one table; did you mean [[{key}]]?"

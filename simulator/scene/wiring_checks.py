@@ -1,4 +1,4 @@
-"""Whether the contacts of a scene can be where they are and be connected as its interfaces say."""
+"""Checks of the positions of contacts and of their connection by interfaces."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 MIN_GAP = 5e-6
-"""Over the skin's longer side: of a gap between foils, and of a foil. Shorter ones are not resolved
-in double precision."""
+"""Smallest length of a gap between foils, and of a foil, over the skin's longer side. Shorter ones
+are not resolved in double precision."""
 
 
 def touch(first: Contact, second: Contact, skin: Skin) -> bool:
-    """Whether two foils of one electrode meet end to end: on one edge, or at a corner."""
+    """True if two foils of one electrode meet end to end: on one edge, or at a corner."""
     if skin.mesh is not None:
         a, b = _lines(first, skin), _lines(second, skin)
         return first.electrode == second.electrode and len(np.intersect1d(a, b)) > 0
@@ -33,7 +33,7 @@ def touch(first: Contact, second: Contact, skin: Skin) -> bool:
 
 
 def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Skin) -> bool:
-    """Whether two foils of one electrode meet at that end of the first."""
+    """True if two foils of one electrode meet at a given end of the first one."""
     near = 1e-9 * max(skin.length, skin.width)
     return first.electrode == second.electrode and any(
         math.dist(end, other) <= near for other in second.ends(skin)
@@ -41,10 +41,10 @@ def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Sk
 
 
 def conductor_groups(contacts: Sequence[Contact], skin: Skin) -> list[int]:
-    """For each contact the index of the first one it is one conductor with.
+    """Index of the first contact of the conductor to which each contact belongs.
 
-    Ideal foils that touch carry any current between them (the sheet's current density between two
-    potentials that meet at a point diverges), so they are one terminal.
+    Ideal foils that touch are one terminal, because the current between them has no limit: the
+    current density of the sheet diverges between two potentials that meet at a point.
     """
     group = list(range(len(contacts)))
     for i, j in itertools.combinations(range(len(contacts)), 2):
@@ -55,9 +55,9 @@ def conductor_groups(contacts: Sequence[Contact], skin: Skin) -> list[int]:
 
 
 class DrivenByTouch(NamedTuple):
-    """Contacts that an interface leaves floating, but that are one terminal with driven ones.
+    """Contacts that float at an interface although they are one terminal with driven ones.
 
-    floating, driven: names; each of the driven ones meets one of the floating ones.
+    floating, driven: names; each driven contact touches one of the floating ones.
     """
 
     interface: str
@@ -78,7 +78,7 @@ class DrivenByTouch(NamedTuple):
 def driven_by_touch(
     contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
 ) -> list[DrivenByTouch]:
-    """Where floating contacts are driven after all, by interface."""
+    """Floating contacts that are driven because they touch driven ones, for each interface."""
     group = conductor_groups(contacts, skin)
     terminals = [
         [c for c, own in zip(contacts, group, strict=True) if own == leader]
@@ -90,7 +90,7 @@ def driven_by_touch(
 
 
 def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin) -> DrivenByTouch:
-    """Among the foils of one terminal."""
+    """Floating foils of one terminal, and the driven ones that touch them."""
     named = {*interface.high, *interface.low}
     floating = [foil for foil in foils if foil.name not in named]
     driven = tuple(
@@ -102,7 +102,11 @@ def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin)
 
 
 def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin) -> None:
-    """Raise ValueError for names that repeat or do not exist, foils that overlap, and shorts."""
+    """Raises ValueError for invalid contacts or interfaces.
+
+    They are invalid if names are repeated or unknown, if foils overlap, nearly touch, or do not
+    fit the skin, and if an interface shorts its high and low side.
+    """
     _check_distinct("contact", [contact.name for contact in contacts])
     _check_distinct("interface", [interface.name for interface in interfaces])
     _check_edges(contacts, skin)
@@ -141,7 +145,7 @@ def _check_distinct(kind: str, names: Sequence[str]) -> None:
 
 
 def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
-    """A gap too narrow to be resolved in double precision."""
+    """True if the gap between two foils is too narrow for double precision."""
     return (
         first.electrode == second.electrode
         and not touch(first, second, skin)
@@ -179,7 +183,7 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
 
 
 def _check_length(number: int, contact: Contact, skin: Skin) -> None:
-    """A foil so short that its ends are not resolved in double precision."""
+    """Raises ValueError for a foil that is too short for double precision."""
     along, least = curve_section(contact, skin), MIN_GAP * max(skin.sides)
     if along.stop - along.start < least:
         raise ValueError(
@@ -189,7 +193,7 @@ def _check_length(number: int, contact: Contact, skin: Skin) -> None:
 
 
 def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
-    """Raise ValueError for a foil that is wider than the skin, and for two that would overlap."""
+    """Raises ValueError for a foil that is wider than the skin, and for two foils that overlap."""
     for number, contact in enumerate(contacts):
         across = min(skin.sides) if contact.edge not in ACROSS else skin.sides[ACROSS[contact.edge]]
         if not contact.width < across:
@@ -209,11 +213,11 @@ def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
 
 
 ACROSS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
-"""Which side of a rectangle a foil's width is counted along, by its edge."""
+"""Axis of a rectangle along which a foil's width is measured, by the edge of the foil."""
 
 
 def strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
-    """What a foil covers of a rectangle: its lowest and its highest corner (x, y), m."""
+    """Part of a rectangle that a foil covers: its lowest and highest corner (x, y), m."""
     axis = ACROSS[contact.edge]
     inwards = contact.width if contact.edge in ("left", "bottom") else -contact.width
     ends = np.array(contact.ends(skin))
@@ -222,7 +226,7 @@ def strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
 
 
 def under_foil(contact: Contact, skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether a foil with a width covers places x of a rectangle, m, shape (2, ...) to (...)."""
+    """True where a wide foil covers positions x of a rectangle, m, shape (2, ...) to (...)."""
     if not contact.width:
         return np.zeros(x.shape[1:], dtype=bool)
     low, high = (corner.reshape(2, *(1,) * (x.ndim - 1)) for corner in strip(contact, skin))
@@ -230,13 +234,13 @@ def under_foil(contact: Contact, skin: Skin, x: NDArray[np.float64]) -> NDArray[
 
 
 def _meet(first: Contact, second: Contact, skin: Skin) -> bool:
-    """Whether two foils on a rectangle share a place."""
+    """True if two foils on a rectangle overlap, or are closer than MIN_GAP allows."""
     one, other = strip(first, skin), strip(second, skin)
     gaps = np.maximum(one[0], other[0]) - np.minimum(one[1], other[1])
     return bool((gaps < MIN_GAP * max(skin.sides)).all())
 
 
 def _lines(contact: Contact, skin: Skin) -> np.ndarray:
-    """The facets under a foil on a mesh, shape (2, facet)."""
+    """Facets of a foil on a mesh as numbers of points, shape (2, facet)."""
     assert skin.mesh is not None
     return foil_lines(skin.mesh.surface, contact.edge, skin.mesh.source)
