@@ -112,14 +112,14 @@ AnyReadout = Annotated[Readout, BeforeValidator(_named), OrText()]
 
 
 MAX_REPETITIONS = 10**6
-"""A press a second for eleven days."""
+"""Largest number of repetitions; with a press every second they take eleven days."""
 
 
 Wait = Annotated[Number, within(0.0, 1e7, "s", "a season of measuring")]
 
 
 class Timing(Table):
-    """When presses come and how long their sweeps take, for foam that creeps.
+    """Times of presses and durations of their sweeps, for foam that creeps.
 
     A press begins `before` [s] before its sweep and ends with the sweep; after a `pause` [s] the
     next press begins. Without a pause a press changes into the next one without release. speed,
@@ -134,10 +134,10 @@ class Timing(Table):
 
 
 class Experiment(Table):
-    """Repetitions of the presses of every pixel, and whether the unpressed skin is a class.
+    """Repetitions of the presses of every pixel, and the conditions of the experiment.
 
-    timing: of presses and readings. temperature, humidity: of the simulation; by default the
-    references of the foam's tables.
+    unpressed: true makes the unpressed skin a class of its own. timing: of presses and readings.
+    temperature, humidity: of the simulation; by default the references of the foam's tables.
     """
 
     repetitions: Annotated[Whole, Field(ge=1, le=MAX_REPETITIONS)] = 6

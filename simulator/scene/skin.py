@@ -145,10 +145,10 @@ class Foam(Table):
     loss_tangent: tan d in jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance
     (jw)^a, which has its nominal value at 1 kHz; 1 is an ideal capacitor. map: factor on the
     capacitance by position. mechanics: response to depth or force of a press; it needs the
-    thickness, and gives the permittivity unless that is given. relaxation: one or two standard
-    linear solids, by which the foam creeps under a press and recovers after it. hysteresis:
-    fraction of the work of loading that unloading does not return; at the same load, a foam is more
-    compressed in unloading than in loading.
+    thickness, and gives the permittivity unless that or capacitance_per_area is given. relaxation:
+    one or two standard linear solids, by which the foam creeps under a press and recovers after it.
+    hysteresis: fraction of the work of loading that unloading does not return; at the same load, a
+    foam is more compressed in unloading than in loading.
     """
 
     capacitance_per_area: PerArea | None = None
