@@ -1,4 +1,4 @@
-"""One statement of the paper beside what the physics gives."""
+"""One statement of the paper, compared with the result of the simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 SIGNIFICANCE = 0.05
 TOLERANCE = 0.15
-"""Of a number over the paper's: as far as the two devices of the paper differ from each other."""
+"""Relative tolerance of a number: the difference between the two devices of the paper."""
 Rule = Literal["number", "proportion", "comparison"]
 RULES: dict[Rule, str] = {
     "number": f"the simulated number lies within {100 * TOLERANCE:g} % of the paper's, or the "
@@ -27,7 +27,7 @@ RULES: dict[Rule, str] = {
     "comparison": "the simulated numbers have the sign or the order, or reach the bound, that the "
     "paper states; a change below the meter's noise counts as none",
 }
-"""When a statement agrees. Every one is of the device as the paper describes it, foils included."""
+"""Rules for agreement. Every statement is about the device as described, foils included."""
 NOISE_FREE = "none"
 ENOUGH = 90.0
 """Percent of right answers that the paper calls high."""
@@ -35,9 +35,9 @@ ENOUGH = 90.0
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, what the physics gives, whether they agree, and why or why not.
+    """A statement of the paper, the simulated result, their agreement and its reason.
 
-    rule: of RULES, by which `agrees` is found. noise: of the readings that `ours` is found from.
+    rule: the one of RULES that decides `agrees`. noise: noise of the readings that give `ours`.
     """
 
     topic: str
@@ -51,12 +51,12 @@ class Claim:
 
 
 def near(ours: ArrayLike, paper: ArrayLike) -> bool:
-    """Whether all numbers are within TOLERANCE of the paper's."""
+    """True if all numbers are within TOLERANCE of the paper's."""
     return bool(np.allclose(ours, paper, rtol=TOLERANCE, atol=0.0))
 
 
 def noise_of(readout: Readout, draws: int = 1) -> str:
-    """A meter's noise, and how many draws of it are averaged, as text."""
+    """A meter's noise, and the number of averaged draws, as text."""
     degrees = np.degrees(readout.phase_noise)
     drawn = "one draw" if draws == 1 else f"mean of {draws} draws"
     return f"{100 * readout.magnitude_noise:.1f} % of |Z|, {degrees:.2f}°; {drawn}"
@@ -74,12 +74,12 @@ def share(confusion: Confusion) -> str:
 
 
 def mean_share(noise: xr.DataArray, name: str) -> str:
-    """Mean accuracy of a scene at its own noise over all draws, as text."""
+    """Mean accuracy over all draws of a scene with its own noise, as text."""
     return f"{100 * noise.sel(scene=name, multiple=1.0).item():.1f} % in the mean of all draws"
 
 
 def same_proportion(right: int, total: int, confusion: Confusion) -> bool:
-    """Whether two accuracies could be one: Fisher's exact test does not tell them apart."""
+    """True if Fisher's exact test does not distinguish the two accuracies."""
     from scipy.stats import fisher_exact
 
     ours = round(confusion.accuracy * confusion.total)
@@ -89,7 +89,7 @@ def same_proportion(right: int, total: int, confusion: Confusion) -> bool:
 
 
 def neighbour_errors(confusion: Confusion) -> tuple[int, int]:
-    """How many wrong answers name the class next to the right one, and how many there are."""
+    """Number of wrong answers that name the class next to the right one, and of all wrong ones."""
     counts = np.asarray(confusion.counts)
     wrong = counts.sum() - np.trace(counts)
     beside = np.trace(counts, offset=1) + np.trace(counts, offset=-1)

@@ -1,4 +1,4 @@
-"""Every number of the paper beside ours: whether they agree, and why not where they do not."""
+"""Every number of the paper compared with ours, with the reason for each difference."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Totals:
 
 
 def totals(scene: Scene) -> Totals:
-    """Both sheets in series from the left edge to the right, and the whole capacitance at rest."""
+    """Both sheets in series from the left edge to the right, and the unpressed capacitance."""
     skin = scene.skin
     R = skin.both_sheets * skin.length / skin.width
     return Totals(R, skin.foam.unpressed_capacitance_per_area * (skin.length * skin.width))
@@ -46,7 +46,7 @@ def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
 
 
 def resistance_at_rest(scene: Scene) -> float:
-    """Rs in ohm of the first interface in the limit of zero frequency, nothing pressed."""
+    """Rs in ohm of the first interface of the unpressed skin, in the limit of zero frequency."""
     answer = Solver(scene).solve(Press(), NEARLY_ZERO)
     return float(answer.Z[0, 0].real)
 
@@ -59,7 +59,7 @@ def paper_frequencies(scene: Scene) -> NDArray[np.float64]:
 
 
 def open_line_frequencies(scene: Scene) -> NDArray[np.float64]:
-    """Where the amplitude at the end of each pixel is at half power on the finite open line, Hz."""
+    """Half-power frequency at the end of each pixel of the finite open line, Hz."""
     device, length = totals(scene), scene.skin.length
     R, C = device.R / length, device.C / length
 
@@ -76,7 +76,7 @@ def open_line_frequencies(scene: Scene) -> NDArray[np.float64]:
 def separation_peaks(scene: Scene) -> NDArray[np.float64]:
     """Frequencies in Hz where neighbouring columns differ most in Z, shape (column - 1,).
 
-    Pressed in the middle row; a difference is relative to Z.
+    The presses are in the middle row; differences are relative to Z.
     """
     solver = Solver(scene)
     presses = _row_of_presses(scene, (scene.pixels.rows + 1) // 2)
@@ -85,7 +85,7 @@ def separation_peaks(scene: Scene) -> NDArray[np.float64]:
 
 
 def low_frequency_resistances(scene: Scene) -> NDArray[np.float64]:
-    """Rs in ohm of a line at 1 mHz: nothing pressed, then each pixel; shape (1 + column,)."""
+    """Rs in ohm of a line at 1 mHz: unpressed, then each pixel pressed; shape (1 + column,)."""
     line = Line(scene)
     presses = [Press(), *_row_of_presses(scene, 1)]
     return np.array([line.impedance(press, np.array([1e-3])).real.item() for press in presses])

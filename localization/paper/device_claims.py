@@ -1,4 +1,4 @@
-"""What the paper states of the devices and its analytic model."""
+"""The paper's statements about the devices and its analytic model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's figures, drawn from simulated sweeps, and those it would have needed."""
+"""The paper's figures, drawn from simulated sweeps, and further ones that its statements need."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def attenuation_figure(path: Path, strips: Sequence[Scene]) -> None:
 def experiment_figure(path: Path, experiment: SimulatedExperiment, confusion: Confusion) -> None:
     """Cp, Rs and the change of Cp against frequency for every pressed pixel; confusion matrix.
 
-    Lines are noise-free, at the nominal press; dots are what the meter showed.
+    Lines are noise-free, at the nominal press; dots are the meter's readings.
     """
     curves = _curves(experiment.scene)
     with chart(path, 10, 7.6) as figure:
@@ -57,7 +57,7 @@ def experiment_figure(path: Path, experiment: SimulatedExperiment, confusion: Co
 
 
 def frequency_figure(path: Path, study: xr.DataArray) -> None:
-    """Accuracy from 10 and 20 frequencies, of Cp alone and of Rs and Cp."""
+    """Draw the accuracy from 10 and 20 frequencies, with Cp alone and with Rs and Cp."""
     names, choices = study["quantities"].values, study["frequencies"].values
     with chart(path, 9, 3.4) as figure:
         panels = figure.subplots(1, len(names), sharey=True)
@@ -77,7 +77,7 @@ def frequency_figure(path: Path, study: xr.DataArray) -> None:
 
 
 def noise_figure(path: Path, study: xr.DataArray, scenes: Mapping[str, Scene]) -> None:
-    """Accuracy against the meter's noise for the strips and the sheets."""
+    """Draw the accuracy against the meter's noise for the strips and the sheets."""
     with chart(path, 6.5, 3.8) as figure:
         axes = figure.subplots()
         for name in study["scene"].values:
@@ -99,7 +99,7 @@ def noise_figure(path: Path, study: xr.DataArray, scenes: Mapping[str, Scene]) -
 
 
 def contact_figure(path: Path, study: xr.DataArray) -> None:
-    """Accuracy with both sheets fed at one edge and with crossed edges, and the crossed cap."""
+    """Draw the accuracy with terminals at one edge and at crossed edges, and the crossed cap."""
     n = study["n"].values
     with chart(path, 6, 3.8) as figure:
         axes = figure.subplots()
@@ -175,7 +175,7 @@ def _draw_readings(axes: Axes, measured: xr.Dataset, values: NDArray[np.float64]
 
 
 def _styles(sweeps: xr.Dataset) -> list[dict[str, Any]]:
-    """A colour for each column, a line style for each row; black at rest."""
+    """A colour for each column, a line style for each row; black for the unpressed skin."""
     return [
         {"color": UNPRESSED_COLOUR, "linestyle": "-", "label": "nothing pressed"}
         if row == 0

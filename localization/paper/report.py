@@ -1,4 +1,4 @@
-"""The report: one HTML file with every number and every picture in it."""
+"""The report: one HTML file with every number and every picture."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ASSUMED = (
 def write_report(
     path: Path, claims: Sequence[Claim], pictures: Sequence[ReportSection], software: str
 ) -> None:
-    """Write the page, whole or not at all. software: that simulated, with its version."""
+    """Write the page completely or not at all. software: name and version of the simulator."""
     told = (
         f"{PAPER}. Every sweep below is simulated: the two electrode sheets and the foam as a "
         f"distributed RC sheet, solved to a relative tolerance of {DEFAULT_RTOL:g} of Rs and of "
@@ -37,7 +37,7 @@ def write_report(
 
 
 def _compared(claims: Sequence[Claim]) -> ReportSection:
-    """Every statement beside ours; those that differ stand first."""
+    """Table of all statements and our results; those that differ come first."""
     agreeing = sum(claim.agrees for claim in claims)
     told = (
         f"{agreeing} of {len(claims)} statements agree; those that differ stand first. Each is "

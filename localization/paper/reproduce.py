@@ -1,4 +1,4 @@
-"""The paper from end to end: six experiments, its figures, its numbers beside ours."""
+"""The whole reproduction: six experiments, the paper's figures, and its numbers and ours."""
 
 from __future__ import annotations
 
@@ -55,9 +55,8 @@ BEYOND = 6
 def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
-    The folder is made where it does not exist. ending: of figures, besides .png. Tables are the
-    same bytes on every run.
-    Raises InputError where the folder cannot be made.
+    The folder is created if it does not exist. ending: format of further figures, besides .png.
+    Tables have the same bytes in every run. Raises InputError if the folder cannot be created.
     """
     made_folder(folder)
     results = _experiments(progress)
@@ -138,7 +137,7 @@ def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
 def draw(
     folder: Path, results: Results, progress: ProgressCallback, ending: str
 ) -> list[ReportSection]:
-    """Write all charts as .png, and with another ending too; return those of the report."""
+    """Write all charts as .png, and in another format if given; return those of the report."""
 
     def drawn(name: str, draw: Callable[[Path], None]) -> Path:
         for path in {folder / f"{name}{each}" for each in (".png", ending)}:

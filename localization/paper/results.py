@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 class Results:
     """Experiments and their confusions by scene, and the studies.
 
-    finer: of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: of the 1x5 strip.
+    finer: confusion of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: `fewest_frequencies`
+    and `pooled_counts` of the 1x5 strip.
     """
 
     experiments: Mapping[str, SimulatedExperiment]

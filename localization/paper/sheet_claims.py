@@ -1,4 +1,4 @@
-"""What the paper states of the nxn sheet."""
+"""The paper's statements about the nxn sheet."""
 
 from __future__ import annotations
 

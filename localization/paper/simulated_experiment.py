@@ -1,4 +1,4 @@
-"""The paper's six experiments, simulated: every press solved, then read by the meter."""
+"""Simulation of the paper's six experiments: every press is solved, then read by the meter."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ EXPERIMENTS = (*STRIPS, *SHEETS)
 
 @dataclass(frozen=True)
 class SimulatedExperiment:
-    """An experiment's scene, its sweeps without noise, as the meter showed them, and at rest."""
+    """An experiment's scene, with its noise-free, measured and unpressed sweeps."""
 
     scene: Scene
     exact: xr.Dataset
@@ -45,7 +45,7 @@ def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedEx
 
 
 def with_pixels(scene: Scene, n: int) -> Scene:
-    """The skin pressed on n x n pixels."""
+    """The scene with n x n pixels."""
     pixels = Pixels(rows=n, columns=n)
     name = f"{scene.name} on {n}x{n} pixels"
     return scene.model_copy(update={"pixels": pixels, "name": name})

@@ -1,4 +1,4 @@
-"""What the paper states of the 1xn strip."""
+"""The paper's statements about the 1xn strip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Accuracy against what the paper varied or left open: frequencies, meter noise, contact layout."""
+"""Accuracy against quantities that the paper varied or left open.
+
+These are the frequencies, the meter's noise and the contact layout.
+"""
 
 from __future__ import annotations
 
@@ -37,10 +40,10 @@ STUDY_RTOL = 1e-3
 def frequency_study(
     experiments: Sequence[SimulatedExperiment], progress: ProgressCallback
 ) -> xr.DataArray:
-    """Accuracy from 10 and from 20 frequencies, of Cp alone and of Rs and Cp.
+    """Accuracy from 10 and from 20 frequencies, with Cp alone and with Rs and Cp.
 
-    Dimensions (scene, frequencies, quantities). Ten are the lowest of the twenty, in the band that
-    the paper's 1-D model gave, or every second one.
+    Dimensions (scene, frequencies, quantities). The ten are the lowest of the twenty, in the band
+    of the paper's 1-D model, or every second one.
     """
     cases = list(itertools.product(experiments, CHOICES.values(), QUANTITIES.values()))
     accuracies = [
@@ -63,7 +66,7 @@ def frequency_study(
 def noise_study(
     experiments: Sequence[SimulatedExperiment], progress: ProgressCallback
 ) -> xr.DataArray:
-    """Accuracy at multiples of the scene's noise of each reading; dimensions (scene, multiple)."""
+    """Accuracy at multiples of the scene's noise; dimensions (scene, multiple)."""
     cases = list(itertools.product(experiments, NOISE_MULTIPLES))
     accuracies = [
         mean_accuracy(
@@ -81,9 +84,9 @@ def noise_study(
 
 
 def contact_study(progress: ProgressCallback) -> xr.DataArray:
-    """Accuracy with both sheets fed at one edge, and with each fed at an edge of its own.
+    """Accuracy with the terminals of both sheets at one edge, and at two different edges.
 
-    Dimensions (layout, n, multiple), the last of the scene's noise.
+    Dimensions (layout, n, multiple); multiple is a multiple of the scene's noise.
     """
     accuracies = []
     for name, n in itertools.product(LAYOUTS.values(), LAYOUT_PIXELS):
@@ -99,7 +102,7 @@ def contact_study(progress: ProgressCallback) -> xr.DataArray:
 
 
 def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
-    """Accuracy from the highest one, two, ... of a scene's frequencies; dimension (count,)."""
+    """Accuracy from the highest frequency, the highest two, ... of a scene; dimension (count,)."""
     counts = range(1, len(experiment.scene.frequencies) + 1)
     accuracies = [
         mean_accuracy(
@@ -113,7 +116,7 @@ def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
 
 
 def pooled_counts(experiment: SimulatedExperiment) -> NDArray[np.int64]:
-    """Confusion counts (target, output) added up over DRAWS draws of the meter's noise."""
+    """Confusion counts (target, output), summed over DRAWS draws of the meter's noise."""
     return np.sum(
         [
             cross_validate(measured, quantities=PAPER, seed=draw).counts
@@ -124,9 +127,9 @@ def pooled_counts(experiment: SimulatedExperiment) -> NDArray[np.int64]:
 
 
 def crossed_cap(n: int) -> float:
-    """Most of the columns that can be told where (i, j) and (j, i) read the same: (n + 1) / 2n.
+    """Maximum accuracy of columns if (i, j) and (j, i) read the same: (n + 1) / 2n.
 
-    Of each such pair one guess in two is right; pixels of the diagonal have no twin.
+    One of two guesses is right for each such pair; pixels of the diagonal have no twin.
     """
     return (n + 1) / (2 * n)
 
@@ -141,7 +144,7 @@ def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataA
 
 
 def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
-    """Every planned press of a scene, to a tolerance well below the meter's noise."""
+    """Sweeps of every planned press of a scene, to a tolerance well below the meter's noise."""
     presses = planned_presses(scene, stream(scene, PRESSES))
     return simulate(Solver(scene, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))
 
@@ -152,7 +155,7 @@ def mean_accuracy(
     readout: Readout,
     quantities: tuple[str, ...] = PAPER,
 ) -> float:
-    """Cross-validated accuracy, mean of DRAWS draws of the meter's noise and of the folds."""
+    """Cross-validated accuracy, mean over DRAWS draws of the meter's noise and of the folds."""
     drawn = _drawn(exact, scene.model_copy(update={"readout": readout}))
     return float(
         np.mean(
@@ -171,7 +174,7 @@ def _drawn(exact: xr.Dataset, scene: Scene) -> Iterator[xr.Dataset]:
 
 
 def scaled_noise(readout: Readout, multiple: float) -> Readout:
-    """The meter with that multiple of the noise of each reading."""
+    """The meter with `multiple` times the noise of each reading."""
     return readout.model_copy(
         update={
             "magnitude_noise": multiple * readout.magnitude_noise,

@@ -1,4 +1,4 @@
-"""What varies in a study: a key of the scene and its values, as written on the command line."""
+"""Axes of a study: a key of the scene and its values, as written on the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MOST_VALUES, MOST_POINTS = 1000, 10_000
 
 @dataclass(frozen=True)
 class Axis:
-    """A key with its values, ascending, SI; spaced evenly by ratio where `logarithmic`."""
+    """A key with its values, ascending, SI. logarithmic: True if spaced evenly by ratio."""
 
     key: Key
     values: tuple[float, ...]
@@ -30,7 +30,7 @@ class Axis:
 
     @property
     def linear(self) -> bool:
-        """Whether its values are spaced evenly by difference."""
+        """True if its values are spaced evenly by difference."""
         return bool(np.allclose(np.diff(self.values, 2), 0, atol=1e-9 * abs(self.values[-1])))
 
 
@@ -49,7 +49,7 @@ def axes_of(
 
 
 def _even_by_ratio(values: Sequence[float]) -> bool:
-    """Whether three values or more are in geometric progression."""
+    """True if there are three values or more, in geometric progression."""
     if len(values) < 3 or values[0] <= 0:
         return False
     return bool(np.allclose(np.diff(np.log(values), 2), 0, atol=1e-9))

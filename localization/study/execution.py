@@ -1,4 +1,4 @@
-"""A study from its axes to its table of findings, on any number of processes."""
+"""Execution of a study, from its axes to its table of findings, on any number of processes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Given = TypeVar("Given")
 Made = TypeVar("Made")
 NEEDED = ("rcskin.localization.cli", "rcskin.localization.study.execution")
-"""What starts the command and what every task needs, imported once for all processes."""
+"""Modules of the command and of every task, imported once for all processes."""
 NOISE_SHARE, TIGHTEST = 0.1, 1e-7
 VARIABLES = {
     "accuracy": ("share of sweeps whose class is found, on skins not trained on", "1"),
@@ -44,7 +44,10 @@ VARIABLES = {
 def scenes_of(
     table: Mapping[str, Any], axes: Sequence[Axis], trial: EvaluationSettings
 ) -> list[Scene]:
-    """The scene at every point, the last axis varying fastest; raises InputError for a bad one."""
+    """The scene at every point, the last axis varying fastest.
+
+    Raises InputError for an invalid scene.
+    """
     scenes = []
     for values in itertools.product(*(axis.values for axis in axes)):
         given = dict(zip((axis.key for axis in axes), values, strict=True))
@@ -55,14 +58,14 @@ def scenes_of(
 
 
 def warnings_of(scenes: Sequence[Scene]) -> list[str]:
-    """How many points drive floating foils, or leave the model's range, and the first that does."""
+    """Number of points that drive floating foils, or leave the model's range, and the first one."""
     of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
     told = [[found[0] for found in each if found] for each in of_points]
     return [f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in told if each]
 
 
 def fitting_rtol(scenes: Sequence[Scene]) -> float:
-    """A tolerance that leaves errors of the simulation well below the least noise of the meters."""
+    """A tolerance that keeps errors of the simulation well below the least noise of the meters."""
     noises = (
         noise
         for scene in scenes
@@ -80,11 +83,11 @@ def study(
     rtol: float | None = None,
     workers: int = 1,
 ) -> xr.Dataset:
-    """What is found at every point of one or two axes; VARIABLES over dimensions named by keys.
+    """Findings at every point of one or two axes: VARIABLES over dimensions named by keys.
 
-    scenes: as of `scenes_of`. rtol: largest relative error of Rs and Cp, None for what
-    fits the noise. workers: processes; the result does not depend on them.
-    Raises ToleranceError where the tolerance is not reached.
+    scenes: as in `scenes_of`. rtol: largest relative error of Rs and Cp; None for `fitting_rtol`.
+    workers: number of processes; the result does not depend on it.
+    Raises ToleranceError if the tolerance is not reached.
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
     with worker_pool(
@@ -115,7 +118,10 @@ def _spread(
     progress: ProgressCallback,
     pool: ProcessPoolExecutor | None,
 ) -> Iterator[Made]:
-    """The function of each item, in order; on one thread, as results must not depend on `pool`."""
+    """Yield the function of each item, in order.
+
+    Each process uses one thread, so that results do not depend on `pool`.
+    """
     made = map_in_order(pool, partial(_on_one_thread, function), given)
     for _, result in zip(tracked(given, description, progress), made, strict=True):
         yield result

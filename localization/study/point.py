@@ -33,22 +33,22 @@ FOLDS, LOOSEST = 5, 1e-4
 
 
 SWEEPS = 2000
-"""Of a draw: those of the data sets that the pages train on."""
+"""Number of sweeps of a draw, as in the data sets of the documentation."""
 SESSIONS = 4
-"""Skins of a draw at least: one is told apart by what three others taught."""
+"""Minimum number of skins of a draw: one is tested by a localizer trained on three others."""
 KEPT = 4
-"""Families of skins that a process keeps for further points."""
+"""Number of skin families that a process caches for further points."""
 REST_EVERY = 5
-"""Presses from one sweep of the unpressed skin to the next, in draws of few presses."""
+"""Number of presses between sweeps of the unpressed skin, in draws of few presses."""
 
 
 @dataclass(frozen=True)
 class EvaluationSettings:
-    """What every point is judged by: sweeps as `rcskin dataset` draws them.
+    """Settings by which every point is scored, on sweeps as `rcskin dataset` draws them.
 
-    target: "column", "row" or "pixel". draws: how often skins, presses and noise are drawn anew.
-    repeated: whether the scene's `experiment.repetitions` says how many presses of each pixel there
-    are; else a draw is SWEEPS.
+    target: "column", "row" or "pixel". draws: number of independent draws of skins, presses and
+    noise. repeated: True if the scene's `experiment.repetitions` sets the number of presses of each
+    pixel; else a draw has SWEEPS sweeps.
     """
 
     target: str = "column"
@@ -56,7 +56,7 @@ class EvaluationSettings:
     repeated: bool = False
 
     def check(self, scene: Scene) -> None:
-        """Raises InputError where a scene's presses cannot be drawn, or judged."""
+        """Raise InputError if a scene's presses cannot be drawn or scored."""
         if self.target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {self.target!r}")
         if not 1 <= self.draws <= 1000:
@@ -76,9 +76,12 @@ class EvaluationSettings:
         check_fits(scene, self.plan(scene, 0, LOOSEST).sweeps)
 
     def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
-        """The data set of one draw, on as many skins as `dataset.session` makes of it, SESSIONS at
-        least. Presses are as strong as the scene's `press` says, of which `limits` is the bound,
-        unless `dataset.press` says it. Raises InputError as `Plan`."""
+        """Plan the data set of one draw.
+
+        `dataset.session` sets the number of skins; there are at least SESSIONS. The strength of
+        presses follows the scene's `press`, within its `limits`, unless `dataset.press` sets it.
+        Raises InputError as `Plan` does.
+        """
         drawn, sweeps = scene.dataset, SWEEPS
         every = drawn.session.rest_every
         if self.repeated:
@@ -104,21 +107,26 @@ class EvaluationSettings:
         return Plan(changed, sweeps, scene.experiment.seed + draw, rtol)
 
     def nominal(self, scene: Scene) -> list[Press]:
-        """One press of the nominal strength for each pixel on the skin; rest if that is a class."""
+        """One press of nominal strength for each pixel on the skin.
+
+        The unpressed skin comes first if it is a class.
+        """
         return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
 
 
 @dataclass(frozen=True)
 class PointFindings:
-    """What was found at a point: the shares of classes found, of each part that was held out in
-    each draw, and the separation."""
+    """Findings at a point.
+
+    accuracies: accuracy on each held-out part of each draw. separation: distances of the classes.
+    """
 
     accuracies: tuple[float, ...]
     separation: Separation
 
 
 def strength(scene: Scene, press: Press) -> float:
-    """The capacitance factor under a press of one pixel; 1 at rest."""
+    """The capacitance factor under a press of one pixel; 1 for the unpressed skin."""
     return pressed_factor(scene, press.touches[0]) if press.touches else 1.0
 
 
@@ -129,7 +137,7 @@ def score_point(
 ) -> PointFindings:
     """Draw a scene's sweeps, cross-validate a localizer on them, and separate the presses.
 
-    rtol: of the sweeps. Raises InputError if a draw has too few sweeps of a class.
+    rtol: tolerance of the sweeps. Raises InputError if a draw has too few sweeps of a class.
     """
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
@@ -145,7 +153,7 @@ def score_point(
 
 
 def _unread(scene: Scene) -> Scene:
-    """The scene without everything on which its family of skins does not depend."""
+    """The scene with defaults for everything on which its family of skins does not depend."""
     pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
     plain = {"press": pressing} if scene.press.by_factor else {}
     kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}
@@ -164,8 +172,11 @@ def _family(scene: Scene, rtol: float) -> SkinFamily:
 def impedances(
     scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol: float
 ) -> NDArray[np.complex128]:
-    """Z in ohm of presses of one pixel or none on the scene's own skin, as a data set has it, shape
-    (press, interface, frequency); of pixels that mirror each other the same."""
+    """Z in ohm of presses on the scene's own skin, as in a data set.
+
+    presses: of one pixel or none. Shape (press, interface, frequency); pixels that mirror each
+    other have the same Z.
+    """
     of = representative(scene)
     strengths = {of(press.pixel): strength(scene, press) for press in presses}
     pixels = np.array(list(strengths)) - 1

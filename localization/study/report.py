@@ -1,4 +1,4 @@
-"""A study's findings as files, and in a line for each best value."""
+"""A study's findings as files, and as one line for each best value."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def write_table(findings: xr.Dataset, path: Path) -> None:
 
 
 def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:
-    """In one line for each value of the second axis, the best value of the first.
+    """Lines with the best value of the first axis, one for each value of the second.
 
-    Best is the highest accuracy; of equals, the one of the largest least separation. As good are
-    the values around it within AS_GOOD of that accuracy.
+    The best value has the highest accuracy; among equals, the largest least separation. Values
+    around it count as equally good if their accuracy is within AS_GOOD of it.
     """
     first, *others = (axis.key for axis in axes)
     if not others:
@@ -49,7 +49,7 @@ def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:
 
 
 def spacing(axes: Sequence[Axis]) -> str:
-    """How the values of each axis are spaced, in one line."""
+    """Spacing of the values of each axis, in one line."""
     return "; ".join(_spaced(axis) for axis in axes)
 
 
@@ -62,7 +62,7 @@ def _spaced(axis: Axis) -> str:
 
 
 def screenful(lines: Sequence[str], output: Path) -> list[str]:
-    """As many lines as a terminal shows, and where the rest is."""
+    """The first MOST_LINES lines; if there are more, a line that names the complete file."""
     left = len(lines) - MOST_LINES
     if left <= 0:
         return list(lines)
@@ -76,7 +76,7 @@ def best_index(findings: xr.Dataset) -> int:
 
 
 def as_good(findings: xr.Dataset) -> tuple[int, int]:
-    """First and last index of the unbroken run around the best within AS_GOOD of its accuracy."""
+    """First and last index of the run around the best that is within AS_GOOD of its accuracy."""
     accuracy, best = findings["accuracy"].values, best_index(findings)
     outside = np.flatnonzero(accuracy < accuracy[best] - AS_GOOD)
     before, after = outside[outside < best], outside[outside > best]
@@ -85,7 +85,7 @@ def as_good(findings: xr.Dataset) -> tuple[int, int]:
 
 
 def written(key: Key, value: float) -> str:
-    """A value for people: three digits, with a prefix where it has a unit."""
+    """Value as text: three digits, with an SI prefix if it has a unit."""
     from matplotlib.ticker import EngFormatter
 
     if key.name == ALL_PIXELS:
@@ -94,18 +94,18 @@ def written(key: Key, value: float) -> str:
 
 
 def named(key: Key, value: float) -> str:
-    """A value for people with its key, where the value does not tell what it is of."""
+    """Value as text, with the name of its key unless that key has a label of its own."""
     told = written(key, value)
     return told if key.name in LABELS else f"{key.name} = {told}"
 
 
 def axis_label(key: Key) -> str:
-    """What an axis of a chart shows, without its unit."""
+    """Label of a chart's axis, without its unit."""
     return LABELS.get(key.name, key.name)
 
 
 def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
-    """The scene, its frequencies, noise and presses, in one line; leaves out what varies."""
+    """One line on the scene, its frequencies, noise and presses, without the parts that vary."""
     readout, experiment = table["readout"], table["experiment"]
     f = with_values(table, {}).frequencies
     told = {

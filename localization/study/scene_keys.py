@@ -18,21 +18,21 @@ from ...simulator.scene.validation import one_line, unit_of
 from ...simulator.sweeps import InputError, inputs
 
 KeyPath = tuple[str | int, ...]
-"""Where a number stands in nested tables and lists; lists count from 0."""
+"""Path of a number in nested tables and lists; lists count from 0."""
 
 BOTH_SHEETS, ALL_PIXELS = "skin.sheet_resistance", "pixels"
 SHORTHANDS = {name: tuple(tuple(key.split(".")) for key in keys) for name, keys in BOTH.items()}
 OPEN = {"press.finger": (("press", "finger"),)}
 """Numbers that a scene may leave out, or give as text."""
 NO_UNITS = ("(", "of ", "times ")
-"""How what is no unit begins, but is told as one."""
+"""Beginnings of texts in place of a unit that are no units."""
 
 
 @dataclass(frozen=True)
 class Key:
     """A number of a scene file, or several that vary together.
 
-    whole: whether it is a count.
+    whole: True for counts.
     """
 
     name: str
@@ -49,9 +49,9 @@ class Key:
 
 
 def scene_table(given: Scene | str) -> dict[str, Any]:
-    """A scene, or the one of that name or path, as nested tables, with defaults filled in.
+    """A scene, or the scene of that name or path, as nested tables with all defaults.
 
-    Of a file, a grid of frequencies stays start, stop and points. Raises InputError as `load_scene`
+    A grid of frequencies in a file stays start, stop and points. Raises InputError as `load_scene`
     does.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
@@ -67,7 +67,7 @@ def scene_table(given: Scene | str) -> dict[str, Any]:
 
 
 def find_key(name: str, table: Mapping[str, Any]) -> Key:
-    """The key of that name in a scene's table. Raises InputError that lists the keys there are."""
+    """The key of that name in a scene's table; else InputError that lists the existing keys."""
     places = (SHORTHANDS | OPEN).get(name) or tuple(
         place for found, place in _numbers(table) if name in found
     )
@@ -99,7 +99,7 @@ def _at(table: Any, place: KeyPath) -> Any:
 
 
 def _numbers(table: Any) -> Iterator[tuple[list[str], KeyPath]]:
-    """Names of every number and where it stands; items of lists go by number and by name."""
+    """Names and path of every number; items of lists have names by number and by `name`."""
     for names, part, value in _items(table):
         if isinstance(value, dict | list):
             for deeper, place in _numbers(value):
@@ -118,7 +118,7 @@ def _items(table: Any) -> Iterator[tuple[list[str], str | int, Any]]:
 
 
 def _shortened(names: list[str]) -> list[str]:
-    """Long lists of numbers told by their last one."""
+    """The names, with only the last one of each numbered list."""
     followed = {
         f"{stem}.{int(last) - 1}"
         for stem, _, last in (name.rpartition(".") for name in names)

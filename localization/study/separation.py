@@ -1,10 +1,10 @@
-"""How far classes of presses lie apart, in units of the meter's error.
+"""Separation of classes of presses, in units of the meter's error.
 
-Of two readings of |Z| and phase, the difference of ln |Z| over the meter's `magnitude_noise` and
-that of the phase over its `phase_noise`, root-sum-square over interfaces and frequencies: the
-distance at which one meter's noise stands to what it is to tell apart (Mahalanobis' distance for
-independent noise). The meter's accuracy, fixed for a session, multiplies every |Z| and turns every
-phase alike and cancels; the spread of presses and the displayed digits are left out.
+The distance of two readings is the difference of ln |Z| over the meter's `magnitude_noise` and that
+of the phase over its `phase_noise`, root-sum-square over interfaces and frequencies. This is the
+Mahalanobis distance for independent noise. The meter's accuracy, fixed for a session, multiplies
+every |Z| by one factor and shifts every phase equally, so it cancels. The spread of presses and the
+displayed digits are left out.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Separation:
 
 
 def label_of(pixel: Pixel, target: str) -> Label:
-    """The class of a pressed pixel: its column, its row or both; zeros for the skin at rest."""
+    """The class of a pressed pixel: its column, its row or both; zeros for the unpressed skin."""
     row, column = pixel
     return {"column": (column,), "row": (row,), "pixel": (row, column)}[target]
 
@@ -56,8 +56,8 @@ def in_units_of_error(
 ) -> NDArray[np.float64]:
     """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
 
-    Z: ohm, shape (press, interface, frequency). taken: which interface is read at which frequency,
-    all at all for None; where one is not, 0 stands for every press. Raises InputError where a noise
+    Z: ohm, shape (press, interface, frequency). taken: True where an interface is read at a
+    frequency, None for all; elsewhere the result is 0 for every press. Raises InputError if a noise
     is zero.
     """
     for name in ("magnitude_noise", "phase_noise"):
@@ -71,9 +71,9 @@ def in_units_of_error(
 def separation(
     readings: NDArray[np.float64], labels: Sequence[Label], frequency: NDArray[np.float64]
 ) -> Separation:
-    """How far the classes of these readings lie apart.
+    """Separation of the classes of these readings.
 
-    readings: as of `in_units_of_error`. labels: of each press, at least two different ones.
+    readings: as in `in_units_of_error`. labels: label of each press, at least two different ones.
     frequency: Hz, ascending.
     """
     classes = sorted(set(labels))
@@ -96,7 +96,7 @@ def separation(
 
 
 def class_distances(readings: NDArray[np.float64], labels: Sequence[Label]) -> NDArray[np.float64]:
-    """The distance of each two classes at their two nearest presses, shape (class, class)."""
+    """Distance of each pair of classes at their two nearest presses, shape (class, class)."""
     classes = sorted(set(labels))
     number = np.array([classes.index(label) for label in labels])
     order = np.argsort(number, kind="stable")
@@ -111,6 +111,6 @@ def _over(distances: NDArray[np.float64], pairs: Sequence[tuple[int, int]]) -> N
 
 
 def _are_neighbours(one: Label, other: Label) -> bool:
-    """Whether they are columns, rows or pixels side by side; the skin at rest is beside none."""
+    """True if they are adjacent columns, rows or pixels; the unpressed skin has no neighbours."""
     pressed = any(one) and any(other)
     return pressed and sum(abs(a - b) for a, b in zip(one, other, strict=True)) == 1

@@ -1,4 +1,4 @@
-"""What is set for a whole study: the meter's upper limit, repetitions, seed, processes."""
+"""Settings of a whole study: the meter's upper limit, repetitions, seed, processes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MOST_WORKERS = 256
 def changed(
     table: Mapping[str, Any], max_frequency: float | None, repetitions: int | None, seed: int | None
 ) -> dict[str, Any]:
-    """A scene's table with a study's settings; None leaves what is there. Raises InputError."""
+    """A scene's table with a study's settings; None keeps the scene's value. Raises InputError."""
     new = copy.deepcopy(dict(table))
     if repetitions is not None:
         new["experiment"]["repetitions"] = repetitions
@@ -41,7 +41,7 @@ def checked_workers(count: int | None) -> int:
 
 
 def _read_up_to(limit: float, interfaces: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Interfaces without the frequencies of their own above a limit."""
+    """The interfaces, without those of their own frequencies that are above a limit."""
     kept = []
     for each in interfaces:
         own = [f for f in each.get("frequencies", ()) if f <= limit]

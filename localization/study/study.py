@@ -1,4 +1,4 @@
-"""A study as one object: what varies, how points are scored, and the findings."""
+"""A study as one object: its axes, the scoring of points, and the findings."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
-"""Keys and their values: each a text as on the command line, or the values by key."""
+"""Keys and their values: texts as on the command line, or a mapping from keys to values."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Tabular):
     """Accuracy of localization at every value of one or two numbers of a scene.
 
-    findings: `execution.VARIABLES` over dimensions named by the keys. axes: what varied.
-    experiment: the scene, its frequencies, noise and presses, in one line.
+    findings: `execution.VARIABLES` over dimensions named by the keys. axes: keys and values that
+    varied. experiment: the scene, its frequencies, noise and presses, in one line.
     """
 
     findings: xr.Dataset
@@ -41,12 +41,12 @@ class Study(Tabular):
 
     @property
     def best(self) -> list[str]:
-        """In one line for each value of the second key, the best value of the first."""
+        """Lines with the best value of the first key, one for each value of the second."""
         return answers(self.findings, self.axes)
 
     @property
     def spacing(self) -> str:
-        """How the values of each key are spaced, in one line."""
+        """Spacing of the values of each key, in one line."""
         return spacing(self.axes)
 
     def write(self, path: str | Path) -> None:
@@ -54,7 +54,7 @@ class Study(Tabular):
         write_table(self.findings, checked_output(path, ENDINGS))
 
     def plot(self, path: str | Path) -> None:
-        """Draw a chart, .png, .svg or .pdf. Raises InputError as `write`."""
+        """Draw a chart, .png, .svg or .pdf. Raises InputError as `write` does."""
         draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
@@ -65,7 +65,7 @@ class Study(Tabular):
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """The points of a study before they are computed: checked scenes, and how they are judged."""
+    """The points of a study before they are computed: checked scenes and settings of the score."""
 
     table: Mapping[str, Any]
     axes: tuple[Axis, ...]
@@ -79,7 +79,7 @@ class StudyPlan:
         rtol: float | None = None,
         workers: int = 1,
     ) -> Study:
-        """The study; arguments as of `execution.study`, which says what is raised."""
+        """Compute the study; arguments and errors as of `execution.study`."""
         found = execution.study(
             self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
         )
@@ -96,12 +96,12 @@ def plan_study(
     repetitions: int | None = None,
     seed: int | None = None,
 ) -> StudyPlan:
-    """A study of a scene or the one of that name or path.
+    """Plan a study of a scene, or of the scene of that name or path.
 
-    vary: READY_MADE where it is None. max_frequency: the meter's upper limit, Hz. draws: how often
-    skins, presses and readings are drawn anew. repetitions: presses of each pixel in a draw. seed:
-    the scene's where it is None. Raises InputError for a key or value that cannot be, and for
-    scenes that cannot be judged.
+    vary: keys and values; None takes READY_MADE. max_frequency: the meter's upper limit, Hz. draws:
+    number of independent draws of skins, presses and readings. repetitions: number of presses of
+    each pixel in a draw. seed: None takes the scene's. Raises InputError for an invalid key or
+    value, and for scenes that cannot be scored.
     """
     table = changed(scene_table(scene), max_frequency, repetitions, seed)
     axes = axes_of(vary or READY_MADE, table)

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 CONTOURS = {0.7: ":", 0.8: "--", 0.9: "-"}
 NOISE = 1.0
 CONTOURED = 3
-"""Values that an axis must have for contours between them."""
+"""Minimum number of values of an axis for contours."""
 TITLE_WIDTH = 70
 
 
 def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Path) -> None:
     """Write the chart: accuracy, separation and, along one axis, the best band.
 
-    An axis of one value is none: it is told in the title.
+    An axis of one value is not drawn as an axis: the title names its value.
     """
     varied = [axis for axis in axes if len(axis.values) > 1] or list(axes[:1])
     alone = [axis for axis in axes if axis not in varied]
