@@ -22,26 +22,26 @@ from .region import PlaceDistribution
 from .skin_cache import SkinCache
 
 QUANTITIES = (*CHANGE, "lnZ0", "phase0")
-"""Features that it takes, in this order."""
+"""Required features, in this order."""
 
 
 class _Adapted(BaseEstimator):
-    """What both kinds share: one inner estimator for each skin.
+    """Base of both adapted estimators: one inner estimator for each skin.
 
     Parameters
     ----------
-    inner: of the mean skin, unfitted; those of other skins are made like it. builder: makes the
-    tables; None for the simulator's.
+    inner: unfitted estimator, cloned for each skin. builder: makes the tables; None for the
+    simulator's.
 
     Attributes
     ----------
-    mean_: the inner one, fitted to the skin of the sessions' mean. taught_: changes and labels that
-    teach what the curve at rest leaves open of the skin, if any do.
+    mean_: the inner estimator, fitted to the mean skin. taught_: changes and labels for fine-tuning
+    of the parameters of the skin that the baseline curve leaves open; absent without fine-tuning.
     """
 
     kind: type
     beside = False
-    """Whether new tables are made beside the work, which goes on with those of the nearest skin."""
+    """True if new tables are computed in the background, and the nearest skin's serve meanwhile."""
 
     def __init__(self, inner=None, builder: Builder | None = None):
         self.inner = inner
@@ -50,8 +50,8 @@ class _Adapted(BaseEstimator):
     def fit(self, X, y=None):
         """Take the tables of the mean skin.
 
-        X: shape (sweep, feature), y: labels; they teach where `inner` is to learn, and are only
-        checked else.
+        X: shape (sweep, feature). y: labels. They fine-tune the estimators of other skins if
+        `inner` has `learn`; otherwise X is only checked.
         """
         self._skins = SkinCache(self._fitted)
         self.mean_ = self._fitted(None)
@@ -62,16 +62,16 @@ class _Adapted(BaseEstimator):
         return self
 
     def novel(self, X):
-        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
         return self._by_skin(X, lambda inner, change: inner.novel(change)).astype(bool)
 
     def for_baseline(self, curve: NDArray[np.float64]):
-        """The estimator of the skin with this curve at rest, of lnZ0 and phase0, (number,)."""
+        """The estimator for the skin with this baseline curve of lnZ0 and phase0, (number,)."""
         check_is_fitted(self)
         return self._of_skin(curve)
 
     def __getstate__(self):
-        """Without what is made again when it is needed."""
+        """State without the cache of skins, which is filled again when needed."""
         state: Any = super().__getstate__()
         return {name: value for name, value in state.items() if name != "_skins"}
 
@@ -84,7 +84,7 @@ class _Adapted(BaseEstimator):
         return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
     def _by_skin(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
-        """What the estimator of each row's skin tells of it, shape (sweep, ...)."""
+        """Result of `ask` for each row, by the estimator of its skin, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         change, rest = np.split(X, 2, axis=1)
@@ -117,7 +117,7 @@ class AdaptedClassifier(ClassifierMixin, _Adapted):
 
     @property
     def classes_(self):
-        """In ascending order, shape (K,)."""
+        """Classes in ascending order, shape (K,)."""
         check_is_fitted(self)
         return self.mean_.classes_
 
@@ -140,7 +140,10 @@ class AdaptedPosition(RegressorMixin, _Adapted):
     kind = ModelBasedPosition
 
     def predict(self, X, return_std=False):
-        """x [mm], y [mm] and strength, shape (sweep, 3), and their deviations, if asked."""
+        """x [mm], y [mm] and strength, shape (sweep, 3).
+
+        return_std: also returns their deviations, of the same shape.
+        """
         both = self._by_skin(X, _place_and_deviation)
         return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
 

@@ -14,10 +14,10 @@ LIKELIEST = 64
 
 
 class ClassPosterior(SequentialPosterior):
-    """Posterior of the class of one touch, by the tables of a localizer of classes.
+    """Posterior of the class of one touch, from the tables of a localizer of classes.
 
     Noise and skin are as in its mixture. log_prior: ln of the prior of each class; by default the
-    tables' own. sharpness: of decisions.
+    tables' own. sharpness: factor of the decisions.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class ClassPosterior(SequentialPosterior):
     def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
         """Information on the class that each further reading is expected to give, nat, (reading,).
 
-        By the LIKELIEST entries, see `SequentialPosterior.expected_information`.
+        It is estimated by the LIKELIEST entries, see `SequentialPosterior.expected_information`.
         """
         joint = self._of_class + self.fit + self._log_prior[self._answer]
         entry = np.sort(np.argsort(-joint, kind="stable")[:LIKELIEST])

@@ -1,8 +1,8 @@
-"""A localizer without training: the most probable touches, by a simulator's tables inverted.
+"""A localizer without training: it inverts a simulator's tables for the most probable touches.
 
-Every touch that the simulator tabulates, at every strength, is a normal distribution of what the
-meter would show, spread by the meter's noise and by what is not known of the skin. Bayes' rule
-gives the probability of each answer; strengths are summed over.
+Each tabulated touch at each strength is a normal distribution of the meter's readings. Its spread
+comes from the meter's noise and the unknown parameters of the skin. Bayes' rule gives the
+probability of each answer, summed over the strengths.
 """
 
 from __future__ import annotations
@@ -23,16 +23,17 @@ from .hypotheses import Hypotheses, hypotheses, labels
 from .mixture import Mixture
 
 Builder = Callable[..., Mapping[str, NDArray]]
-"""As `simulated`."""
+"""Function with the arguments and the result of `simulated`."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
 QUANTITIES = ("dlnZ", "dphase")
-"""Features that it takes, in this order."""
+"""Required features, in this order."""
 
 
 def simulated(text: str, *asked: Any, **options: Any) -> Mapping[str, NDArray]:
-    """The simulator's tables of the scene in a TOML text, which is what an estimator's file holds.
+    """The simulator's tables for a scene given as TOML text, as in an estimator's file.
 
-    Further arguments and errors as of `templates`; raises InputError for a text of no scene, too.
+    Further arguments as of `templates`. Raises InputError as it does, and for a text without a
+    scene.
     """
     from ...simulator.inversion.tables import templates
 
@@ -49,17 +50,20 @@ class ModelBased(ClassifierMixin, BaseEstimator):
     ----------
     scene: TOML text. target: one of TARGETS. builder: makes the tables, once; None for the
     simulator's.
-    presses: whether strengths are drawn as in [dataset.press] ("dataset") or as in [press].
-    rest_sweeps: of the skin at rest, of which the features are the difference.
-    learn: what `fit` takes from labelled sweeps: "nothing"; "skin": all are of the one skin that is
-        to be read, which is then known better; "error": of any skins, for the model's own error.
-    doubt: a sweep that would lie so far from every touch with no more than this chance is novel.
+    presses: source of the prior of strengths: "dataset" for [dataset.press], "press" for [press].
+    rest_sweeps: number of sweeps of the unpressed skin whose mean the features are relative to.
+    learn: what `fit` estimates from labelled sweeps. "nothing"; "skin": the parameters of the skin,
+        as all sweeps are of the one skin to be localized on; "error": the model's own error, from
+        sweeps of any skins.
+    doubt: significance of the novelty test: a sweep is novel if its distance from every touch would
+        be exceeded with less than this probability.
 
     Attributes
     ----------
-    classes_: answers, ascending, "0,0" or 0 for the skin at rest. mean_, directions_, along_,
-    log_weight_: of the mixture. answer_: which of `classes_` each entry stands for. noise_: of a
-    feature, shape (feature,). edge_: squared distance beyond which a sweep is novel.
+    classes_: answers, ascending, "0,0" or 0 for the unpressed skin. mean_, directions_, along_,
+    log_weight_: arrays of the `Mixture`. answer_: index in `classes_` of each entry. noise_:
+    standard deviation of each feature, shape (feature,). edge_: squared distance beyond which a
+    sweep is novel.
     """
 
     def __init__(
@@ -82,10 +86,11 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         self.doubt = doubt
 
     def fit(self, X=None, y=None):
-        """Take the simulator's tables, and learn from labelled sweeps if asked.
+        """Take the simulator's tables, and fine-tune by labelled sweeps as `learn` says.
 
-        X: of QUANTITIES, shape (sweep, feature), may be None. y: labels, shape (sweep,). Raises
-        ValueError for an unknown option, other features than the tables', or a label of no touch.
+        X: features of QUANTITIES, shape (sweep, feature), may be None. y: labels, shape (sweep,).
+        Raises ValueError for an unknown option, for features unlike those of the tables, and for a
+        label without a touch.
         """
         tables = self._tables()
         self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
@@ -110,13 +115,13 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         return self.classes_[best]
 
     def novel(self, X):
-        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
         return self._posterior(X)[1] > self.edge_
 
     def log_densities(self, X, numbers: tuple[int, ...] | None = None):
         """ln density of each class, then of a sweep that is just novel, (sweep, class + 1).
 
-        numbers: those of the features that are looked at; all without.
+        numbers: indices of the features to use; None uses all.
         """
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
@@ -140,11 +145,11 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         return parts[numbers]
 
     def novelty_limit(self, mixture: Mixture) -> float:
-        """Squared distance beyond which a sweep is novel, where only so many numbers are seen."""
+        """Squared distance beyond which a sweep is novel, for the features of this mixture."""
         return float(chi2.isf(self.doubt, mixture.mean.shape[1]))
 
     def __getstate__(self):
-        """Without what is made again when it is needed."""
+        """State without the cached mixtures, which are computed again when needed."""
         state: Any = super().__getstate__()
         return {name: value for name, value in state.items() if name != "_parts"}
 
@@ -171,7 +176,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
 
     def _posterior(self, X) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Probabilities, and the least squared distance of each sweep from an entry."""
+        """Probabilities, and the squared distance of each sweep from the nearest entry."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         mixture, _ = self.part(None)

@@ -1,4 +1,4 @@
-"""All estimators by name: those that learn, and those that invert the simulator."""
+"""All estimators by name: trained ones, and those that invert the simulator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .position import ModelBasedPosition
 
 MODEL_BASED, MODEL_ADAPTED = "model-based", "model-adapted"
 SKINS = 4
-"""Sessions that calibrate probabilities and deviations: each skin costs seconds."""
+"""Number of sessions that calibrate probabilities and deviations: each skin costs seconds."""
 
 
 DEFAULT_ESTIMATORS = {
@@ -102,7 +102,7 @@ def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
 
 
 def _check(problem: LocalizationProblem, name: str, takes: Sequence[str]) -> None:
-    """Raises InputError where the simulator would tell other features than the sweeps."""
+    """Raise InputError if the simulator's features differ from those of the sweeps."""
     if problem.quantities != tuple(takes):
         raise InputError(
             f"`estimator` {name} takes the features {','.join(takes)}, "

@@ -23,11 +23,11 @@ PRIOR_ERRORS = 10.0
 def fine_tuned(
     known: Hypotheses, X: NDArray[np.float64], possible: NDArray[np.bool_], mode: str
 ) -> Hypotheses:
-    """What is known after labelled sweeps. X: in units of noise, shape (sweep, number).
+    """Hypotheses after labelled sweeps. X: in units of noise, shape (sweep, number).
 
-    possible: entries that agree with each label, shape (sweep, entry); sweeps of the skin at rest
-    teach nothing. mode: "skin": all touches are of one skin, which is then known better; "error":
-    of any skins, for a bias and further spread of the model's own.
+    possible: entries that agree with each label, shape (sweep, entry). Sweeps of the unpressed skin
+    are not used. mode: "skin": all touches are of one skin, whose parameters are estimated;
+    "error": touches are of any skins, and give a bias and further spread of the model.
     """
     pressed = ~possible[:, (known.place == NONE).all(axis=1)].any(axis=1)
     X, possible = X[pressed], possible[pressed]
@@ -42,7 +42,7 @@ def fine_tuned(
 
 
 def _skin(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
-    """Unknowns z of the skin are normal: each sweep is m + J t + A z with strength t of its own."""
+    """Update the normal unknowns z of the skin: each sweep is m + J t + A z, t its own strength."""
     unknowns = known.skin.shape[-1]
     precision, pull = np.eye(unknowns), np.zeros(unknowns)
     for x, e in zip(X, entry, strict=True):
@@ -60,7 +60,7 @@ def _skin(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) ->
 
 
 def _error(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
-    """A mean and further directions of what the best fits leave, where it is more than noise."""
+    """Add a bias and further directions from the residuals of the best fits, if above noise."""
     left = np.array([_left_over(known, x, e) for x, e in zip(X, entry, strict=True)])
     count, numbers = len(left), X.shape[1]
     bias = left.sum(axis=0) / (count + PRIOR_ERRORS)
@@ -85,7 +85,7 @@ def _left_over(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray
 
 
 def _strengths(known: Hypotheses, met: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Chances of strengths. met: how often each entry was, shape (entry,)."""
+    """Probabilities of strengths. met: number of touches of each entry, shape (entry,)."""
     there = known.strength != NONE
     counts = np.bincount(
         known.strength[there],

@@ -17,13 +17,13 @@ AT_ONCE = 500
 
 @dataclass(frozen=True, eq=False)
 class Hypotheses:
-    """Entries: the skin at rest, then touches at strengths. Numbers in units of the meter's noise.
+    """Entries: the unpressed skin, then touches with strengths, in units of the meter's noise.
 
-    mean: shape (entry, number). slope: for the strength of each touch, at the deviation that its
-    strength stands for, (entry, number, touch). place, strength: numbers of pixels and strengths,
-    NONE for no touch, (entry, touch). weight: chance of the place, (entry,). strengths: chance of
-    each, (strength,). skin: what the unknown skin adds to a touch, (place, strength, number,
-    unknown). shift: what is known to be added, (place, strength, number).
+    mean: shape (entry, number). slope: change for one standard deviation of the strength within the
+    entry, for each touch, (entry, number, touch). place, strength: indices of pixels and strengths,
+    NONE for no touch, (entry, touch). weight: prior of the place, (entry,). strengths: prior of
+    each strength, (strength,). skin: effect of the unknowns of the skin on a touch, (place,
+    strength, number, unknown). shift: known correction of a touch, (place, strength, number).
     """
 
     mean: NDArray[np.float64]
@@ -36,7 +36,7 @@ class Hypotheses:
     shift: NDArray[np.float64]
 
     def means(self, entries: slice | NDArray) -> NDArray[np.float64]:
-        """With what is known to be added, shape (entry, number)."""
+        """Means with the known corrections, shape (entry, number)."""
         return self.mean[entries] + self._summed(self.shift, entries)
 
     def spread(self, entries: slice | NDArray) -> NDArray[np.float64]:
@@ -66,7 +66,7 @@ class Hypotheses:
 def hypotheses(
     tables: Mapping[str, NDArray], target: str, noise: NDArray[np.float64]
 ) -> Hypotheses:
-    """All that the answers of a target tell apart. noise: deviation of each number."""
+    """All hypotheses for the answers of a target. noise: standard deviation of each number."""
     two = "pairs" in tables and target in ("touches", "pair")
     most = 2 if two else 1
     shape = tables["single"].shape
@@ -134,7 +134,7 @@ def _with_pairs(
 def labels(
     known: Hypotheses, pixels: NDArray[np.int64], target: str
 ) -> NDArray[np.int64] | NDArray[np.str_]:
-    """The answer that each entry stands for, as `targets.labels` has it, shape (entry,).
+    """The answer of each entry, as in `targets.labels`, shape (entry,).
 
     pixels: row and column of each place.
     """

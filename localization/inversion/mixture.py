@@ -1,8 +1,8 @@
-"""A mixture of normal distributions of low-rank spread: what a model holds to be possible.
+"""A mixture of normal distributions of low-rank spread: the prior of a model's readings.
 
-Numbers are counted in units of the meter's noise, so that each entry is N(mean, 1 + B B'), where
-the columns of B are what is not known: the strength or place that the entry stands for, the skin,
-the model's own error.
+Numbers are in units of the meter's noise, so that each entry is N(mean, 1 + B B'). The columns of B
+are the effects of the unknowns: the exact strength or place within the entry, the skin, and the
+model's own error.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ AT_ONCE = 2**22
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Entries N(mean, (1 - G'G)^-1), each with its chance.
+    """Entries N(mean, (1 - G'G)^-1), each with its prior probability.
 
     mean: shape (entry, number). directions: G, shape (entry, rank, number). log_weight: logarithm
-    of the chance, and of the normal distribution's constant but for 2 pi, shape (entry,). along:
+    of the probability times the normal distribution's constant without 2 pi, shape (entry,). along:
     G mean, shape (entry, rank).
     """
 
@@ -35,18 +35,18 @@ class Mixture:
 
     @property
     def power(self) -> NDArray[np.float64]:
-        """Variance beside the noise along each direction of the spread, shape (entry, rank)."""
+        """Variance in addition to the noise along each direction of spread, (entry, rank)."""
         shrunk = (self.directions**2).sum(axis=2)
         return shrunk / np.maximum(1 - shrunk, 1e-12)
 
     @property
     def spread(self) -> NDArray[np.float64]:
-        """B, as far as it is kept, shape (entry, number, rank)."""
+        """B, reduced to the stored rank, shape (entry, number, rank)."""
         return np.swapaxes(self.directions * np.sqrt(1 + self.power)[..., None], 1, 2)
 
     @property
     def log_chance(self) -> NDArray[np.float64]:
-        """ln of the chance of each entry, shape (entry,)."""
+        """ln of the prior probability of each entry, shape (entry,)."""
         return self.log_weight + np.log1p(self.power).sum(axis=1) / 2
 
     def of(self, numbers: NDArray[np.intp]) -> Mixture:
@@ -67,7 +67,7 @@ class Mixture:
         return np.maximum(found, 0.0)
 
     def log_joint(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
-        """ln of chance times density of sweeps at these distances, but for a constant."""
+        """ln of prior times density of sweeps at these distances, up to a constant."""
         return self.log_weight - distances / 2
 
     def responsibilities(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -78,7 +78,7 @@ class Mixture:
 def mixture(
     mean: NDArray[np.float64], spread: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> Mixture:
-    """Entries of N(mean, 1 + B B'). spread: B, shape (entry, number, column). weight: chances."""
+    """Entries N(mean, 1 + B B'). spread: B, shape (entry, number, column). weight: prior."""
     power, turn = np.linalg.eigh(np.swapaxes(spread, 1, 2) @ spread)
     power, turn = np.maximum(power[:, -RANK:], 0.0), turn[:, :, -RANK:]
     directions = np.swapaxes((spread @ turn) / np.sqrt(1 + power)[:, None], 1, 2)
@@ -88,7 +88,7 @@ def mixture(
 
 
 def joined(parts: list[Mixture]) -> Mixture:
-    """Entries of several, one after the other."""
+    """The mixture of all entries of the parts, in order."""
     return Mixture(
         np.concatenate([part.mean for part in parts]),
         np.concatenate([part.directions for part in parts]),

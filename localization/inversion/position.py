@@ -1,4 +1,4 @@
-"""Where and how strongly a skin is touched, anywhere on it, by a simulator's tables inverted."""
+"""Place and strength of a touch anywhere on a skin, by inversion of a simulator's tables."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from .skin_mask import SkinMask, skin_mask_of
 
 POSITION = "position"
 GRID = (16, 16, 8)
-"""Entries along x, y and strength."""
+"""Number of entries along x, y and strength."""
 CELLS = GRID[0] * GRID[1]
 OVERLAP = 0.5
-"""Deviation that an entry stands for, over the step to the next."""
+"""Standard deviation within an entry, relative to the step to the next entry."""
 NOWHERE = 1e-12
-"""Share that an entry beside the skin is taken to have of it."""
+"""Minimum share of skin of an entry: the value for entries outside the skin."""
 WITHIN = 6
-"""PlaceDistribution along each side of an entry that are looked at for skin."""
+"""Number of points along each side of a cell that are tested for skin."""
 BLUR = 3.0
-"""mm, of a posterior before its highest place is told."""
+"""Blur of a posterior before its peak is taken, mm."""
 
 
 class Posterior(NamedTuple):
     """Posterior of one sweep.
 
-    entry: numbers of the relevant entries. share: probability of each. mean, covariance: of x, y
-    [mm] and strength in each.
+    entry: indices of the relevant entries. share: probability of each. mean, covariance: those of
+    x, y [mm] and strength in each.
     """
 
     entry: NDArray[np.intp]
@@ -45,18 +45,19 @@ class Posterior(NamedTuple):
 
 
 class ModelBasedPosition(RegressorMixin, BaseEstimator):
-    """Where most of the posterior of x [mm], y [mm] lies around, its mean strength, and its spread.
+    """Peak of the blurred posterior of x [mm] and y [mm], mean strength, and their deviations.
 
-    Parameters: as of `ModelBased`; one touch is taken for granted. A narrow ridge of the posterior
-    is passed by for a broad hill that holds more.
+    Parameters: as of `ModelBased`; the model assumes one touch. The blur makes a broad peak with
+    more probability win over a narrow, high one.
 
     Attributes
     ----------
-    noise_: of a feature, shape (feature,). bounds_: as of `ResponseSurface`.
-    theta_: of entries, (entry, 3). scale_: deviations that each stands for, (3,). slopes_: for one
-    of them, (entry, feature, 3). mean_, directions_, along_, log_weight_: of the mixture. edge_:
-    squared distance beyond which a sweep is novel. Where the skin is no rectangle, on_skin_ and
-    sides_: of its `SkinMask`; beside_: of entries, whether all of it is beside the skin, (entry,).
+    noise_: standard deviation of each feature, shape (feature,). bounds_: as of `ResponseSurface`.
+    theta_: x, y and strength of each entry, (entry, 3). scale_: standard deviations within an
+    entry, (3,). slopes_: change of the features for one such deviation, (entry, feature, 3). mean_,
+    directions_, along_, log_weight_: arrays of the `Mixture`. edge_: squared distance beyond which
+    a sweep is novel. on_skin_, sides_: the `SkinMask`, if the skin is no rectangle. beside_: True
+    for entries completely outside such a skin, (entry,).
     """
 
     def __init__(
@@ -88,8 +89,9 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def predict(self, X, return_std=False):
         """x [mm], y [mm] and strength, shape (sweep, 3).
 
-        return_std: also the root-mean-square distance of the whole posterior from them, of the
-        same shape; where a touch elsewhere is as likely it is as large as that is far.
+        return_std: also returns the root-mean-square distance of the whole posterior from them, of
+        the same shape. If a touch elsewhere is equally probable, it is of the order of the distance
+        to that place.
         """
         posteriors = [self._posterior(each) for each in self._scaled(X)]
         best = np.array([self._best_estimate(each) for each in posteriors]).reshape(-1, 3)
@@ -99,7 +101,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         return best, np.array([_distance(posterior, theta) for posterior, theta in pairs])
 
     def regions(self, X, probability=0.95) -> list[Region]:
-        """The smallest region of places that holds the probability, of each sweep."""
+        """For each sweep the smallest region of places that contains the probability."""
         return [region_of(each, probability) for each in self.places(X)]
 
     def places(self, X) -> list[PlaceDistribution]:
@@ -107,18 +109,22 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         return [self.places_of(self._posterior(each)) for each in self._scaled(X)]
 
     def share_within(self, X, radius):
-        """Chance that no answer exceeds to lie within so many mm of the touch, shape (sweep,)."""
+        """Upper bound of the probability that any answer is within `radius` mm of the touch.
+
+        Shape (sweep,).
+        """
         return np.array([each.share_within(radius) for each in self.places(X)])
 
     def cells(self, X):
-        """Shares of the cells of GRID, y within x, and x and y [mm] in each with their covariance.
+        """Probability of each cell of GRID, with mean and covariance of x and y [mm] in it.
 
-        Shape (sweep, cell, 7): share, 2 means, 4 of the covariance; zeros where there is no share.
+        Shape (sweep, cell, 7): probability, 2 means, 4 entries of the covariance; zeros without
+        probability. y varies fastest.
         """
         return np.array([cells_of(self._posterior(each)) for each in self._scaled(X)])
 
     def novel(self, X):
-        """Whether even the best fit is beyond what noise and skin allow, shape (sweep,)."""
+        """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
         distances = self.mixture().distances(self._scaled(X))
         if self.mask is not None:
             distances[:, self.beside_] = np.inf
@@ -126,7 +132,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
     @property
     def mask(self) -> SkinMask | None:
-        """Where there is skin; None where it is a rectangle."""
+        """Mask of the skin; None for a rectangle."""
         if not hasattr(self, "on_skin_"):
             return None
         return SkinMask(self.on_skin_, self.sides_)
@@ -161,12 +167,12 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         self.log_weight_ = found.log_weight
 
     def mixture(self) -> Mixture:
-        """All touches as normal distributions of numbers in units of the noise."""
+        """All entries as normal distributions of numbers in units of the noise."""
         check_is_fitted(self)
         return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
 
     def _posterior(self, x: NDArray[np.float64]) -> Posterior:
-        """Within each entry that matters, all is linear."""
+        """Posterior of one sweep; the response is linear within each relevant entry."""
         found = self.mixture()
         share = found.responsibilities(found.distances(x[None]))[0]
         kept = np.flatnonzero(share > 1e-4 * share.max())
@@ -180,7 +186,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         )
 
     def places_of(self, posterior: Posterior) -> PlaceDistribution:
-        """The place alone."""
+        """Marginal posterior of the place."""
         covariance = posterior.covariance[:, :2, :2]
         mean = posterior.mean[:, :2]
         return PlaceDistribution(posterior.share, mean, covariance, self.bounds_[:2], self.mask)
@@ -191,7 +197,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
 
 def cells_of(posterior: Posterior) -> NDArray[np.float64]:
-    """Normal distributions of each cell's entries taken together, as of `cells`, (cell, 7)."""
+    """Moments of the place over all entries of each cell, as of `cells`, (cell, 7)."""
     cell, share, mean = posterior.entry // GRID[2], posterior.share, posterior.mean[:, :2]
     square = posterior.covariance[:, :2, :2] + mean[:, :, None] * mean[:, None, :]
     held = np.column_stack([np.ones_like(share), mean, square.reshape(-1, 4)]) * share[:, None]

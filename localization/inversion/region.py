@@ -14,12 +14,12 @@ from .skin_mask import SkinMask
 LINES = 41
 NEGLIGIBLE = 1e-4
 FARTHEST = 4.0
-"""Deviations of an entry, beyond which nothing of it is looked for."""
+"""Number of standard deviations beyond which an entry is neglected."""
 FINE = 1.0
-"""mm, between places that discs are laid around."""
+"""Distance between the centres of discs, mm."""
 STARTS, STEPS = 200, 50
 CLOSE = 1e-6
-"""mm: a smaller step ends the way to the peak."""
+"""Step below which the search for the peak ends, mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class PlaceDistribution:
     """Posterior of a sweep's place: normal distributions within the skin, x and y in mm.
 
     weight: shape (entry,). mean: (entry, 2). covariance: (entry, 2, 2), mm². bounds: (2, 2).
-    mask: where within them there is skin, None for all over.
+    mask: mask of the skin within the bounds, None if all is skin.
     """
 
     weight: NDArray[np.float64]
@@ -37,7 +37,7 @@ class PlaceDistribution:
     mask: SkinMask | None = None
 
     def density(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """1/mm², at places of the same shape."""
+        """Density in 1/mm² at x and y, of their shape."""
         kept = self.weight > NEGLIGIBLE * self.weight.max()
         inverse = np.linalg.inv(self.covariance[kept])
         peak = self.weight[kept] * np.sqrt(np.linalg.det(inverse)) / (2 * np.pi)
@@ -46,10 +46,11 @@ class PlaceDistribution:
         return density if self.mask is None else density * self.mask.contains(x, y)
 
     def peak(self, blur: float) -> NDArray[np.float64]:
-        """Where most of the posterior lies around: its highest place once blurred, shape (2,).
+        """Peak of the blurred posterior, shape (2,).
 
-        blur: deviation of the normal distribution that it is blurred by, mm. From the best of the
-        entries' means on, each step goes to the mean of what pulls there, which never leads down.
+        blur: standard deviation of the normal blur, mm. The search starts from the best of the
+        entries' means. Each step goes to the weighted mean of the entries there (mean shift), which
+        never lowers the density.
         """
         inverse = np.linalg.inv(self.covariance + blur**2 * np.eye(2))
         height = self.weight * np.sqrt(np.linalg.det(inverse))
@@ -77,7 +78,7 @@ class PlaceDistribution:
         return float(density[density > there].sum() / density.sum())
 
     def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Middles of cells, x and y in mm, over what of the skin the posterior reaches."""
+        """Cell centres, x and y in mm, over the part of the skin that the posterior reaches."""
         kept = self.weight > NEGLIGIBLE * self.weight.max()
         reach = FARTHEST * np.sqrt(np.einsum("eii->ei", self.covariance[kept]))
         low = np.maximum((self.mean[kept] - reach).min(axis=0), self.bounds[:, 0])
@@ -86,9 +87,9 @@ class PlaceDistribution:
         return _middles(*sides[0]), _middles(*sides[1])
 
     def share_within(self, radius: float) -> float:
-        """The largest share of the posterior that any disc of this radius holds, in mm.
+        """The largest share of the posterior in any disc of this radius, in mm.
 
-        No answer lies within that distance of the touch with a greater chance.
+        No answer lies within that distance of the touch with a higher probability.
         """
         x, y = (np.arange(low, high + FINE, FINE) for low, high in self.bounds)
         density = self.density(*np.meshgrid(x, y))
@@ -99,9 +100,10 @@ class PlaceDistribution:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """Cells of a grid, middles x and y in mm, and which of them belong to it, shape (y, x).
+    """Region on a grid of cells.
 
-    level: the density on its border. places: the whole posterior.
+    x, y: cell centres, mm. inside: True for cells of the region, shape (y, x). level: the density
+    on its border. places: the whole posterior.
     """
 
     x: NDArray[np.float64]
@@ -116,7 +118,7 @@ class Region:
         return float(self.inside.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def shade(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How likely places are, 1 at the likeliest of the grid, and 0 outside of the region."""
+        """Density relative to the maximum on the grid, at most 1, and 0 outside of the region."""
         there = self.places.density(x, y)
         peak = self.places.density(*np.meshgrid(self.x, self.y)).max()
         return np.where(there >= self.level, np.minimum(there / peak, 1.0), 0.0)
@@ -127,7 +129,7 @@ class Region:
 
 
 def region_of(places: PlaceDistribution, probability: float) -> Region:
-    """The cells of highest density that hold the probability together."""
+    """The cells of highest density that together contain the probability."""
     x, y = places.grid()
     density = places.density(*np.meshgrid(x, y))
     ordered = np.sort(density, axis=None)[::-1]
@@ -137,9 +139,9 @@ def region_of(places: PlaceDistribution, probability: float) -> Region:
 
 
 def _squared_distance(inverse: NDArray[Any], away: NDArray[np.float64]) -> NDArray[np.float64]:
-    """In deviations of each entry, shape (..., entry), of what lies so far away from its mean.
+    """Squared Mahalanobis distance from the mean of each entry, shape (..., entry).
 
-    inverse: of its covariance, shape (entry, 2, 2). away: shape (..., entry, 2).
+    inverse: inverse covariance, shape (entry, 2, 2). away: difference, shape (..., entry, 2).
     """
     u, v = away[..., 0], away[..., 1]
     return inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v

@@ -21,9 +21,10 @@ LEAST = 1e-3
 def places_of(
     learned: Regressor, X: NDArray[np.float64], scene: Scene | None
 ) -> list[PlaceDistribution]:
-    """The posterior of each sweep's place; of a regressor without one, normal by its deviations.
+    """The posterior of each sweep's place.
 
-    X: shape (n, feature). scene: whose sides bound the places; None where it is unknown.
+    For a regressor without a posterior it is normal with its deviations. X: shape (n, feature).
+    scene: its sides bound the places; None if unknown.
     """
     last: Any = learned.pipeline[-1]
     if hasattr(last, "places"):
@@ -49,6 +50,6 @@ def sides_of(scene: Scene) -> NDArray[np.float64]:
 
 
 def _reach(told: NDArray, deviation: NDArray) -> NDArray[np.float64]:
-    """Lowest and highest x and y in mm that places are looked for within, shape (2, 2)."""
+    """Bounds of the search for places: lowest and highest x and y in mm, shape (2, 2)."""
     reach = FARTHEST * deviation
     return np.stack([(told - reach).min(axis=0), (told + reach).max(axis=0)], axis=1)

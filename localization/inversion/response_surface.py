@@ -1,4 +1,4 @@
-"""A smooth surface through a simulator's table: what the meter shows of a touch at any place."""
+"""Smooth interpolation of a simulator's table: the meter's response to a touch at any place."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ SLOPES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 class ResponseSurface:
     """Numbers in units of noise over x [mm], y [mm] and strength.
 
-    knots: of each axis. coefficients: shape (x, y, strength, number). nodes: x and y of the skin's
-    table, mm. skin: what the unknown skin adds, by the rise of strength above 1, shape (x, y,
-    number, unknown). bounds: lowest and highest x, y and strength, shape (3, 2).
+    knots: knots of each axis. coefficients: shape (x, y, strength, number). nodes: x and y of the
+    skin's table, mm. skin: effect of the unknowns of the skin, per rise of strength above 1, shape
+    (x, y, number, unknown). bounds: lowest and highest x, y and strength, shape (3, 2).
     """
 
     knots: tuple[NDArray, NDArray, NDArray]
@@ -29,7 +29,7 @@ class ResponseSurface:
     bounds: NDArray[np.float64]
 
     def values(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """At places theta, shape (place, 3); shape (place, number)."""
+        """Values at theta, shape (place, 3), as an array of shape (place, number)."""
         return self._at(theta, (0, 0, 0))
 
     def slopes(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -37,7 +37,7 @@ class ResponseSurface:
         return np.stack([self._at(theta, nu) for nu in SLOPES], axis=-1)
 
     def skin_effects(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Columns of what the unknown skin adds, shape (place, number, unknown)."""
+        """Effects of the unknowns of the skin, shape (place, number, unknown)."""
         between = RegularGridInterpolator(self.nodes, self.skin)
         return between(theta[:, :2]) * (theta[:, 2] - 1)[:, None, None]
 
@@ -46,7 +46,7 @@ class ResponseSurface:
 
 
 def response_surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> ResponseSurface:
-    """Through the tables of `simulator.inversion` for positions."""
+    """Interpolate the tables of `simulator.inversion` for positions."""
     x, y, strength = 1e3 * tables["x"], 1e3 * tables["y"], tables["strength_nodes"]
     coefficients, knots = tables["values"] / noise, []
     for axis, nodes in enumerate((x, y, strength)):

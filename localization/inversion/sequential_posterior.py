@@ -12,16 +12,16 @@ from scipy.stats import chi2, norm, qmc
 from .mixture import Mixture
 
 DRAWS = 64
-"""SequentialPosterior that gains are reckoned by."""
+"""Number of samples that estimate gains."""
 
 
 class SequentialPosterior:
-    """Likelihood of each entry after the readings so far, ln |Z| and phase of each.
+    """Likelihood of each entry after the readings so far, each of ln |Z| and phase.
 
     noise: standard deviation of each number, (number,). significance: as `doubt` of `ModelBased`.
-    latent_mean, latent_covariance: of the unknowns in each entry, (entry, rank) and (entry, rank,
-    rank). fit: ln likelihood of each entry up to a constant, (entry,). distance: squared, (entry,).
-    used_readings: numbers of the readings so far.
+    latent_mean, latent_covariance: those of the unknowns in each entry, (entry, rank) and (entry,
+    rank, rank). fit: ln likelihood of each entry up to a constant, (entry,). distance: squared
+    distance from each entry, (entry,). used_readings: numbers of the readings so far.
     """
 
     def __init__(self, mixture: Mixture, noise: NDArray[np.float64], significance: float) -> None:
@@ -42,8 +42,9 @@ class SequentialPosterior:
     def update(self, reading: int, change: NDArray[np.float64]) -> None:
         """Update with a reading.
 
-        reading: its number in the sweep. change: of ln |Z| and phase from the baseline. The latent
-        strength and skin follow by R. E. Kalman, J. Basic Eng. 82 (1960) 35-45, equations 21 to 25.
+        reading: its number in the sweep. change: change of ln |Z| and phase from the baseline. The
+        latent variables are updated by R. E. Kalman, J. Basic Eng. 82 (1960) 35-45, equations 21 to
+        25.
         """
         numbers = self._numbers(reading)
         B, V = self._spread[:, numbers], self.latent_covariance
@@ -79,8 +80,7 @@ class SequentialPosterior:
     ) -> tuple[NDArray, NDArray]:
         """Predictive distribution of further readings by entry: B and mean; covariance B V B' + 1.
 
-        V: `latent_covariance`.
-        Shapes (reading, entry, 2, rank) and (reading, entry, 2).
+        V is `latent_covariance`. Shapes (reading, entry, 2, rank) and (reading, entry, 2).
         """
         numbers = np.stack([self._numbers(each) for each in readings])
         B = np.moveaxis(self._spread[entry][:, numbers], 1, 0)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAME_SKIN_RMS = 0.015
-"""Root mean square of the change of ln Z up to which a skin counts as the same."""
+"""Maximum root mean square change of ln Z for which a skin counts as the same."""
 REFIT_SHARE = 0.5
 """Fraction of SAME_SKIN_RMS from which on new tables are computed ahead."""
 MAX_SKINS = 16
@@ -44,7 +44,7 @@ class SkinCache:
     def nearest(self, curve: NDArray[np.float64]) -> FittedSkin:
         """The nearest estimator; one for this curve is fitted in the background if needed.
 
-        Only the first one is waited for. Raises what an earlier fit in the background raised.
+        The call waits only for the first one. Raises the error of an earlier fit in the background.
         """
         if self._failure:
             failure, self._failure = self._failure, None
@@ -68,7 +68,7 @@ class SkinCache:
     def _make(self, curve: NDArray[np.float64]) -> None:
         try:
             self.fitted(curve)
-        except Exception as failure:  # of whatever makes tables; told by the next that asks
+        except Exception as failure:  # of any table builder; `nearest` raises it next
             self._failure = failure
 
 

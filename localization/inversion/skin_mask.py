@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 class SkinMask:
     """Uniform cells over a rectangle from (0, 0), and a mask of those that are skin.
 
-    inside: shape (y, x). sides: of the rectangle along x and y, mm.
+    inside: shape (y, x). sides: lengths of the rectangle along x and y, mm.
     """
 
     inside: NDArray[np.bool_]

@@ -1,3 +1,3 @@
 """The reproduction of Sonar, Yuen, Kramer-Bottiglio and Paik, "An Any-Resolution Distributed
-Pressure Localization Scheme Using a Capacitive Soft Sensor Skin": its six devices, its figures, its
-numbers beside ours."""
+Pressure Localization Scheme Using a Capacitive Soft Sensor Skin": its six devices and its figures,
+and its numbers compared with ours."""
