@@ -36,9 +36,11 @@ FINE_TUNING_PARAMETER = {MODEL_BASED: "invert__learn", MODEL_ADAPTED: "invert__i
 
 @dataclass(frozen=True, eq=False)
 class Adaptation:
-    """The model after all touches; and what it told before, and after others than those told.
+    """The adapted model, with its scores before and after adaptation.
 
-    validation: how the touches that judge were held out. notes: what its user must know.
+    model: adapted by all touches. before, after: scores on the same touches; each is scored after
+    adaptation by other touches. validation: how the scored touches were held out. notes: remarks
+    for the user.
     """
 
     model: Model
@@ -51,9 +53,8 @@ class Adaptation:
 def adapted(model: Model, samples: Samples) -> Adaptation:
     """Adapt the model by all of the samples, which are of the skin to be localized on.
 
-    samples: as of `model.samples`. Raises InputError for models of positions, models that were
-    adapted before, labels that the model does not know, and fewer than FEWEST sweeps of one of its
-    classes.
+    samples: as of `model.samples`. Raises InputError for models that were adapted before, labels
+    that the model does not know, and fewer than FEWEST sweeps of one of its classes.
     """
     learned = checked(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
@@ -81,7 +82,7 @@ def adapted(model: Model, samples: Samples) -> Adaptation:
 
 
 def checked(model: Model, samples: Samples) -> Classifier:
-    """What the model learned, if these can teach it. Raises InputError as `adapted`."""
+    """The model's classifier, if these samples can adapt it. Raises InputError as `adapted`."""
     learned = model.learned
     assert isinstance(learned, Classifier)
     if _was_adapted(learned.pipeline):
@@ -142,7 +143,7 @@ def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
 
 
 def _steadied(found: float, before: float, count: int) -> float:
-    """Between the sharpness of a few sweeps and that of the training, which counts as so many."""
+    """Geometric mean of the new sharpness, of weight `count`, and the old one of PRIOR_SWEEPS."""
     share = count / (count + PRIOR_SWEEPS)
     return float(np.exp(share * np.log(found) + (1 - share) * np.log(before)))
 

@@ -23,11 +23,11 @@ FEWEST = 6
 
 
 def adapt_positions(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
-    """The model taught by all of the samples, touches of the skin that it is to be asked about.
+    """Adapt the model by all of the samples, which are of the skin to be localized on.
 
-    samples: as `model.samples` tells them. counted: the same of its gate, where it has one; its
-    guards let such sweeps pass. Raises InputError for models that invert the simulator or were
-    adapted before, and for fewer than FEWEST touches.
+    samples: as of `model.samples`. counted: samples of the same sweeps for the model's gate, if it
+    has one, whose guards are widened to accept them. Raises InputError for models that invert the
+    simulator or were adapted before, and for fewer than FEWEST touches.
     """
     learned = _checked(model, samples)
     splits = splits_of(None, samples.sessions, FOLDS)

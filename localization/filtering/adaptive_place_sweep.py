@@ -61,7 +61,7 @@ class PlaceSweep(AdaptiveSweep):
         return Followed("1", chance, nothing, 0.0, self._place(), self._region())
 
     def _place(self) -> tuple[float, ...]:
-        """x and y where most of the posterior lies around, and its deviations from there, mm."""
+        """Peak x and y of the blurred posterior, and its deviations from there, mm."""
         places = self._placing.places
         best = places.peak(BLUR)
         squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)

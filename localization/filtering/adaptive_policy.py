@@ -32,7 +32,7 @@ class AdaptivePolicy:
     """Starts an `AdaptiveSweep` for each sweep.
 
     model, certain, follower, within: as of `AdaptiveSettings`.
-    Raises InputError for a model that does not know how likely parts of a sweep are.
+    Raises InputError for a model that has no likelihoods of parts of a sweep.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class AdaptivePolicy:
         self._skin: tuple[xr.Dataset, tuple[Any, NDArray[np.complex128]]] | None = None
 
     def begin(self, rest: xr.Dataset, gap: float) -> AdaptiveSweep:
-        """The next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
+        """Start the next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
         if self._skin is None or self._skin[0] is not rest:
             self._skin = rest, inverter_for(self._terms.model, rest)
         step, at_rest = self._skin[1]

@@ -12,9 +12,9 @@ from .follower import Follower
 class AdaptiveSettings:
     """Settings of adaptive sweeps.
 
-    model: that answers. certain: probability of an answer at which a sweep may end. follower: whose
-    belief is the prior of a sweep; None without one. within: mm, radius of a disc with the area of
-    the region of a place that is known well enough.
+    model: localizer of the answers. certain: probability of an answer at which a sweep may end.
+    follower: its belief is the prior of a sweep; None without one. within: mm; a place is known
+    well enough if its region is no larger than a disc of this radius.
     """
 
     model: Model

@@ -1,4 +1,4 @@
-"""One sweep whose readings are chosen one by one, and the class that follows from it."""
+"""One sweep whose readings are chosen one by one, and the class from it."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class AdaptiveSweep(ABC):
         """Answer by the readings so far. during: their duration, s."""
 
     def next(self, seconds: NDArray[np.float64]) -> tuple[str, float] | None:
-        """Interface and frequency [Hz] whose reading is expected to tell most in its time.
+        """Interface and frequency [Hz] of the reading with most expected information per second.
 
-        seconds: that a reading takes at each of the model's interfaces and frequencies, with the
-        turn of a switch, shape (interface, frequency). None where the answer is certain and no
-        novelty, or nothing is left to read.
+        seconds: duration of a reading at each of the model's interfaces and frequencies, switching
+        included, shape (interface, frequency). The result is None if the answer is certain and the
+        sweep not novel, or if nothing is left to read.
         """
         posterior = self.posterior
         left = np.setdiff1d(np.arange(len(self._places)), posterior.used_readings)

@@ -22,10 +22,10 @@ NEGLIGIBLE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class CellGrid:
-    """Cells of a skin, GRID of them, y varies fastest.
+    """GRID cells of a skin; y varies fastest.
 
-    bounds: lowest and highest x and y [mm], (2, 2). mask: where within them there is skin, None if
-    everywhere.
+    bounds: lowest and highest x and y [mm], (2, 2). mask: mask of the skin within them, None if all
+    is skin.
     """
 
     learned: Regressor
@@ -56,17 +56,17 @@ class CellGrid:
         return found.reshape(len(X), -1, 7)
 
     def stretched(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Cells as of `ModelBasedPosition`, with calibrated deviations."""
+        """Moments from `ModelBasedPosition.cells`, with calibrated deviations."""
         factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
         return cells * np.concatenate([np.ones(3), factor])
 
     def place(
         self, belief: NDArray[np.float64], told: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """x and y where most of a belief in cells lies around, and its deviations from there, mm.
+        """Peak x and y of the blurred belief in cells, and its deviations from there, mm.
 
-        told: of the latest sweep, as by `told`, shape (cell, 7); cells of which it tells nothing
-        are taken by their middles.
+        told: moments of the latest sweep, as of `cell_moments`, shape (cell, 7). A cell of
+        negligible probability in that sweep counts as uniform over the cell.
         """
         mean, covariance = told[:, 1:3].copy(), told[:, 3:].reshape(-1, 2, 2).copy()
         silent = told[:, 0] <= NEGLIGIBLE
@@ -95,7 +95,8 @@ def _along(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Shares of a normal distribution between edges, its mean and variance there, (sweep, part).
 
-    N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions 1 (1994), 10.1.
+    Source: N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions 1 (1994),
+    10.1.
     """
     deviation = np.maximum(deviation, 1e-3)[:, None]
     at = (edges - mean[:, None]) / deviation

@@ -1,7 +1,7 @@
 """Hidden Markov model in continuous time, with sweeps during which the state may change.
 
-The forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A. If the state changes
-within a sweep, the readings before the cut are of one state and those after it of another.
+It is the forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A. If the state
+changes within a sweep, the readings before the cut are of one state and those after it of another.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ RARE = 1e-300
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """ln likelihoods of a sweep's readings before a cut, of each state, and after it; (state,)."""
+    """ln likelihood of each state by a sweep's readings before a cut and after it, (state,)."""
 
     before: NDArray[np.float64]
     after: NDArray[np.float64]
@@ -47,9 +47,13 @@ class Belief:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """stationary: chance of each state, (state,). flows: 1/s, from each to each and back, balanced:
-    symmetric, (state, state), of no meaning on the diagonal. kinds: number of each state's kind,
-    (state,); changes within a kind are no changes. Without them each is one of its own."""
+    """Reversible Markov chain in continuous time.
+
+    stationary: weight of each state in equilibrium, (state,). flows: equilibrium flow between each
+    pair of states, 1/s, symmetric, (state, state); the diagonal is not used. kinds: number of each
+    state's kind, (state,); changes within a kind do not count as changes. None makes each state a
+    kind of its own.
+    """
 
     stationary: NDArray[np.float64]
     flows: NDArray[np.float64]

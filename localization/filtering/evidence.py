@@ -1,8 +1,8 @@
-"""What each sweep tells of the states of a chain, and what its early and late readings tell apart.
+"""Evidence of each sweep for the states of a chain, also of its early and late readings separately.
 
-A model that inverts the simulator knows how likely any part of a sweep is. Any other is asked about
-the early readings with the late ones of the sweep before: are these still as that was, and is the
-whole sweep like none that is known, the state changed in mid-sweep.
+A model that inverts the simulator gives the likelihood of any part of a sweep. Any other model
+predicts a spliced sweep: the early readings with the late ones of the previous sweep. If that
+agrees with the previous state, and the whole sweep is novel, the state changed within the sweep.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CUTS = (0.25, 0.5, 0.75)
 
 @dataclass
 class Observer:
-    """Evidence of sweeps in the order in which they were taken. grid: for positions."""
+    """Evidence of sweeps in the order of measurement. grid: cells of a model of positions."""
 
     model: Model
     grid: CellGrid | None = None
@@ -78,8 +78,10 @@ class Observer:
     def _likely(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """ln likelihood of each state but for a constant of the sweep, shape (sweep, state), and
-        whether it is like none that is known."""
+        """ln likelihood of each state, (sweep, state), and True if the sweep is novel, (sweep,).
+
+        The likelihood is up to a constant of the sweep.
+        """
         learned = self.model.learned
         novel = learned.novel(X, changes)
         if isinstance(learned, Classifier):
@@ -107,8 +109,10 @@ class Observer:
 
     @property
     def _usual(self) -> float:
-        """Likelihood of any state by the late readings of a sweep that is like a known one: the
-        mean over what is told apart. Sweeps that change midway are mostly like none."""
+        """Likelihood of any state by the late readings of a sweep that is not novel.
+
+        It is one over the number of classes. Sweeps with a change midway are mostly novel.
+        """
         if isinstance(self.model.learned, Classifier):
             return 1 / len(self.model.classes)
         return 1.0 if self.model.gate is None else 1 / len(self.model.gate.classes)

@@ -1,4 +1,4 @@
-"""Follower: answers by all sweeps so far, for a touch that comes, stays, moves and goes."""
+"""Follower of touches that come, stay, move and go: its answers use all sweeps so far."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIDWAY = 0.5
-"""Probability of a change within a sweep from which on the sweep has no answer."""
+"""Probability of a change within a sweep above which the sweep has no answer."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """Answer to a sweep, by it and all previous ones.
+    """Answer to a sweep, from it and all previous ones.
 
-    label: a class, or for positions "0" or "1" touches, or CANNOT_TELL. probability: of the most
-    probable label. probabilities: of each class, empty for positions. changed: probability of a
-    change within the sweep. coordinates: x, y and their deviations in mm, of a touch. region: that
-    contains it with 95 %, if known.
+    label: a class, or for positions "0" or "1" touches, or CANNOT_TELL. probability: probability of
+    the most probable label. probabilities: probability of each class, empty for positions. changed:
+    probability of a change within the sweep. coordinates: x and y of a touch and their deviations,
+    mm. region: the region that contains it with 95 %, if known.
     """
 
     label: str
@@ -67,9 +67,10 @@ class Follower:
         self._observer.forget()
 
     def expected(self, gap: float) -> NDArray[np.float64]:
-        """Probability of each state so many seconds later, (state,).
+        """Probability of each state after `gap` seconds, (state,).
 
-        States are classes, or the skin at rest where it is known and cells; then anything else.
+        States are the classes, or the unpressed skin (if known) and the cells; the last state is
+        anything else.
         """
         return self._chain.after(self.belief, gap).states
 
@@ -88,7 +89,7 @@ class Follower:
     def follow_all(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float
     ) -> list[Followed]:
-        """Answers to sweeps in the order in which they were taken, each session by itself.
+        """Answers to sweeps in the order of measurement, for each session separately.
 
         pace: s from sweep to sweep if they have no `time`. A sweep without a baseline before it
         gets CANNOT_TELL. Raises InputError as `Model.usable_features`.
@@ -120,7 +121,7 @@ class Follower:
     def update(
         self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
     ) -> Followed:
-        """Answer after the evidence of a sweep. told: as by `CellGrid.cell_moments`."""
+        """Answer after the evidence of a sweep. told: its row of `CellGrid.cell_moments`."""
         before = self._chain.after(self.belief, gap)
         self.belief = self._chain.updated(before, evidence, during)
         return self._answer(self.belief, told)

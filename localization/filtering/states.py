@@ -13,7 +13,7 @@ from .chain import Chain
 from .touch_dynamics import TouchDynamics
 
 OTHER = 0.05
-"""Share of touches of kinds that the localizer does not know: the last state."""
+"""Share of touches of unknown kinds, which are the last state."""
 
 Spots = frozenset[tuple[int, int]]
 
@@ -21,10 +21,10 @@ Spots = frozenset[tuple[int, int]]
 def chain_of_classes(
     target: str, classes: Sequence[int | str], pitch: tuple[float, float], touching: TouchDynamics
 ) -> Chain:
-    """States: each class, then whatever is none of them.
+    """Chain of a localizer of classes; its states are the classes, then anything else.
 
-    target, classes: of a localizer, with numbers or texts as `labels` tells them. pitch: from
-    a row of pixels to the next, and from a column to the next, m.
+    target, classes: those of the localizer, classes as in `labels`. pitch: distance between rows of
+    pixels, and between columns, m.
     """
     crossing = [touching.crossings(1e3 * each) for each in pitch]
     if target == "touches":
@@ -45,10 +45,11 @@ def chain_of_classes(
 def chain_of_places(
     columns: int, rows: int, cell: tuple[float, float], touching: TouchDynamics, *, rest: bool
 ) -> Chain:
-    """States: nothing pressed where that is told, a touch in each cell, then anything else.
+    """Chain of a localizer of positions.
 
-    Cells run along y first, and are of one kind. cell: width and height in mm. rest: whether it is
-    told.
+    Its states are the unpressed skin if `rest`, a touch in each cell, then anything else. y varies
+    fastest over the cells, which are of one kind. cell: width and height in mm. rest: True if the
+    localizer knows the unpressed skin.
     """
     count = rows * columns
     number = np.arange(count).reshape(columns, rows)
@@ -81,7 +82,10 @@ def _counted(classes: list[int], touching: TouchDynamics) -> Chain:
 def _with_other(
     stationary: NDArray, flows: NDArray, touching: TouchDynamics, knows_rest: bool
 ) -> Chain:
-    """Other touches come beside every state; where no rest is known, touches follow each other."""
+    """Chain with a last state of other touches, which may follow every state.
+
+    If the unpressed skin is not a state, touches follow each other directly.
+    """
     if not knows_rest:
         flows = flows + stationary[:, None] * stationary / stationary.sum() / touching.lasts
     other = OTHER * touching.lasts / touching.every * stationary.sum()
@@ -101,7 +105,7 @@ def _spots(target: str, label: str) -> Spots:
 
 
 def _rate(one: Spots, other: Spots, crossing: Sequence[float], touching: TouchDynamics) -> float:
-    """1/s from a state to another of as many touches, or from the one of more to that of fewer."""
+    """Rate in 1/s to a state of equal number of touches, or from more touches to fewer."""
     gone, come = one - other, other - one
     if not gone or not come:
         return 1 / touching.lasts if len(gone) + len(come) == 1 else 0.0

@@ -1,4 +1,4 @@
-"""Dynamics of touches: how often they come, how long they last, how fast they move."""
+"""Dynamics of touches: their frequency, duration and speed."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ...simulator.sweeps import InputError
 
 @dataclass(frozen=True)
 class TouchDynamics:
-    """Means of exponential distributions, and a speed.
+    """Mean durations of exponential distributions, and a speed.
 
-    lasts: s, of a touch. every: s, from a touch's end to the next one. speed: mm/s, of a touch
-    along the skin, in a direction that it keeps for a second. Raises InputError for a value that is
-    not above 0.
+    lasts: duration of a touch, s. every: time from a touch's end to the next one, s. speed: speed
+    of a touch along the skin, mm/s; it keeps its direction for a second. Raises InputError for a
+    value that is not above 0.
     """
 
     lasts: float = 2.0
@@ -28,8 +28,8 @@ class TouchDynamics:
                 raise InputError(f"`touch-{each.name}` must be above 0, got {value:g}")
 
     def crossings(self, width: float) -> float:
-        """Rate 1/s at which a touch leaves a part of the skin of this width in mm.
+        """Rate in 1/s at which a touch leaves a part of the skin of this width in mm.
 
-        Parts that are crossed within a second are crossed as by a random walk of as many mm².
+        If it crosses the part within a second, the rate is that of a random walk: speed² / width².
         """
         return self.speed / width * max(1.0, self.speed / width)
