@@ -32,9 +32,9 @@ def write(
 ) -> None:
     """Sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
 
-    The file is whole or not there at all. What a script wrote before is replaced with a note in the
-    log. overwrite: replace also what was not made so. overwrite_measured: replace even measured
-    sweeps. Raises InputError.
+    The file is written completely or not at all. A file that a script wrote before is replaced,
+    with a note in the log. overwrite: also replaces files of other origin. overwrite_measured:
+    replaces even measured sweeps. Raises InputError.
     """
     from ...simulator.sweeps.writing import WriteContext, in_write_context
 
@@ -64,12 +64,12 @@ def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
 
 @checked
 def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quantity] = ()) -> Path:
-    """Quantities of each press against frequency, as a picture or as a page to zoom.
+    """Plot quantities of each press against frequency, as a picture or as a page to zoom.
 
-    sweeps: or the path of their file. path: .png, .svg, .pdf or .html; given back. what: of "Rs",
-    "Cp", "change-Rs", "change-Cp" (from the skin at rest), "phase" and "nyquist"; by default Rs and
-    Cp and, where the skin at rest was measured, their changes. Raises InputError for another ending
-    or an absent folder.
+    sweeps: the sweeps or the path of their file. path: .png, .svg, .pdf or .html; it is returned.
+    what: any of "Rs", "Cp", "change-Rs", "change-Cp" (from the unpressed skin), "phase" and
+    "nyquist"; by default Rs and Cp and, if the unpressed skin was measured, their changes. Raises
+    InputError for another ending or an absent folder.
     """
     from ...simulator.check.curve_page import draw
 

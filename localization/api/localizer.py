@@ -28,10 +28,11 @@ def features(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
 
-    Only sweeps whose press has such a target are used. sweeps: or the path of their file. target:
-    "column", "row", "pixel", "pair", "touches" or "position". quantities: such as "dlnZ,dphase", as
-    one text or a list; by default changes from the unpressed skin or, if most presses have no
-    baseline sweep before them, Rs and Cp. Raises InputError if these are not available.
+    Only sweeps whose press has such a target are used. sweeps: the sweeps or the path of their
+    file. target: "column", "row", "pixel", "pair", "touches" or "position". quantities: such as
+    "dlnZ,dphase", as one text or a list; by default changes from the unpressed skin or, if most
+    presses have no baseline sweep before them, Rs and Cp. Raises InputError if these are not
+    available.
     """
     from ..inputs.samples import samples_of
 
@@ -76,7 +77,7 @@ def train(
 def load_model(path: str | Path) -> Model:
     """The model in a file that `rcskin train` or `rcskin adapt` wrote.
 
-    Raises InputError in one line where the file holds none.
+    Raises InputError in one line if the file holds none.
     """
     from ..model.model_file import load
 
@@ -91,9 +92,9 @@ def localize(
 ) -> Answers:
     """Answer for each sweep: class or "cannot tell", probability, and whether it is novel.
 
-    model, sweeps: or the paths of their files. rest: sweeps of the unpressed skin, if the model
-    needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those of the
-    training.
+    model, sweeps: the objects or the paths of their files. rest: sweeps of the unpressed skin, if
+    the model needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those
+    of the training.
     """
     resting = None if rest is None else sweeps_of(rest, "rest")
     return _model_of(model).answers(sweeps_of(sweeps), resting)

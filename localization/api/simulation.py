@@ -38,11 +38,12 @@ def sweep(
 ) -> xr.Dataset:
     """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
 
-    On foam that creeps they follow each other in this order, as in a session.
-    scene: or its name or path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4", "none") or
-    as `Press`; by default nothing pressed, then every pixel. rtol: the largest relative error of Rs
-    and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or "reduced". Raises
-    InputError for a press that does not fit the scene, ToleranceError where rtol cannot be kept.
+    On foam that creeps the presses follow each other in this order, as in a session.
+    scene: the scene, its name or its path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4",
+    "none") or as `Press`; by default the unpressed skin, then every pixel. rtol: the largest
+    relative error of Rs and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or
+    "reduced". Raises InputError for a press that does not fit the scene, ToleranceError if rtol
+    cannot be kept.
     """
     from ...simulator.measure.simulate import check_fits, simulate
     from ...simulator.models.solver import Solver, checked_model
@@ -67,8 +68,8 @@ def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
 def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
     """Simulated sweeps with the noise and errors of the scene's meter, session by session.
 
-    sweeps: or the path of their file. seed: of the noise. Raises InputError if the sweeps store no
-    scene.
+    sweeps: the sweeps or the path of their file. seed: seed of the noise. Raises InputError if the
+    sweeps store no scene.
     """
     from ...simulator.measure.simulate import read_by_meter
     from ...simulator.scene.scene_files import scene_of_sweeps
@@ -87,10 +88,10 @@ def dataset(
 ) -> xr.Dataset:
     """Simulated sweeps of random skins and presses, with the meter's noise, to train or test on.
 
-    scene: or its name or path, as for `load`; its tables `dataset.press` and `dataset.session` say
-    what is drawn. sweeps: how many, all in memory. seed: of all random numbers. rtol: the largest
-    relative error of Rs and of Cp before the noise. Raises InputError where a number is out of
-    range, ToleranceError where rtol cannot be kept.
+    scene: the scene, its name or its path, as for `load`; its tables `dataset.press` and
+    `dataset.session` define the distributions. sweeps: number of sweeps, all in memory. seed: seed
+    of all random numbers. rtol: the largest relative error of Rs and of Cp before the noise. Raises
+    InputError if a number is out of range, ToleranceError if rtol cannot be kept.
     """
     from ...simulator.dataset.dataset_plan import Plan
     from ...simulator.dataset.memory_dataset import in_memory
@@ -103,8 +104,8 @@ def dataset(
 def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
     """Reduced model of all skins and presses of the scene; it answers in microseconds.
 
-    scene: or its name or path. rtol: the largest relative error of Rs and of Cp. Raises InputError
-    for a scene that cannot be reduced, ToleranceError if rtol is not reached.
+    scene: the scene, its name or its path. rtol: the largest relative error of Rs and of Cp. Raises
+    InputError for a scene that cannot be reduced, ToleranceError if rtol is not reached.
     """
     from ...simulator.models.reduced.greedy import reduce as reduced
 

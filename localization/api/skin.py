@@ -34,11 +34,11 @@ def limits(
 ) -> Limit:
     """Accuracy of the best classifier of a known skin, and its standard error.
 
-    scene: or its name or path. target: "column", "row", "pixel", "pair" or "touches". presses:
-    factors, as the key `dataset.press.factor` of a scene has them, by default as the scene's
-    `press` says. seed: of all random numbers. draws: number of sweeps drawn. against_rest: number
-    of baseline sweeps whose mean each sweep is compared with; 0: none. Raises InputError for a
-    meter without noise.
+    scene: the scene, its name or its path. target: "column", "row", "pixel", "pair" or "touches".
+    presses: distribution of factors, as for the key `dataset.press.factor` of a scene; by default
+    from the scene's `press`. seed: seed of all random numbers. draws: number of sweeps drawn.
+    against_rest: number of baseline sweeps whose mean each sweep is compared with; 0: none. Raises
+    InputError for a meter without noise.
     """
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
@@ -55,7 +55,7 @@ def limits(
 def _factors(
     scene: Scene, given: AnyDistribution | Mapping[str, object] | float | None
 ) -> AnyDistribution | None:
-    """The distribution of factors as scenes write it. Raises InputError if it is not one."""
+    """The distribution of factors in a scene's notation. Raises InputError if it is not one."""
     if given is None:
         return None
     return scene.with_({"dataset.press.factor": given}).dataset.press.factor
@@ -76,14 +76,14 @@ def study(
 ) -> Study:
     """Accuracy of localization while one or two numbers of a scene vary.
 
-    scene: or its name or path. vary: values by key, such as {"pixels": range(2, 11)}, or texts as
-    `rcskin study --vary` takes them; by default sheet resistances and numbers of pixels. target:
-    "column", "row" or "pixel". max_frequency: the meter's upper limit, Hz. draws: how often skins,
-    presses and readings are drawn anew. repetitions: presses of each pixel in a draw, by default
-    2000 sweeps in all. seed: by default the scene's. rtol: the largest relative error of Rs and of
-    Cp, by default what fits the noise. workers: processes; a script that asks for more than one
-    calls this under `if __name__ == "__main__":`. Raises InputError for an invalid key or value,
-    ToleranceError if rtol is not reached.
+    scene: the scene, its name or its path. vary: values by key, such as {"pixels": range(2, 11)},
+    or texts as for `rcskin study --vary`; by default sheet resistances and numbers of pixels.
+    target: "column", "row" or "pixel". max_frequency: the meter's upper limit, Hz. draws: number of
+    independent draws of skins, presses and readings. repetitions: presses of each pixel in a draw,
+    by default 2000 sweeps in all. seed: by default the scene's. rtol: the largest relative error of
+    Rs and of Cp, by default well below the meter's noise. workers: number of processes; a script
+    with more than one must call this under `if __name__ == "__main__":`. Raises InputError for an
+    invalid key or value, ToleranceError if rtol is not reached.
     """
     from ..study.study import plan_study
 
@@ -114,15 +114,15 @@ def calibrate(
     uneven_sheets: bool = False,
     anyway: bool = False,
 ) -> Calibration:
-    """The scene fitted to measured sweeps, with what the data tell of each parameter.
+    """Fit the scene to measured sweeps, with an estimate and its uncertainty for each parameter.
 
-    scene, sweeps: or their paths, the scene's also a name. fit: names of parameters to fit, by
-    default all. fix: those that are known as the scene has them, or "others". band: lowest and
-    highest frequency that counts, Hz. session: the only one that counts. fixed_strength: take the
-    strengths of presses as stated. prior: "wide" (within ten times), or "session" (as the scene's
-    dataset.session draws). uneven, uneven_sheets: fit cosine modes of the foam, of each sheet.
-    anyway: take sweeps of another skin too. Raises InputError where sweeps and scene do not fit,
-    ToleranceError where no model holds.
+    scene, sweeps: the objects or their paths; the scene also by name. fit: names of parameters to
+    fit, by default all. fix: names of parameters whose values in the scene are known, or "others".
+    band: lowest and highest frequency to use, Hz. session: the only session to use. fixed_strength:
+    True takes the strengths of presses as stated. prior: "wide" (within ten times), or "session"
+    (as in the scene's dataset.session). uneven, uneven_sheets: fit cosine modes of the foam, of
+    each sheet. anyway: accepts sweeps of another skin too. Raises InputError if sweeps and scene do
+    not match, ToleranceError if no model reaches the tolerance.
     """
     from ...simulator.calibration.fit_options import Options
     from ...simulator.calibration.prior import checked_kind

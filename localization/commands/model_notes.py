@@ -45,7 +45,7 @@ def note_versions(model: Model, path: Path) -> None:
 
 
 def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Dataset) -> str:
-    """One line: to which kind of sweeps an accuracy applies. judged: as of `accuracy_text`."""
+    """Line on the kind of sweeps that an accuracy applies to. judged: as of `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from ..inputs.features import RELATIVE
 

@@ -79,7 +79,7 @@ def _model_lines(model: Model) -> list[str]:
 
 
 def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
-    """One line: to which kind of sweeps the stated accuracy applies, if there is one."""
+    """Line on the kind of sweeps that the stated accuracy applies to, if there is one."""
     from .model_notes import accuracy_meaning
 
     if model.target == "position":
@@ -100,7 +100,7 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
 
 
 def _coverage(model: Model) -> str:
-    """Text: how many held-out sweeps the model or its gate answered."""
+    """Text with the number of held-out sweeps that the model or its gate answered."""
     from ..trust.fitted import Classifier
     from ..trust.rates import CONFIDENCE, rate_text
 
@@ -112,7 +112,7 @@ def _coverage(model: Model) -> str:
 
 
 def _size(model: Model) -> str:
-    """Text: numbers of features and of classes without "nothing pressed"."""
+    """Text with the numbers of features and of classes without "nothing pressed"."""
     from ..trust.answers import NOTHING_PRESSED
 
     seen = f"{model.problem.features} features"

@@ -63,9 +63,9 @@ def compare(targets: NDArray, outputs: NDArray) -> Confusion:
 
 
 def write_csv(confusion: Confusion, path: str | Path) -> None:
-    """Write the table under the header `target,output,count`; the file appears whole or not at all.
+    """Write the table with header `target,output,count`, completely or not at all.
 
-    Raises InputError where `path` does not end in .csv or its folder does not exist.
+    Raises InputError if `path` does not end in .csv or its folder does not exist.
     """
     write_rows(checked_output(path, (".csv",)), HEADER, confusion.table())
 

@@ -61,7 +61,7 @@ def _cell(axes: Axes, classes: int) -> float:
 
 
 def _colours(confusion: Confusion) -> NDArray[np.float64]:
-    """Red, green, blue of each cell, shape (output class, target class, 3)."""
+    """RGB colour of each cell, shape (output class, target class, 3)."""
     counts = confusion.counts.T
     share = (counts / np.maximum(counts.sum(axis=0), 1))[..., np.newaxis]
     correct = np.eye(len(counts), dtype=bool)[..., np.newaxis]

@@ -81,8 +81,8 @@ class ClassScore:
 class PositionScore:
     """Predictions of a regressor for sweeps that it was not trained on, (sweep, 3) each.
 
-    Units are mm, mm and factor. content: of the smallest region that reaches the touch, shape
-    (sweep,). examples: regions of some sweeps, by number.
+    Units are mm, mm and factor. content: probability in the smallest region that reaches the touch,
+    shape (sweep,). examples: regions of some sweeps, by number.
     """
 
     truth: NDArray[np.float64]
@@ -137,7 +137,7 @@ def _placed(learned: Regressor, samples: Samples) -> PositionScore:
 class Nested:
     """Scores of outer folds, whose sweeps were used for no training, tuning or calibration.
 
-    validation: how they were held out, as text.
+    validation: text on how they were held out.
     """
 
     folds: tuple[Score, ...]
@@ -171,8 +171,8 @@ def nested(
 ) -> Nested:
     """Train, tune and calibrate on all folds but one and score on that one, in turn.
 
-    Sessions are held out as a whole where there are enough, without and within. progress: of the
-    folds. Raises InputError as `splits_of` and `learn_classes`.
+    If there are enough sessions, outer and inner folds hold out whole sessions. progress: callback
+    for the folds. Raises InputError as `splits_of` and `learn_classes`.
     """
     splits = splits_of(samples.strata, samples.sessions, folds, seed)
     scores = []
@@ -198,7 +198,7 @@ def cross_validate(
 ) -> Confusion:
     """Train on all folds but one and predict that one, in turn: every sweep is predicted once.
 
-    Sweeps before the first of the unpressed skin are left out where features need it. target,
+    Sweeps before the first sweep of the unpressed skin are left out if features need it. target,
     quantities: as of `samples_of`. folds, grouping, seed: as of `folds_of`. Raises InputError as
     these do.
     """
@@ -210,7 +210,7 @@ def cross_validate(
 
 
 def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[float]:
-    """The accuracies that `train` states by default, one for each part held out in turn.
+    """Accuracy on each held-out part; `train` states their accuracy by default.
 
     Whole sessions are held out if there are two. Raises InputError as `samples_of` and `splits_of`.
     """
@@ -223,7 +223,7 @@ def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[floa
 
 
 def join_scores(folds: Sequence[Score]) -> Score:
-    """One score of the sweeps of several, which are of one kind."""
+    """One score of the sweeps of all folds, whose scores are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
         names = ("truth", "predicted", "deviation", "content")

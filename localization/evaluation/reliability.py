@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 FACT, STATED = COLOURS[0], "0.5"
 BINS, LEAST_IN_BIN = 10, 10
 SHOWN = 61
-"""Lines of the grid on which regions are drawn."""
+"""Number of lines of the grid on which regions are drawn."""
 
 
 def draw_reliability_and_risk(
     path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> None:
-    """Reliability, and risk against coverage, side by side; arguments as of `draw_reliability`."""
+    """Draw reliability and risk side by side; arguments as of `draw_reliability`."""
     with chart(path, 9.5, 4.4) as figure:
         stated, told = figure.subplots(1, 2)
         draw_reliability(stated, probability, right)
@@ -37,12 +37,13 @@ def draw_reliability_and_risk(
 def draw_reliability(
     axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> None:
-    """Accuracy against stated probability, in bins of equal counts.
+    """Draw accuracy against stated probability, in bins of equal counts.
 
     A perfect localizer is on the diagonal. Bars are 95 % intervals (Clopper, Pearson).
 
-    probability: of the best class, right: True if it was the true one; shape (sweep,). Source: A.
-    Niculescu-Mizil, R. Caruana, Proc. 22nd Int. Conf. Machine Learning (2005) 625-632.
+    probability: probability of the best class. right: True if that was the true one. Both of shape
+    (sweep,). Source: A. Niculescu-Mizil, R. Caruana, Proc. 22nd Int. Conf. Machine Learning (2005)
+    625-632.
     """
     order = np.argsort(probability, kind="stable")
     bins = np.array_split(order, max(1, min(BINS, order.size // LEAST_IN_BIN)))
@@ -60,7 +61,7 @@ def draw_reliability(
 
 
 def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
-    """Share of wrong answers against the share answered, the most probable ones first.
+    """Draw the share of wrong answers against the share answered, the most probable ones first.
 
     The dashed curve follows from the stated probabilities. Arguments as of `draw_reliability`.
     Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
@@ -79,7 +80,7 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
 def risk(
     probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Shares answered, wrong, and stated to be wrong, with each probability as the threshold."""
+    """Shares answered, wrong, and expected to be wrong, with each probability as the threshold."""
     order = np.argsort(-probability, kind="stable")
     last_of_ties = np.append(np.diff(probability[order]) != 0, True)
     count = np.arange(1, order.size + 1)
@@ -92,9 +93,10 @@ def risk(
 
 
 def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
-    """Share of touches inside regions against the stated probability, with Kolmogorov's 95 % band.
+    """Draw the share of touches inside regions against the stated probability.
 
-    content: of the smallest region that reaches the touch, shape (sweep,).
+    The band is Kolmogorov's, of 95 %. content: probability in the smallest region that reaches the
+    touch, shape (sweep,).
     """
     from scipy.stats import kstwo
 
@@ -115,9 +117,9 @@ def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
 
 
 def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, Region]) -> None:
-    """Regions of some sweeps in mm, each in a colour of its own, and where the touches were.
+    """Draw the regions of some sweeps in mm, each in its own colour, and the true touches.
 
-    truth: x and y in mm first, shape (sweep, >= 2). examples: by number of the sweep.
+    truth: x and y in mm first, shape (sweep, >= 2). examples: regions by number of the sweep.
     """
     for number, (sweep, region) in enumerate(examples.items()):
         x, y = (np.linspace(low, high, SHOWN) for low, high in region.places.bounds)

@@ -47,11 +47,11 @@ def lines_of(found: Evaluation) -> list[str]:
 def write_report(
     folder: Path, found: Evaluation, scene: Scene | None = None, ending: str = ".png"
 ) -> None:
-    """Figures as a table; the confusion matrix, or all positions, as a table and a chart; and a
-    chart of whether the stated probabilities, or regions, can be believed.
+    """Write tables and charts of an evaluation.
 
-    folder: made where it is not there. scene: of the skin that positions are on. ending: of the
-    charts.
+    They are a table of the figures, the confusion matrix (or all positions) as a table and a chart,
+    and a chart that compares stated probabilities (or regions) with the truth. folder: created if
+    absent. scene: scene of the skin for positions. ending: format of the charts.
     """
     from .reliability import draw_reliability_and_risk
 

@@ -15,14 +15,15 @@ if TYPE_CHECKING:
     from ..trust.fitted import Classifier, Regressor
 
 Figures = Mapping[str, tuple[float, float | None]]
-"""For each name its value, and its spread over folds if there are any."""
+"""Value of each figure by name, and its spread over folds if there are any."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Evaluation(Tabular):
     """Accuracy of a localizer on sweeps whose presses are known.
 
-    target: what it predicts. validation: on which sweeps, left_out: without which, both as text.
+    target: predicted target. validation: text on the scored sweeps. left_out: text on the sweeps
+    that were left out.
     """
 
     score: Score
@@ -32,7 +33,7 @@ class Evaluation(Tabular):
     left_out: str
 
     def __getitem__(self, name: str) -> float:
-        """A figure by its name. Raises InputError that lists those there are."""
+        """A figure by its name. Raises InputError that lists the existing names."""
         if name not in self.figures:
             raise InputError(
                 f"an evaluation of `target` {self.target} has no figure {name!r}, "

@@ -1,6 +1,6 @@
 """Comparison of both sides: versions of the simulated sweeps, samples, and splits.
 
-What is not possible is left out, and a note says so.
+Impossible parts are left out, and a note says so.
 """
 
 from __future__ import annotations

@@ -60,9 +60,10 @@ class GapFindings:
     """All findings of the report.
 
     stages: before and after calibration. own: training and test on the other side, by set of
-    features, `grouped` as hard as possible and `single` sweeps. causes: what each parameter
+    features, `grouped` as hard as possible and `single` sweeps. causes: share that each parameter
     explains if it alone is fitted, the largest first. model: findings about the user's own model,
-    if given. together: what pairs of parameters explain if both are fitted, the largest first.
+    if given. together: share that pairs of parameters explain if both are fitted, the largest
+    first.
     """
 
     trial: Comparison
@@ -172,7 +173,7 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
 
 
 def _causes(trial: Comparison, progress: ProgressCallback) -> tuple[MisfitCauses | None, list[str]]:
-    """What explains the gap, None without a scene; and what could not be tried."""
+    """Causes of the gap, None without a scene; and notes on parameters that could not be tried."""
     from ...simulator.calibration.misfit import gap_by_parameter
 
     if trial.pair.scene is None:

@@ -1,4 +1,4 @@
-"""Disjoint sets of sweeps that calibrate, that are added to training, and that are tested."""
+"""Disjoint sets of sweeps for calibration, for additional training, and for the test."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ MIN_BASELINES, RECENT, OPENING = 1, 3, 8
 number of baseline sweeps at the start of a session that identify the skin."""
 TIME = "time"
 EARLY = 0.1
-"""Part of a session in which baseline sweeps must come to be waited for."""
+"""Share of a session, from its start, whose baseline sweeps are waited for."""
 
 
 class Baselines(NamedTuple):
@@ -85,8 +85,11 @@ def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
 def _resting(
     sweeps: xr.Dataset,
 ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], int]]:
-    """For each session with baselines: its sweeps in time order, which of them are baselines, and
-    how many of the latest are averaged."""
+    """Yield the baseline sweeps of each session that has any.
+
+    These are the indices of its sweeps in time order, the positions of the baseline sweeps among
+    them, and the number of latest baseline sweeps to average.
+    """
     session, unpressed = sweeps["session"].values, sweeps["row"].values == 0
     for each in np.unique(session[unpressed]):
         here = _in_time(sweeps, np.flatnonzero(session == each))

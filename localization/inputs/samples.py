@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LocalizationProblem:
-    """What a localizer predicts, and from which features.
+    """The target and the features of a localizer.
 
-    target: as of `labels`, or "position". features: how many numbers a sweep has. frequencies: Hz,
+    target: as of `labels`, or "position". features: number of features of a sweep. frequencies: Hz,
     ascending. scene: TOML text of the skin, empty if unknown. taken: as of `taken_of`, row by row;
     empty if all interfaces are read at all frequencies.
     """
@@ -71,8 +71,8 @@ class LeftOut(NamedTuple):
     """Numbers of sweeps that were left out.
 
     other: their press has no such target. without_baseline: their session has no baseline sweep,
-    which is needed. sessions: how many such sessions there are. early: they come before the first
-    baseline sweep of their session.
+    which is needed. sessions: number of such sessions. early: they come before the first baseline
+    sweep of their session.
     """
 
     other: int = 0
@@ -112,8 +112,8 @@ class Samples:
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
     sessions: shape (sweep,). rows: numbers of these sweeps among the given ones, shape (sweep,).
     several: sweeps of more touches than the target is defined for; the same for every part.
-    changes: from the baseline, as of `baseline_changes`, for the guards of models of one touch that
-    do not use the baseline; None otherwise.
+    changes: changes from the baseline, as of `baseline_changes`, for the guards of models of one
+    touch that do not use the baseline; None otherwise.
     """
 
     problem: LocalizationProblem
@@ -207,7 +207,7 @@ def samples_of(
     """Features and targets of the sweeps that have both; the others are counted.
 
     Arguments as of `available_features` and `has_target`; quantities default to those of
-    `default_quantities`. Raises InputError as these do, as `touches_of` for positions, and where no
+    `default_quantities`. Raises InputError as these do, as `touches_of` for positions, and if no
     sweep is left.
     """
     fitting = has_target(sweeps, target)

@@ -24,9 +24,9 @@ COORDINATES = ("x_mm", "y_mm", "factor")
 def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | NDArray[np.str_]:
     """The class of each sweep, shape (sweep,).
 
-    target: "column" and "row" give its number, 0 where nothing was pressed; "pixel" gives
-    "ROW,COLUMN" as in the notation of presses, "0,0" where nothing was pressed; "touches" gives
-    their number; "pair" gives none, one or two pixels in ascending order, as "1,2+3,4".
+    target: "column" and "row" give its number, 0 if nothing was pressed; "pixel" gives "ROW,COLUMN"
+    as in the notation of presses, "0,0" if nothing was pressed; "touches" gives their number;
+    "pair" gives none, one or two pixels in ascending order, such as "1,2+3,4".
     Raises InputError for another target, or a sweep whose press has no such label.
     """
     if target not in CLASSES:

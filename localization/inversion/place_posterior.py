@@ -15,7 +15,7 @@ SAMPLED = 64
 """Entries drawn from the posterior to estimate gains."""
 NO_PLACE = -1
 LEAST_SHARE = 1e-4
-"""Share relative to the likeliest entry below which an entry is ignored."""
+"""Share relative to the most probable entry below which an entry is ignored."""
 
 
 class PlacePosterior(SequentialPosterior):

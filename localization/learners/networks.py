@@ -91,7 +91,7 @@ class _Network(BaseEstimator):
         return {}
 
     def predict(self, X):
-        """The likeliest class, or the numbers, of each row."""
+        """The most probable class, or the numbers, of each row."""
         X = self._validated(X)
         return self.network_.predict(X)
 

@@ -1,8 +1,8 @@
 """Sizes, types and ranges of the arrays in each part of a model.
 
-A declaration names sizes; sizes with one name are equal within an estimator. F: numbers that it
-takes, out: numbers that it gives, K: classes, n: stored training sweeps. A rule may follow, see
-`soundness`; without one an array holds floating-point numbers.
+A declaration names sizes; sizes with one name are equal within an estimator. F: size of its input,
+out: size of its output, K: number of classes, n: number of stored training sweeps. A rule may
+follow, see `soundness`; without one an array holds floating-point numbers.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ class Model(Tabular):
     certain: float | None
     """Required accuracy of answers; None if every sweep is answered."""
     validation: str
-    """How sweeps were held out to calibrate probabilities and deviations."""
+    """Text on how sweeps were held out to calibrate probabilities and deviations."""
     versions: dict[str, str]
     """Versions of SOFTWARE at the training."""
     trained_on: int
@@ -59,7 +59,8 @@ class Model(Tabular):
     fingerprints: NDArray[np.uint64] = field(compare=False)
     """Fingerprints of the sweeps of training and adaptation, see `fingerprints_of`."""
     gate: Model | None = None
-    """For positions: model of the number of touches; None if all training sweeps had one."""
+    """Model of the number of touches, for a model of positions; None if all training sweeps had
+    one touch."""
     any_skin: bool = False
     """True if sweeps of another skin are accepted."""
     source: str = field(default="the model", compare=False)
@@ -190,7 +191,7 @@ class Model(Tabular):
         return baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
 
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
-        """Features and targets of the sweeps that have such a target.
+        """Features and targets of the sweeps that have the model's target.
 
         Raises InputError as `usable_features`, and as `samples_of`.
         """

@@ -38,9 +38,9 @@ TRUSTED = [
 
 
 def save(path: str | Path, model: Model) -> None:
-    """Write a model, whole or not at all.
+    """Write a model completely or not at all.
 
-    Raises InputError where `path` does not end in .skops or its folder does not exist.
+    Raises InputError if `path` does not end in .skops or its folder does not exist.
     """
     with whole_file(checked_output(path, (ENDING,))) as unfinished:
         skops.io.dump(fields_of(model), unfinished)

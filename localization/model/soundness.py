@@ -37,7 +37,7 @@ class UnsoundError(ValueError):
 def check_sound(learned: Classifier | Regressor, features: int) -> None:
     """Raises UnsoundError that names an inconsistent part of a model.
 
-    features: how many numbers a sweep has.
+    features: number of features of a sweep.
     """
     try:
         _check_numbers(vars(learned), "model")

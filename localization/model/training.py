@@ -33,13 +33,13 @@ def train(
     tune: bool = False,
     progress: ProgressCallback = silent,
 ) -> Model:
-    """A model that predicts the `target` of sweeps like these.
+    """Train a model that predicts the `target` of sweeps like these.
 
     Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
     `samples_of`. estimator: of `estimators()`, by default that of DEFAULT_ESTIMATORS. certain: the
     accuracy that answers must have on held-out sweeps; by default every sweep that is not novel is
-    answered. tune: choose the estimator's parameters by cross-validation. progress: of the
-    fits. Raises InputError where these cannot be had, or the sweeps are of one class.
+    answered. tune: choose the estimator's parameters by cross-validation. progress: callback for
+    the fits. Raises InputError if these are not available, or if the sweeps are of one class.
     """
     made = chosen(estimator, target)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)

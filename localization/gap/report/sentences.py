@@ -104,7 +104,7 @@ def cause_sentence(findings: GapFindings) -> str:
 
 
 def _pairs(findings: GapFindings) -> str:
-    """What the best pair removes, and which others were fitted jointly; empty without pairs."""
+    """Sentence on the best pair and the others fitted jointly; empty without pairs."""
     if not findings.together:
         return ""
     first, *others = findings.together
