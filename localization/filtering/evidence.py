@@ -111,7 +111,8 @@ class Observer:
     def _usual(self) -> float:
         """Likelihood of any state by the late readings of a sweep that is not novel.
 
-        It is one over the number of classes. Sweeps with a change midway are mostly novel.
+        It is one over the number of classes of the model or of its gate, 1 without classes. Sweeps
+        with a change midway are mostly novel.
         """
         if isinstance(self.model.learned, Classifier):
             return 1 / len(self.model.classes)

@@ -32,7 +32,7 @@ MIN_FREQUENCIES = 3
 class ReadingDeviation:
     """Standard deviation of one reading at each frequency: of |Z|, and of the phase in rad.
 
-    Both of shape (frequency,). source: where the numbers come from.
+    Both of shape (frequency,). source: origin of the numbers.
     """
 
     magnitude: NDArray[np.float64]

@@ -20,8 +20,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MIN_BASELINES, RECENT, OPENING = 1, 3, 8
-"""Minimum and maximum number of recent baseline sweeps for a change (skins drift slowly), and
-number of baseline sweeps at the start of a session that identify the skin."""
+"""Numbers of baseline sweeps.
+
+The first two are the minimum and maximum number of recent ones for a change, as skins drift slowly.
+The last is the number at the start of a session that identify the skin.
+"""
 TIME = "time"
 EARLY = 0.1
 """Share of a session, from its start, whose baseline sweeps are waited for."""

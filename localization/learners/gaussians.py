@@ -23,8 +23,11 @@ from .drift_directions import FOLLOWED, DriftDirections
 from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
-"""Numbers of components: of changes, of baseline curves, and of curves with products; number of
-directions of a class's own spread."""
+"""Numbers of components and directions.
+
+They count components of changes, components of baseline curves, those of curves that form products,
+and directions of a class's own spread.
+"""
 BENDING = 6
 """Number of components of the curve that the curvature in strength depends on."""
 ROUNDS = 3

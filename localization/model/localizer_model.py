@@ -59,8 +59,7 @@ class Model(Tabular):
     fingerprints: NDArray[np.uint64] = field(compare=False)
     """Fingerprints of the sweeps of training and adaptation, see `fingerprints_of`."""
     gate: Model | None = None
-    """Model of the number of touches, for a model of positions; None if all training sweeps had
-    one touch."""
+    """Model of the number of touches, for positions; None if all training sweeps had one touch."""
     any_skin: bool = False
     """True if sweeps of another skin are accepted."""
     source: str = field(default="the model", compare=False)

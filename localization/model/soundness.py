@@ -53,7 +53,7 @@ def check_sound(learned: Classifier | Regressor, features: int) -> None:
         _ask(learned, features)
     except UnsoundError:
         raise
-    except Exception as error:  # of whatever a part of another type does where it is looked at
+    except Exception as error:  # a part of another type can raise anything
         raise UnsoundError(" ".join(str(error).split())) from error
 
 

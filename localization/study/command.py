@@ -11,8 +11,10 @@ from ...simulator.requests.options import SceneName
 from ...simulator.safe_text import say
 
 SECONDS_A_POINT = 1.0
-"""Approximate time of one process for a reduced model of the paper's sheets, 2000 sweeps and four
-trainings."""
+"""Approximate time of one process for a point.
+
+It is for a reduced model of the paper's sheets, 2000 sweeps and four trainings.
+"""
 
 
 def study(

@@ -79,8 +79,8 @@ class EvaluationSettings:
         """Plan the data set of one draw.
 
         `dataset.session` sets the number of skins; there are at least SESSIONS. The strength of
-        presses follows the scene's `press`, within its `limits`, unless `dataset.press` sets it.
-        Raises InputError as `Plan` does.
+        presses follows the scene's `press`, as for the bounds of `rcskin limits`, unless
+        `dataset.press` sets it. Raises InputError as `Plan` does.
         """
         drawn, sweeps = scene.dataset, SWEEPS
         every = drawn.session.rest_every

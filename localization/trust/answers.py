@@ -53,7 +53,7 @@ class Answers(Tabular):
     def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
         """Answers to `count` sweeps: these at `rows`, CANNOT_TELL at all others.
 
-        guess: probability of each class for the others.
+        guess: probability of the others, and of each class for them.
         """
         chances = np.full((count, self.chances.shape[1]), guess)
         labels = np.full(count, CANNOT_TELL, dtype=object)

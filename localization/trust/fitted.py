@@ -21,9 +21,9 @@ from .temperature import probabilities
 class Guards:
     """Guards fitted to the training sweeps.
 
-    kinds: guard by kind of press. several: guard against several touches; None if the localizer
-    itself knows several touches, or if too few training sweeps show them. changes: guards of the
-    changes from the baseline of the same sweeps, where the localizer itself does not use these.
+    kinds: guard by kind of press. several: guard against several touches; None if `several_guard`
+    does not apply. changes: guards of the changes from the baseline of the same sweeps, where the
+    localizer itself does not use these.
     """
 
     kinds: KindGuard

@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 
 MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
-"""Shares of the misfit from which a parameter explains most of a gap, or a part of it, and from
-which a second parameter is mentioned."""
+"""Minimum shares of the misfit that three statements require.
+
+A parameter explains most of a gap; it explains a part of it; a second parameter is mentioned.
+"""
 
 
 class AccuracyRow(NamedTuple):
