@@ -93,7 +93,7 @@ KINDS: dict[str, tuple[str, Callable[[object], bool]]] = {
     "Sequence[str]": ("a list of texts", _texts),
     "tuple[float, float]": ("two numbers", _two_numbers),
 }
-"""For each annotation: its description, and a function that tests a value."""
+"""Description of each annotation, and a function that tests a value."""
 
 
 def scene_of(given: Scene | str | Path) -> Scene:

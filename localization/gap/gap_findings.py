@@ -33,8 +33,8 @@ class CalibrationStage:
     """Findings before or after calibration.
 
     pressed, rest: distances of Rs and Cp; None if there is no such press on both sides. transfer:
-    by set of features and by number of added sweeps of every pixel. discrepancies: by set of
-    features and by class, ALL of them first.
+    accuracy by set of features and by number of added sweeps of every pixel. discrepancies: by set
+    of features and by class, ALL of them first.
     """
 
     pressed: Mapping[str, Distance] | None

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FOLDS = 5
 GROUPINGS = ("session", "press", None)
-"""From the hardest test to the easiest; the first possible one is used."""
+"""Groupings from the hardest test to the easiest; the first possible one is used."""
 
 
 @dataclass(frozen=True, eq=False)

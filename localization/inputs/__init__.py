@@ -1,1 +1,1 @@
-"""From sweeps to features and targets."""
+"""Conversion of sweeps to features and targets."""

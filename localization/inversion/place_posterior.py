@@ -12,7 +12,7 @@ from .region import PlaceDistribution
 from .sequential_posterior import SequentialPosterior
 
 SAMPLED = 64
-"""Entries drawn from the posterior to estimate gains."""
+"""Number of entries drawn from the posterior to estimate gains."""
 NO_PLACE = -1
 LEAST_SHARE = 1e-4
 """Share relative to the most probable entry below which an entry is ignored."""
@@ -76,8 +76,9 @@ class PlacePosterior(SequentialPosterior):
     def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
         """Information on the place that each further reading is expected to give, nat, (reading,).
 
-        The sum of the information on the cell or "unpressed", see
-        `SequentialPosterior.expected_information`, and within a cell, where all is linear.
+        It is the sum of the information on the cell or "unpressed", see
+        `SequentialPosterior.expected_information`, and of that within a cell, where the response is
+        linear.
         """
         share = self._share
         drawn = np.searchsorted(np.cumsum(share), (np.arange(SAMPLED) + 0.5) / SAMPLED)

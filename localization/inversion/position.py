@@ -101,7 +101,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         return best, np.array([_distance(posterior, theta) for posterior, theta in pairs])
 
     def regions(self, X, probability=0.95) -> list[Region]:
-        """For each sweep the smallest region of places that contains the probability."""
+        """The smallest region of places that contains the probability, for each sweep."""
         return [region_of(each, probability) for each in self.places(X)]
 
     def places(self, X) -> list[PlaceDistribution]:

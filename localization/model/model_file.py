@@ -84,7 +84,7 @@ def _trusted_content(path: Path, data: bytes) -> Any:
         if not untrusted:
             digests.check_archive(path, io.BytesIO(data))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", InconsistentVersionWarning)  # see `Model.version_differences`
+            warnings.simplefilter("ignore", InconsistentVersionWarning)  # commands note it
             content = None if untrusted else skops.io.loads(data, trusted=TRUSTED)
     except InputError:
         raise

@@ -52,7 +52,7 @@ def folds_of(
 def splits_of(
     strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
 ) -> Splits:
-    """As many folds as possible up to `folds`, by session if there are MIN_SESSIONS.
+    """Split into as many folds as possible, at most `folds`; by session if there are MIN_SESSIONS.
 
     strata: labels that every fold has in similar shares, shape (sweep,); None does not stratify.
     Raises InputError if two folds are not possible.
@@ -135,7 +135,7 @@ def _split(y: NDArray, groups: NDArray[np.int64] | None, folds: int, seed: int) 
 
 
 def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A number per pressed pixel, and one of its own per unpressed sweep; shape (sweep,)."""
+    """Group number of each sweep: one per pressed pixel, and one per unpressed sweep; (sweep,)."""
     pixels, number = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
     unpressed = np.flatnonzero(row == 0)
     number[unpressed] = pixels.shape[1] + np.arange(unpressed.size)
