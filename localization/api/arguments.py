@@ -109,7 +109,7 @@ def scene_of(given: Scene | str | Path) -> Scene:
 
 
 def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Dataset:
-    """The sweeps themselves, or those in the file. name: of the argument. Raises InputError."""
+    """The sweeps themselves, or those in the file. name: the argument's. Raises InputError."""
     import xarray as xr
 
     from ...simulator.sweeps import read
@@ -122,7 +122,7 @@ def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Datase
 
 
 def path_of(given: str | Path, name: str = "path") -> str | Path:
-    """The path. name: of the argument. Raises InputError if it is not a path."""
+    """The path. name: the argument's. Raises InputError if it is not a path."""
     return given if isinstance(given, str | Path) else refuse(name, "a path", given)
 
 

@@ -47,8 +47,8 @@ class CalibrationStage:
 class ModelFindings:
     """Findings about the user's own model.
 
-    accuracies: by number of sweeps of every pixel that adapted it. score: of the model as it is, on
-    all tested sweeps.
+    accuracies: by number of sweeps of every pixel that adapted it. score: score of the unadapted
+    model on all tested sweeps.
     """
 
     accuracies: Mapping[int, MeanAccuracy]

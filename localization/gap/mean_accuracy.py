@@ -31,7 +31,7 @@ GROUPINGS = ("session", "press", None)
 class MeanAccuracy:
     """Mean accuracy and its standard deviation over draws of added and tested sweeps.
 
-    confusion: of all draws together.
+    confusion: confusion of all draws together.
     """
 
     mean: float

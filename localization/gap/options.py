@@ -14,7 +14,7 @@ CLASSES = ("column", "row", "pixel")
 class GapOptions:
     """Options of a comparison.
 
-    target: one of CLASSES. draws: of the sweeps added to training. calibration_touches: pressed
+    target: one of CLASSES. draws: number of draws of added sweeps. calibration_touches: pressed
     sweeps that calibrate.
     """
 

@@ -27,8 +27,8 @@ SAME_FREQUENCY = 1e-9
 class SweepPair:
     """Simulated and other sweeps with the same interfaces and readings.
 
-    scene: of the simulated skin, None if unknown. noise_free: True if the simulated sweeps are
-    without the meter's errors. notes: how they were made comparable.
+    scene: scene of the simulated skin, None if unknown. noise_free: True if the simulated sweeps
+    are without the meter's errors. notes: remarks on how they were made comparable.
     """
 
     simulated: xr.Dataset
@@ -44,8 +44,8 @@ def pair_sweeps(
 ) -> SweepPair:
     """Reduce both sides to their common interfaces, frequencies and readings.
 
-    scene: None for that of the simulated sweeps. seed: of the subsampling. Raises InputError if
-    they have no interface or pressed pixel in common, or other frequencies and the scene is
+    scene: None for that of the simulated sweeps. seed: seed of the subsampling. Raises InputError
+    if they have no interface or pressed pixel in common, or if frequencies differ and the scene is
     unknown.
     """
     notes: list[str] = []

@@ -250,7 +250,7 @@ def _several(
 ) -> SeveralTouches:
     """The sweeps of two or more touches among the rows without the target, (row,).
 
-    changes: of all sweeps.
+    changes: changes of all sweeps.
     """
     some = sweeps.isel(sweep=rows[other])
     more = counts_of(some) > 1

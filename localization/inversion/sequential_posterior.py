@@ -97,7 +97,7 @@ class SequentialPosterior:
         """Information on the kind of entry that each further reading is expected to give, nat.
 
         It is the mutual information of kind and reading, estimated by DRAWS samples from these
-        entries. share, kind: of each entry, shape (entry,). Shape (reading,).
+        entries. share, kind: those of each entry, shape (entry,). The result has shape (reading,).
         """
         B, mean = self.predictive(entry, readings)
         root = np.linalg.cholesky(

@@ -1,4 +1,4 @@
-"""The paper's figures, drawn from simulated sweeps, and further ones that its statements need."""
+"""The paper's figures, drawn from simulated sweeps, and further ones that it would have needed."""
 
 from __future__ import annotations
 

@@ -174,8 +174,8 @@ def impedances(
 ) -> NDArray[np.complex128]:
     """Z in ohm of presses on the scene's own skin, as in a data set.
 
-    presses: of one pixel or none. Shape (press, interface, frequency); pixels that mirror each
-    other have the same Z.
+    presses: presses of one pixel or none. Shape (press, interface, frequency); pixels that mirror
+    each other have the same Z.
     """
     of = representative(scene)
     strengths = {of(press.pixel): strength(scene, press) for press in presses}

@@ -33,7 +33,7 @@ HEADINGS = {
 def write_report(folder: Path, findings: GapFindings, ending: str | None = None) -> None:
     """Write gap.html and gap.json, both complete or neither.
 
-    ending: of separate chart files, if any.
+    ending: format of separate chart files, if any.
     """
     charts = charts_of(findings)
     with filled_at_once(folder) as made, TemporaryDirectory() as drawn:

@@ -21,7 +21,7 @@ TITLE_WIDTH = 46
 
 
 def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
-    """Accuracies that get a matrix, by their training. name: of the features."""
+    """Accuracies that get a matrix, by their training. name: name of the features."""
     noun, stages = findings.trial.pair.label, list(findings.stages)
     if findings.model:
         cases = {model_label(k).capitalize(): a for k, a in findings.model.accuracies.items()}
