@@ -48,7 +48,7 @@ class Versions(NamedTuple):
 def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Versions:
     """Simulated sweeps before and after calibration.
 
-    reserved: the other side's sweeps that calibrate, shape (sweep,). seed: seed of the meter's noise.
+    reserved: the other side's sweeps that calibrate, shape (sweep,). seed: seed of the noise.
     """
     from ...simulator.calibration.run import calibrate
 
