@@ -76,8 +76,10 @@ def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
 
 def not_restored_message(settings: Mapping[str, Any]) -> str:
     """What is told of settings that were not put back. settings: as they should be."""
-    expected = settings_text(settings)
-    return f"the meter is not as it was found; it did not confirm {expected}; set that on its panel"
+    return (
+        "the meter did not confirm these original settings; check them on the meter: "
+        f"{settings_text(settings)}"
+    )
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

@@ -84,8 +84,8 @@ class Once:
 def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(session, instrument):
     live = session(localizer=Asking(), settle=0.05)
     begun, asked = [], []
-    questions = live.localizer.questions
-    live.localizer.questions = lambda *known: asked.append(questions(*known)) or asked[-1]
+    questions = live.localizer.adaptive_sweep
+    live.localizer.adaptive_sweep = lambda *known: asked.append(questions(*known)) or asked[-1]
     select = live.link.turns.switch.select
     live.link.turns.switch.select = lambda name: begun.append(name) or select(name)
     live.run(6)
@@ -95,7 +95,7 @@ def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(sessio
     assert at_ends[1:] == [list(reversed(one)) for one in at_ends[:-1]]
     cost = asked[-1].seconds[0].max(axis=1) - asked[-1].seconds[0].min(axis=1).min()
     assert min(cost) < 0.05 <= max(cost) < 0.5
-    seen = live.show.moments[-1].seen
+    seen = live.show.moments[-1].source
     assert seen.frequencies == ((4e3,), (4e3,))
     assert sorted(trace.interface for trace in seen.sweep.traces) == ["bottom", "left"]
 
@@ -126,8 +126,8 @@ def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument)
 @pytest.mark.parametrize(
     ("fault", "told"),
     [
-        (Fault("stuck"), "asked for interface left, position left, the switch tells bottom"),
-        (Fault("slow", seconds=0.3), "asked for interface left"),
+        (Fault("stuck"), "the switch reports position bottom after"),
+        (Fault("slow", seconds=0.3), "instead of interface left, position left"),
         (Fault("drop"), "check"),
         (Fault("status"), "status 7: overflow"),
         (Fault("forget"), "the meter was switched on anew"),

@@ -15,7 +15,7 @@ from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.meter_state import Settings
 
-NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
+NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 SETTERS = {
     setting.tell.split(" ")[0]: name
     for name in dir(IM3523)
@@ -120,8 +120,8 @@ def test_a_meter_that_stays_away_is_told_of(ports, instrument):
     instrument.faults.add(Fault("drop", times=10**6))
     station.release()
     assert told == [
-        "the meter is not as it was found; not confirmed is what should be header = True, "
-        "mode = CONTINUOUS, trigger = INTERNAL, items = 1 2, valid = 2"
+        "the meter did not confirm these original settings; check them on the meter: "
+        "header = True, mode = CONTINUOUS, trigger = INTERNAL, items = 1 2, valid = 2"
     ]
 
 

@@ -151,7 +151,7 @@ def test_a_fault_at_one_interface_repeats_the_press_at_both(
 def test_a_stuck_switch_ends_it_with_what_is_done_on_disk(recorded, control, switch, instrument):
     instrument.faults.add(Fault("stuck", times=10**6))
     with pytest.raises(
-        StuckSwitchError, match="asked for interface bottom, .* the switch tells left"
+        StuckSwitchError, match="reports position left after .* instead of interface bottom"
     ):
         recorded(*control, *switch, "--retries", 0)
 

@@ -11,7 +11,7 @@ import pytest
 from rcskin.hardware.record.recording_journal import METER_FILE, RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 
-NOT_AS_FOUND = "the meter is not as it was found; not confirmed is what should be"
+NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 ENDS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
 
 

@@ -120,7 +120,7 @@ def test_a_late_relay_is_awaited(switch, board):
         ("silent", SilentSwitchError, r"no answer within 0.3 s; check the board's power"),
         ("garbage", GarbledSwitchError, "is no whole answer of such a board; check `kind`"),
         ("half", GarbledSwitchError, "is no whole answer of such a board"),
-        ("stuck", StuckSwitchError, r"asked for interface left, position \(1, 2\), the switch tel"),
+        ("stuck", StuckSwitchError, r"instead of interface left, position \(1, 2\); check its p"),
     ],
 )
 def test_a_fault_is_a_named_error_and_the_next_select_begins_anew(switch, board, mood, error, told):

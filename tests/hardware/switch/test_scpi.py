@@ -86,7 +86,7 @@ def test_a_late_relay_is_awaited(switch, device):
         ("half", SilentSwitchError, "no answer after"),
         ("garbage", GarbledSwitchError, "no text came after"),
         ("refusing", RefusedSwitchError, r"refused ROUT.*CLOS \(@101.*-222.*out of range"),
-        ("stuck", StuckSwitchError, r"asked for interface left, position \(101"),
+        ("stuck", StuckSwitchError, r"instead of interface left, position \(101"),
     ],
 )
 def test_a_fault_is_a_named_error_and_the_next_select_begins_anew(
