@@ -1,1 +1,1 @@
-"""The meter that reads a real skin; its readings enter as the same sweeps as simulated ones."""
+"""LCR meter, recorder, live localization and a virtual meter. All yield the simulator's sweeps."""

@@ -1,4 +1,4 @@
-"""The meter's commands: a virtual one to serve and steer, a real one to identify and record."""
+"""Commands of `rcskin meter`: serve and control a virtual meter, use a real one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 CONTROL = "127.0.0.1:3501"
 VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
-"""As `serve` listens."""
+"""Default resource of `serve`."""
 
 app = typer.Typer(
     help="Serve a virtual LCR meter, or use a real one.",
@@ -40,21 +40,21 @@ def serve(
     interface: Interfaces = None,
     host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
-    control_port: Annotated[int, typer.Option(help="Port that other commands steer it by.")] = 3501,
+    control_port: Annotated[int, typer.Option(help="TCP port for commands such as press.")] = 3501,
     script: Annotated[
         Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
     ] = None,
     random: Annotated[
         float | None, typer.Option(help="Press at random every so many seconds.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the session's errors and presses.")] = 1,
-    pace: Annotated[float, typer.Option(help="Times of measuring: 1 as a meter, 0 none.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of the session's errors and presses.")] = 1,
+    pace: Annotated[float, typer.Option(help="Factor on measuring times: 1 real, 0 none.")] = 1,
     accuracy: Accuracy = None,
     page: Annotated[
-        bool, typer.Option("--page", help="Press the skin on a page: its address is told.")
+        bool, typer.Option("--page", help="Serve a page that presses the skin.")
     ] = False,
     page_port: Annotated[
-        int | None, typer.Option(help="TCP port of the page; else any free one.")
+        int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
 ) -> None:
     """Serve a virtual IM3523 on TCP until interrupted."""
@@ -92,12 +92,12 @@ app.command("gather", epilog="Example: rcskin meter gather run.nc -o so-far.nc")
 @app.command()
 def identify(
     resources: Annotated[
-        list[str] | None, typer.Argument(help="VISA resources; else all that are found.")
+        list[str] | None, typer.Argument(help="VISA resources; default: all found.")
     ] = None,
     timeout: Timeout = 2.0,
     baud: Baud = 9600,
 ) -> None:
-    """Tell which meters answer, and at what resources."""
+    """List the meters that answer, with their resources."""
     from .meter.discovery import find_resources, probe
 
     names = resources or find_resources()
@@ -105,20 +105,20 @@ def identify(
     for name, answer in answers:
         say(answer.failure or f"{name}  {answer.identity}")
     if not names:
-        say("no resource is found; a TCP socket must be named", err=True)
+        say("no VISA resource found; name the meter's TCP socket", err=True)
     if not any(answer.identity for _, answer in answers):
         raise typer.Exit(1)
 
 
 @app.command(epilog=f"Example: rcskin meter correct open --resource {VIRTUAL}")
 def correct(
-    kind: Annotated[str, typer.Argument(help="open or short.")],
+    kind: Annotated[str, typer.Argument(help="Which correction: open or short.")],
     resource: Resource,
     extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
     timeout: Timeout = 5.0,
     baud: Baud = 9600,
 ) -> None:
-    """Acquire open or short correction, or end it."""
+    """Acquire the open or short correction, or end it."""
     from .meter.correction import correct as acquire
     from .meter.hioki import open_meter
     from .meter.termination import orderly_termination
@@ -142,7 +142,7 @@ def press(
     ],
     control: ControlAddress = CONTROL,
 ) -> None:
-    """Press the skin of a virtual meter that is being served, until the next press."""
+    """Press the skin of a running virtual meter until the next press."""
     from .control_client import send_request
 
     say(send_request(control, "press", press=press))
@@ -152,10 +152,10 @@ def press(
 
 @app.command()
 def select(
-    interface: Annotated[str, typer.Argument(help="Of the skin that is being served.")],
+    interface: Annotated[str, typer.Argument(help="Interface of the served skin.")],
     control: ControlAddress = CONTROL,
 ) -> None:
-    """Connect a virtual meter to another interface of its skin."""
+    """Connect a running virtual meter to another interface of its skin."""
     from .control_client import send_request
 
     say(send_request(control, "select", interface=interface))
@@ -169,12 +169,12 @@ def misbehave(
             help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
         ),
     ],
-    times: Annotated[int, typer.Option(help="How often.")] = 1,
-    seconds: Annotated[float, typer.Option(help="How late.")] = 2.0,
-    status: Annotated[int, typer.Option(help="Which failure a reading reports.")] = 7,
+    times: Annotated[int, typer.Option(help="Number of faults.")] = 1,
+    seconds: Annotated[float, typer.Option(help="Delay of late and slow, s.")] = 2.0,
+    status: Annotated[int, typer.Option(help="Status code of the failed reading.")] = 7,
     control: ControlAddress = CONTROL,
 ) -> None:
-    """Have a virtual meter misbehave at its next answers."""
+    """Make a running virtual meter fail at its next answers."""
     from .control_client import send_request
 
     send_request(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
@@ -199,7 +199,7 @@ def _exhibit(
 
 
 def _paging(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
-    """The page that was asked for. Raises InputError where there is none."""
+    """Options of the requested page, or None. Raises InputError if they do not fit the skin."""
     from ..simulator.sweeps import InputError
     from .page.page_document import PageDocument
     from .virtual import serving
@@ -209,6 +209,6 @@ def _paging(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | 
             raise InputError("--page-port needs --page")
         return None
     if exhibit.scene is None:
-        raise InputError("--page is of a simulated skin: it needs --scene, not --recorded")
+        raise InputError("--page needs --scene: a recorded skin has no page")
     document = PageDocument.of(exhibit.scene, "skin")
     return serving.PageOptions(document, port or 0, lambda address: say(f"page  {address.url}"))

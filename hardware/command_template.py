@@ -1,4 +1,4 @@
-"""A command of another program, with what it is told filled in."""
+"""Command lines of other programs with placeholders."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Any
 from ..simulator.sweeps import InputError
 
 PATH_OF_WINDOWS = re.compile(r"""(^|[\s"'=])([A-Za-z]:\\|\\\\\w)""")
-"""The begin of `C:\\lab` or `\\\\server\\lab`."""
+"""Start of `C:\\lab` or `\\\\server\\lab`."""
 
 
 def split_command(command: str) -> list[str]:
-    """The words of a command line, split at spaces outside of quotes.
+    """Words of a command line, split at spaces outside of quotes.
 
-    A backslash takes the next character as it stands, but on Windows and where the command names a
-    path of Windows it is a character like others. Raises ValueError for a quote without its end.
+    A backslash escapes the next character. On Windows, or if the command holds a Windows path, a
+    backslash is an ordinary character. Raises ValueError for a quote without its end.
     """
     lexer = shlex.shlex(command, posix=True, punctuation_chars=False)
     lexer.whitespace_split, lexer.commenters = True, ""
@@ -28,14 +28,16 @@ def split_command(command: str) -> list[str]:
 
 
 class CommandTemplate:
-    """A command line with `{name}` in it, each to be filled in with a value of its own.
+    """A command line with placeholders `{name}`.
 
-    Raises InputError where it is empty, names another, or asks for a part of a value or a format of
-    its own.
+    Raises InputError if it is empty, or has an unknown placeholder, a format or an attribute.
     """
 
     def __init__(self, command: str, option: str, needed: bool = False, **examples: Any) -> None:
-        """option: as errors call it. needed: whether a name must be there. examples: of each."""
+        """option: its name in errors. needed: True if a placeholder must be there.
+
+        examples: the known placeholders, each with an example value.
+        """
         try:
             self._words = split_command(command)
             parts = [part[1:] for word in self._words for part in Formatter().parse(word)]
@@ -47,9 +49,9 @@ class CommandTemplate:
             *others, last = (f"{{{name}}}" for name in examples)
             listed = f"{', '.join(others)} or {last}" if others else last
             raise InputError(
-                f"`{option}` must be a command with {listed} to be filled in, got {command!r}"
+                f"`{option}` must be a command with the placeholder {listed}, got {command!r}"
             ) from error
 
     def filled(self, **values: Any) -> list[str]:
-        """The words of the command."""
+        """Words of the command with these values."""
         return [word.format(**values) for word in self._words]

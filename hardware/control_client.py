@@ -1,4 +1,4 @@
-"""Steering a virtual meter from another process, through its control port."""
+"""Requests to the control port of a virtual meter, from another process."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .tokens import TOKEN, read_token
 
 ADDRESS = re.compile(rf"(?:(?P<token>{TOKEN.pattern})@)?(?P<host>[^:@\s]+):(?P<port>[0-9]{{1,5}})")
 OWN_COMPUTER = ("127.0.0.1", "localhost")
-"""Hosts that are sent the token in the user's file: no other computer learns it."""
+"""Hosts that receive the token in the user's file. No other computer learns it."""
 
 
 class ControlEndpoint(NamedTuple):
-    """Where a control port is, and the token that it asks for, empty where none is known."""
+    """Address of a control port and its token; the token is empty if unknown."""
 
     host: str
     port: int
@@ -25,9 +25,9 @@ class ControlEndpoint(NamedTuple):
 
 
 def checked_address(text: str, must: str) -> ControlEndpoint:
-    """The address in [TOKEN@]HOST:PORT; without a token it is looked up for this computer's ports.
+    """Address from [TOKEN@]HOST:PORT. Without a token, the user's file gives it.
 
-    Raises InputError saying what it must be.
+    must: first words of the InputError that a malformed address raises.
     """
     match = ADDRESS.fullmatch(text)
     if match is None or int(match["port"]) > 65535:
@@ -39,10 +39,10 @@ def checked_address(text: str, must: str) -> ControlEndpoint:
 
 
 def send_request(control: str, do: str, **given: Any) -> Any:
-    """What the virtual meter answers to a request (see `control`).
+    """Answer of the virtual meter to a request (see `virtual.control`).
 
-    control: [TOKEN@]HOST:PORT. Raises InputError where the address or the request is refused,
-    PressError where no virtual meter answers there.
+    control: [TOKEN@]HOST:PORT. Raises InputError if the address or the request is refused,
+    PressError if no virtual meter answers there.
     """
     address = checked_address(control, "`control` must be HOST:PORT or TOKEN@HOST:PORT")
     request = {"do": do, "token": address.token, **given}
@@ -56,7 +56,7 @@ def send_request(control: str, do: str, **given: Any) -> Any:
 
 
 def _result(address: ControlEndpoint, line: bytes) -> Any:
-    """The result in an answer. Raises InputError where it is a refusal, PressError where none."""
+    """Result in an answer. Raises InputError at a refusal, PressError without an answer."""
     try:
         answer = json.loads(line)
     except (ValueError, RecursionError):
@@ -65,7 +65,7 @@ def _result(address: ControlEndpoint, line: bytes) -> Any:
         raise InputError(str(answer["error"]))
     if isinstance(answer, dict) and "ok" in answer:
         return answer["ok"]
-    raise _absent(address, "what answers is something else" if line else "it hung up")
+    raise _absent(address, "another program answers there" if line else "the connection was closed")
 
 
 def _absent(address: ControlEndpoint, why: str) -> PressError:

@@ -1,4 +1,4 @@
-"""Lines on the terminal that clients of a port can cause: counted, so that no client floods it."""
+"""Rate limit of terminal lines that clients of a port can cause."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 EVERY = 60.0
-"""Seconds from one line of a kind to the next: slow enough to read, quick enough to be noticed."""
+"""Seconds between two lines of one kind."""
 Report = Callable[[str, str], None]
-"""Takes the kind of an event, as a plural ("readings that failed"), and a sentence on this one."""
+"""Takes the kind of an event, as a plural ("failed readings"), and a sentence on this event."""
 
 
 @dataclass
 class EventCounter:
-    """Prints the first event of a kind at once, then at most one line a minute with their number.
+    """Prints the first event of a kind at once, then at most one line a minute with the count.
 
     show: prints a line.
     """
@@ -36,7 +36,7 @@ class EventCounter:
         self.show(f"{text} ({uncounted} more {kind} before)" if uncounted else text)
 
     def close(self) -> None:
-        """Print how many events were counted since the last line of their kind."""
+        """Print the number of events since the last line of their kind."""
         for kind, (_, uncounted) in self._latest.items():
             if uncounted:
                 self.show(f"{uncounted} more {kind}")
@@ -44,7 +44,7 @@ class EventCounter:
 
 
 class _ReportingHandler(logging.Handler):
-    """Reports what a library logs by its first line."""
+    """Reports the first line of each record that a library logs."""
 
     def __init__(self, report: Report) -> None:
         super().__init__(logging.WARNING)
@@ -59,10 +59,10 @@ class _ReportingHandler(logging.Handler):
 
 @contextmanager
 def counted_events(show: Callable[[str], None]) -> Iterator[Report]:
-    """A report for events that clients cause, while the block runs.
+    """Gives a rate-limited report for events that clients cause, while the block runs.
 
-    It also takes what asyncio logs of connections (no more files, errors of callbacks). show: as of
-    `Counted`.
+    It also reports what asyncio logs about connections (no more files, errors of callbacks).
+    show: prints a line.
     """
     report, logger = EventCounter(show), logging.getLogger("asyncio")
     log = _ReportingHandler(report)

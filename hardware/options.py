@@ -7,19 +7,19 @@ from typing import Annotated
 
 import typer
 
-Interfaces = Annotated[list[str] | None, typer.Option("--interface", help="Of the scene; repeat.")]
+Interfaces = Annotated[list[str] | None, typer.Option("--interface", help="Interface; repeatable.")]
 Resource = Annotated[str, typer.Option(help="VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET.")]
 ControlAddress = Annotated[
     str,
     typer.Option(
-        help="Control port of the virtual meter: HOST:PORT, or TOKEN@HOST:PORT where another "
+        help="Control port of the virtual meter: HOST:PORT, or TOKEN@HOST:PORT if another "
         "user or computer serves it."
     ),
 ]
-Timeout = Annotated[float, typer.Option(help="Seconds that an answer may take.")]
-Baud = Annotated[int, typer.Option(help="Of a serial port.")]
+Timeout = Annotated[float, typer.Option(help="Longest time of an answer, s.")]
+Baud = Annotated[int, typer.Option(help="Baud rate of a serial port.")]
 Accuracy = Annotated[
-    Path | None, typer.Option(help="Table of accuracy (TOML); else the one of the 3522-50.")
+    Path | None, typer.Option(help="Accuracy table (TOML); default: the 3522-50's.")
 ]
 SwitchName = Annotated[
     str | None,
@@ -29,8 +29,8 @@ SwitchName = Annotated[
     ),
 ]
 SwitchWith = Annotated[
-    str | None, typer.Option(help="Switch by this command, with {interface} filled in.")
+    str | None, typer.Option(help="Command that switches; {interface} is replaced.")
 ]
 Settle = Annotated[
-    float | None, typer.Option(help="Seconds from switching to reading; else the table's or 0.05.")
+    float | None, typer.Option(help="Seconds from turn to reading; default: the table's, or 0.05.")
 ]

@@ -1,4 +1,4 @@
-"""The command that records a skin: its options, and what they mean."""
+"""The command `rcskin meter record`."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ def record(
     resource: Resource,
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
     repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,
-    order: Annotated[Path | None, typer.Option(help="File of presses, one a line.")] = None,
-    unattended: Annotated[bool, typer.Option("--unattended", help="Ask nobody.")] = False,
+    order: Annotated[Path | None, typer.Option(help="File with one press per line.")] = None,
+    unattended: Annotated[bool, typer.Option("--unattended", help="Never ask.")] = False,
     control: Annotated[
-        str | None, typer.Option(help="Press through a virtual meter's HOST:PORT.")
+        str | None, typer.Option(help="Press by the virtual meter at HOST:PORT.")
     ] = None,
     press_with: Annotated[
-        str | None, typer.Option(help="Press by this command, with {press} filled in.")
+        str | None, typer.Option(help="Command that presses; {press} is replaced.")
     ] = None,
-    retries: Annotated[int, typer.Option(help="Unattended repetitions of a sweep.")] = 3,
+    retries: Annotated[int, typer.Option(help="Repetitions of a sweep without a person.")] = 3,
     interface: Interfaces = None,
     switch: SwitchName = None,
     switch_with: SwitchWith = None,
@@ -52,23 +52,27 @@ def record(
     speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
     averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
     level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
-    amplitude: Annotated[float | None, typer.Option(help="Of the level, V or A.")] = None,
-    range_: Annotated[int | None, typer.Option("--range", help="1-10; 0 automatic.")] = None,
-    delay: Annotated[float | None, typer.Option(help="After the trigger, s.")] = None,
-    cable: Annotated[int | None, typer.Option(help="Length of the cable, 0 or 1 m.")] = None,
-    repeatability: Annotated[float, typer.Option(help="Allowed between sweeps.")] = 0.05,
-    drift: Annotated[float, typer.Option(help="Allowed of the skin at rest.")] = 0.05,
+    amplitude: Annotated[float | None, typer.Option(help="Amplitude of the level, V or A.")] = None,
+    range_: Annotated[int | None, typer.Option("--range", help="Range 1-10; 0: automatic.")] = None,
+    delay: Annotated[float | None, typer.Option(help="Delay after the trigger, s.")] = None,
+    cable: Annotated[int | None, typer.Option(help="Cable length, 0 or 1 m.")] = None,
+    repeatability: Annotated[
+        float, typer.Option(help="Allowed change of |Z| between repetitions.")
+    ] = 0.05,
+    drift: Annotated[
+        float, typer.Option(help="Allowed change of |Z| of the unpressed skin.")
+    ] = 0.05,
     session: Annotated[
-        str, typer.Option(help="Name of this mounting; else the time of its begin.")
+        str, typer.Option(help="Name of this mounting; default: the start time.")
     ] = "",
     same_mounting: Annotated[
-        bool, typer.Option("--same-mounting", help="Go on days later without being asked.")
+        bool, typer.Option("--same-mounting", help="Continue days later without a question.")
     ] = False,
     timeout: Timeout = 5.0,
     baud: Baud = 9600,
     accuracy: Accuracy = None,
 ) -> None:
-    """Record sweeps of a scene's presses; run again, it goes on where it was ended."""
+    """Record sweeps of a scene's presses. The same command continues a stopped recording."""
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
@@ -117,9 +121,9 @@ def header_of(
     settings: Mapping[str, Any] | None = None,
     session: str = "",
 ) -> RecordingHeader:
-    """The header of a recording of these steps at these interfaces, before a meter is connected.
+    """Header of a recording before a meter is connected.
 
-    settings: of the meter, to be set before it begins. session: as of `Header`.
+    settings: requested settings of the meter. session: name of the mounting, or empty.
     """
     from ..simulator.scene.changed_readings import restricted_to_interfaces
     from ..simulator.scene.scene_files import scene_text
@@ -143,16 +147,16 @@ def header_of(
 
 
 def _check_one_interface(scene: Scene) -> None:
-    """Raises InputError where the scene has several, and nothing says which are measured."""
+    """Raises InputError if the scene has several interfaces and no option selects any."""
     from ..simulator.scene.scene import interface_names
     from ..simulator.sweeps import InputError
 
     names = interface_names(scene)
     if len(names) > 1:
         raise InputError(
-            f"{scene.name}: has the interfaces {', '.join(names)}, and a meter is at one "
+            f"{scene.name}: has the interfaces {', '.join(names)}, and a meter connects to one "
             "at a time; --switch or --switch-with measures all in turn (--switch ask: you "
-            f"reconnect it), --interface {names[0]} that one alone"
+            f"reconnect the meter), --interface {names[0]} measures that one alone"
         )
 
 
@@ -206,7 +210,7 @@ def _operator(
     steps: list[PressStep],
     several: bool,
 ) -> tuple[RecordingScreen, Operator, Callable[[str], None] | None]:
-    """Where it is shown, who presses, and a person who connects interfaces, where one is there."""
+    """Screen, operator, and the prompt that asks a person to connect an interface, or None."""
 
     from ..simulator.sweeps import InputError
     from .record.operators import MachineOperator, press_by_command, press_virtual_skin
@@ -220,7 +224,7 @@ def _operator(
         person = PersonOperator(console, screen)
         return screen, person, person.connect
     if not (control or press_with) and any(step.row for step in steps):
-        raise InputError("unattended, a recording is pressed by --control or --press-with")
+        raise InputError("--unattended needs --control or --press-with to press the skin")
     screen, by = RecordingScreen(console, several=several), _untouched
     if control:
         by = press_virtual_skin(control)
@@ -230,4 +234,4 @@ def _operator(
 
 
 def _untouched(step: PressStep) -> None:
-    """Nothing is pressed by anyone."""
+    """Leave the skin untouched."""

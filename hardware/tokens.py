@@ -1,4 +1,4 @@
-"""Secrets that show who may steer: drawn anew at each start, and kept where only the user reads."""
+"""Access tokens of ports: drawn at each start, stored where only the user can read them."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ TOKEN = re.compile(r"[\w-]{1,200}", re.ASCII)
 
 
 def new_token() -> str:
-    """192 random bits as text for URLs: not to be guessed by trying."""
+    """192 random bits as text that fits into URLs."""
     return secrets.token_urlsafe(24)
 
 
 def same_token(given: object, token: str) -> bool:
-    """Whether what a client gave is the token, compared in a time that tells nothing of it."""
+    """True if a client gave the token. The time of the comparison reveals nothing."""
     text = given if isinstance(given, str) else ""
     return secrets.compare_digest(text.encode(errors="replace"), token.encode())
 
 
 def token_file(port: int) -> Path:
-    """File with the token of a control port of this computer, in the user's folder for states.
+    """File with the token of a control port, in the user's folder for program state.
 
-    The name holds the computer's, because several may share a home folder. Raises RuntimeError
-    where the user has no home folder.
+    The file's name holds the computer's, because computers may share a home folder. Raises
+    RuntimeError if the user has no home folder.
     """
     state = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_STATE_HOME") or ""
     folder = Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state"
@@ -38,10 +38,10 @@ def token_file(port: int) -> Path:
 
 @contextmanager
 def stored_token(token: str, port: int) -> Iterator[None]:
-    """The token in its file while the block runs.
+    """Keep the token in its file while the block runs.
 
-    Windows protects the user's folder by its access list; elsewhere the mode does. Raises OSError
-    or RuntimeError where the file cannot be written.
+    Windows protects the user's folder by its access list, other systems by the file's mode. Raises
+    OSError or RuntimeError if the file cannot be written.
     """
     path = token_file(port)
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -58,7 +58,7 @@ def stored_token(token: str, port: int) -> Iterator[None]:
 
 
 def read_token(port: int) -> str:
-    """The token of a control port of this computer; empty where this user has none."""
+    """Token of a control port of this computer; empty if this user has none."""
     try:
         with token_file(port).open(encoding="ascii") as file:
             text = file.read(1000)

@@ -1,4 +1,4 @@
-"""A sweep of which each reading decides what is read next, and where."""
+"""Adaptive sweep: each reading decides the next frequency and interface."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
 
 USUAL = 0.02
-"""s that a reading takes where none was taken yet."""
+"""Assumed time of a reading before the first one, s."""
 
 
 @dataclass
 class ReadingTimes:
-    """How long readings take at each frequency, as they come, by a clock in s.
+    """Times of readings at each frequency, measured by a clock in s.
 
-    show: is told of each, too. turns: of the switch, which no reading's time contains; None without
-    one.
+    show: called with each reading. turns: times of the switch, which readings do not contain; None
+    without a switch.
     """
 
     model: Model
@@ -38,18 +38,18 @@ class ReadingTimes:
     _since: float = field(default=0.0, init=False)
 
     def begin(self) -> None:
-        """A sweep begins."""
+        """Note the start of a reading."""
         self._since = self._now()
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """A reading came, at a frequency in Hz."""
+        """Note a reading at a frequency in Hz."""
         self._latest[frequency] = self._now() - self._since
         self.show(frequency, reading)
         self._since = self._now()
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """At each of the model's interfaces and frequencies, shape (interface, frequency)."""
+        """Expected times at the model's readings, s, shape (interface, frequency)."""
         known = [self._latest.get(f, USUAL) for f in self.model.frequencies]
         names = self.model.interfaces
         turning = np.zeros(len(names))
@@ -59,27 +59,27 @@ class ReadingTimes:
         return np.maximum(known, 1e-4) + turning[:, None]
 
     def _now(self) -> float:
-        """s, but for those in which the switch turned."""
+        """Present time without the turns of the switch, s."""
         return self.clock() - (self.turns.spent if self.turns else 0.0)
 
 
 @dataclass(frozen=True)
 class PartialSweep:
-    """What was measured of a sweep. frequencies: of each of its traces, Hz, ascending."""
+    """Measured part of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
     questions: AdaptiveSweep
     frequencies: tuple[NDArray[np.float64], ...]
 
     @property
     def count(self) -> int:
-        """Of readings."""
+        """Number of readings."""
         return sum(each.size for each in self.frequencies)
 
 
 def measure_adaptively(
     link: LiveMeter, questions: AdaptiveSweep, pace: ReadingTimes
 ) -> tuple[PartialSweep, MeasuredSweep]:
-    """The readings that were asked for. Raises MeterError."""
+    """Measure what the adaptive sweep requests, until it is certain. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 
     def next_ones() -> Iterator[tuple[str, float]]:

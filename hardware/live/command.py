@@ -1,4 +1,4 @@
-"""The command that localizes presses as they come: its options, and what they mean."""
+"""The command `rcskin live`."""
 
 from __future__ import annotations
 
@@ -35,65 +35,69 @@ def live(
     model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
     resource: Resource,
     interface: Annotated[
-        str | None, typer.Option(help="Where the meter is connected; else the model's.")
+        str | None, typer.Option(help="Connected interface; default: the model's.")
     ] = None,
     switch: SwitchName = None,
     switch_with: SwitchWith = None,
     settle: Settle = None,
-    rest: Annotated[int, typer.Option(help="Sweeps at rest, where the model needs any.")] = 3,
+    rest: Annotated[
+        int, typer.Option(help="Number of unpressed sweeps, if the model needs any.")
+    ] = 3,
     rest_file: Annotated[
-        list[Path] | None, typer.Option(help="Take the sweeps at rest (press none) of files.")
+        list[Path] | None, typer.Option(help="Files with unpressed sweeps (press none).")
     ] = None,
-    sweeps: Annotated[int | None, typer.Option(help="End after so many answers.")] = None,
+    sweeps: Annotated[int | None, typer.Option(help="End after this number of answers.")] = None,
     plain: Annotated[
-        bool, typer.Option("--plain", help="A line for each answer, as in a pipe.")
+        bool, typer.Option("--plain", help="Print a line per answer, as in a pipe.")
     ] = False,
     log: Annotated[
         Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
     ] = None,
-    drift: Annotated[float, typer.Option(help="Of |Z| at rest that is not told.")] = 0.05,
+    drift: Annotated[
+        float, typer.Option(help="Allowed change of |Z| of the unpressed skin.")
+    ] = 0.05,
     patience: Annotated[
-        float, typer.Option(help="Seconds without the meter until it is given up.")
+        float, typer.Option(help="Give up after so many seconds without a sweep.")
     ] = 30.0,
     timeout: Timeout = 2.0,
     baud: Baud = 9600,
     accuracy: Accuracy = None,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Take sweeps at rest of another skin, too.")
+        bool, typer.Option("--anyway", help="Accept unpressed sweeps of another skin.")
     ] = False,
     filtered: Annotated[
-        bool, typer.Option("--filter", help="Let sweeps add up, with any model.")
+        bool, typer.Option("--filter", help="Combine successive sweeps, with any model.")
     ] = False,
-    touch_lasts: Annotated[float, typer.Option(help="Seconds of a touch, with --filter.")] = 2,
+    touch_lasts: Annotated[float, typer.Option(help="Duration of a touch, s, with --filter.")] = 2,
     touch_every: Annotated[
-        float, typer.Option(help="Seconds from a touch to the next, with --filter.")
+        float, typer.Option(help="Time from a touch to the next, s, with --filter.")
     ] = 5,
     touch_speed: Annotated[
-        float, typer.Option(help="mm/s that a touch moves by, with --filter.")
+        float, typer.Option(help="Speed of a moving touch, mm/s, with --filter.")
     ] = 20,
     adaptive: Annotated[
         bool,
         typer.Option(
             "--adaptive",
-            help="Read what tells most next, until certain: model-based, -adapted.",
+            help="Choose each next reading until certain: model-based, -adapted.",
         ),
     ] = False,
     certain: Annotated[
         float | None,
-        typer.Option(help="Probability that --filter answers from and --adaptive reads up to."),
+        typer.Option(help="Probability needed to answer (--filter) or to stop (--adaptive)."),
     ] = None,
     within: Annotated[
         float,
-        typer.Option(help="mm: --adaptive reads until a position's region is a disc of this."),
+        typer.Option(help="Largest radius of a position's 95 % region, mm, with --adaptive."),
     ] = 10.0,
     page: Annotated[
-        bool, typer.Option("--page", help="Show it on a page, too: its address is told.")
+        bool, typer.Option("--page", help="Serve a page that shows the session.")
     ] = False,
     port: Annotated[
-        int | None, typer.Option(help="TCP port of the page; else any free one.")
+        int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
 ) -> None:
-    """Localize presses as they come: time, answer, probability and latency in ms in a pipe."""
+    """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
     from ..meter.accuracy_table import DERIVED_TABLE, read_table
     from ..meter.hioki import open_meter
@@ -141,21 +145,25 @@ def _check_options(
     filtered: bool,
     adaptive: bool,
 ) -> None:
-    """Raises InputError for options that do not go together. port: None where there is a page."""
+    """Raises InputError for options that exclude each other. port: None with a page."""
     from ...simulator.sweeps import InputError
 
     if sweeps is not None and sweeps < 1:
         raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
     if adaptive and log:
-        raise InputError("--log keeps whole sweeps, and --adaptive measures parts of them")
+        raise InputError(
+            "--log and --adaptive exclude each other: --adaptive measures parts of sweeps"
+        )
     if certain is not None and not (filtered or adaptive):
-        raise InputError("--certain needs --filter or --adaptive; else `train` takes it")
+        raise InputError(
+            "--certain needs --filter or --adaptive; otherwise give it to `rcskin train`"
+        )
     if port is not None:
-        raise InputError("--port is of the page: it needs --page")
+        raise InputError("--port needs --page")
 
 
 def _journal(log: Path) -> RecordingJournal:
-    """Of a log that may be written. Raises InputError where something is there to be lost."""
+    """Journal of the log. Raises InputError if it holds sweeps that would be lost."""
     from ...simulator.sweeps import InputError, checked_output
     from ...simulator.sweeps.writing import write_context
     from ..record.recording_journal import RecordingJournal
@@ -164,7 +172,7 @@ def _journal(log: Path) -> RecordingJournal:
     if write_context().overwrite_measured or journal.header() is None:
         return journal
     raise InputError(
-        f"{journal.folder}: holds a session that was cut off; `rcskin meter gather {log} -o "
+        f"{journal.folder}: holds an interrupted session; `rcskin meter gather {log} -o "
         "OTHER.nc` writes it, --overwrite-measured drops it"
     )
 
@@ -179,7 +187,7 @@ def _run(session: LiveSession, answers: int | None) -> None:
 
 @contextmanager
 def _paged(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisplay]]:
-    """A page of the localizer's skin, served beside. Raises InputError where there is none."""
+    """Serve a page of the localizer's skin. Raises InputError if the scene has none."""
     from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
     from ..event_counter import counted_events
     from ..page.page_document import PageDocument
@@ -234,7 +242,7 @@ def _rest(
 
 
 def _check_interface(model: Model, interface: str | None) -> None:
-    """Raises InputError where the meter is said to be at an interface that is not the model's."""
+    """Raises InputError if the given interface is not the model's."""
     from ...simulator.sweeps import InputError
 
     if interface is not None and (interface,) != model.interfaces:

@@ -1,4 +1,4 @@
-"""Keys as they are pressed, without Enter, where a terminal gives them."""
+"""Pressed keys of a terminal, without Enter."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from importlib import import_module
 from typing import Any
 
 PREFIXES = ("\0", "\xe0")
-"""Of the arrow and function keys, as `msvcrt.getwch` gives them."""
+"""First character of arrow and function keys, as `msvcrt.getwch` gives them."""
 
 
 @contextmanager
 def keys() -> Iterator[Callable[[], str]]:
-    """A function that tells the last key pressed since it was asked before, empty where none was.
+    """Gives a function that returns the last key since its last call, or an empty string.
 
-    The terminal is as before at the block's end. Without a terminal no key is ever pressed.
+    The block's end restores the terminal. Without a terminal there is never a key.
     """
     if not sys.stdin.isatty():
         yield lambda: ""
@@ -34,7 +34,7 @@ def keys() -> Iterator[Callable[[], str]]:
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
     restore = partial(termios.tcsetattr, terminal, termios.TCSADRAIN, before)
-    atexit.register(restore)  # where the block is not left, the process being ended by force
+    atexit.register(restore)  # in case the process ends without leaving the block
     try:
         tty.setcbreak(terminal)
         yield lambda: _last(terminal)
@@ -44,7 +44,7 @@ def keys() -> Iterator[Callable[[], str]]:
 
 
 def _last_of_console(msvcrt: Any) -> str:
-    """The same on Windows, where a key without a letter is a prefix and a code."""
+    """Last key on Windows, where a key without a letter is a prefix and a code."""
     last = ""
     while msvcrt.kbhit():
         last = msvcrt.getwch()

@@ -1,4 +1,4 @@
-"""Live localization in a pipe: a line for each answer, and all else on another stream."""
+"""Live answers in a pipe: one line per answer, and notes on another stream."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .live_session import TimedAnswer
 
 @dataclass
 class LineOutput:
-    """Lines `time, answer, probability, latency in ms`, parted by tabs; no control codes.
+    """Lines `time, answer, probability, latency in ms`, separated by tabs, without control codes.
 
-    answers, notes: where lines go. A note that repeats the one before it is left out,
-    and a remark that the answer before had too.
+    answers, notes: output streams. Repeated notes are left out, and remarks that the answer before
+    had, too.
     """
 
     answers: TextIO
@@ -24,10 +24,10 @@ class LineOutput:
     _remarks: tuple[str, ...] = field(default=(), init=False)
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """Readings are not shown."""
+        """Show nothing."""
 
     def answer(self, moment: TimedAnswer) -> None:
-        """Write the answer's line, and what is remarkable about it."""
+        """Write the answer's line and its new remarks."""
         probability = moment.answer.probability
         fields = (
             moment.at,
@@ -43,11 +43,11 @@ class LineOutput:
         self._remarks = moment.remarks
 
     def no_answer(self, why: str) -> None:
-        """Tell why."""
+        """Write the reason."""
         self.note(why)
 
     def note(self, text: str) -> None:
-        """Tell it, once."""
+        """Write the note unless it repeats the one before."""
         if text != self._told:
             self._told = text
             self.notes.write(f"rcskin: {escaped(text)}\n")

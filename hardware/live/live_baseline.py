@@ -1,4 +1,4 @@
-"""The skin at rest, as live localization knows it: measured at the start, then followed slowly."""
+"""Baseline of live localization: unpressed sweeps, measured at the start and renewed slowly."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from .touch_answer import NOTHING_PRESSED, TouchAnswer
 SURE = 0.95
 RENEWED_AFTER = 5
 FIRSTS = 8
-"""Sweeps at rest that show which skin it is, as in recordings: the first of a session."""
+"""Number of first unpressed sweeps that identify the skin, as in recordings."""
 
 
 @dataclass
 class LiveBaseline:
-    """The latest `wanted` sweeps at rest, 0 where none are needed, and those of the opening.
+    """The latest `wanted` unpressed sweeps (0 if none are needed), and those of the opening.
 
-    Touches are told against the latest, and the opening shows which skin it is: as of recordings,
-    whose sweeps at rest are known as such. first: what the skin was at the beginning, against which
-    drift is told.
+    Touches are compared with the latest. The opening identifies the skin, as in recordings. first:
+    the first unpressed sweep, against which drift is measured.
     """
 
     wanted: int
@@ -36,44 +35,44 @@ class LiveBaseline:
 
     @property
     def complete(self) -> bool:
-        """Whether there are as many as wanted."""
+        """True if there are `wanted` sweeps."""
         return len(self.sweeps) >= self.wanted
 
     @property
     def due(self) -> bool:
-        """Whether the next sweep may become one at rest, and is to be measured whole."""
+        """True if the next sweep may renew the baseline and must be measured whole."""
         return self._quiet == RENEWED_AFTER - 2
 
     @property
     def opening(self) -> list[MeasuredSweep]:
-        """The first FIRSTS once there are as many, and the first `wanted` before."""
+        """The first FIRSTS sweeps; the first `wanted` until there are so many."""
         return self._firsts[: FIRSTS if len(self._firsts) >= FIRSTS else self.wanted]
 
     def give(self, sweeps: Sequence[MeasuredSweep]) -> None:
-        """Take these, measured earlier, for the skin at rest, however few they are."""
+        """Use these earlier sweeps as the baseline, however few they are."""
         self.wanted = min(self.wanted, len(sweeps))
         self.forget()
         for sweep in sweeps:
             self.add(sweep)
 
     def add(self, sweep: MeasuredSweep) -> None:
-        """Take a sweep for one at rest."""
+        """Add an unpressed sweep."""
         self.first = self.first or sweep
         self.sweeps.append(sweep)
         if len(self._firsts) < FIRSTS:
             self._firsts.append(sweep)
 
     def forget(self) -> None:
-        """Begin anew: the next sweeps are of the skin at rest."""
+        """Start again: the next sweeps are unpressed."""
         self.sweeps, self._firsts = deque(maxlen=self.wanted), []
         self.first, self._quiet, self._candidate = None, 0, None
 
     def follow(self, sweep: MeasuredSweep | None, answer: TouchAnswer) -> bool:
-        """Whether a sweep was taken for one at rest, in the place of the oldest of the latest.
+        """True if a sweep renewed the baseline in place of the oldest of the latest.
 
-        That happens once in RENEWED_AFTER answers in a row that say "nothing pressed" with a
-        probability of at least SURE. It is never the last of them, in which a touch may begin.
-        sweep: None where only part of one was read.
+        That happens once in RENEWED_AFTER successive answers "nothing pressed" with a probability
+        of at least SURE. It is never the last of these sweeps, because a touch may begin in it.
+        sweep: None if only a part was read.
         """
         if not says_unpressed(answer):
             self._quiet, self._candidate = 0, None
@@ -91,5 +90,5 @@ class LiveBaseline:
 
 
 def says_unpressed(answer: TouchAnswer) -> bool:
-    """Whether an answer is sure that nothing is pressed."""
+    """True if an answer says with certainty that nothing is pressed."""
     return answer.label == NOTHING_PRESSED and (answer.probability or 0) >= SURE

@@ -1,4 +1,4 @@
-"""A trained model as `rcskin live` asks it: its answers to sweeps, in words and as pictures."""
+"""Localizer of a live session: a trained model, its filter and its adaptive sweeps."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ CHANGED = "the touch changed in mid-sweep"
 def localizer_of(
     path: Path, touching: TouchDynamics | None, adaptive: bool, certain: float | None, within: float
 ) -> LiveLocalizer:
-    """The model in a file, ready to answer; a note says where it is of other versions.
+    """Localizer of a model file, ready to answer. Prints a note if other versions wrote the file.
 
-    touching: how hands touch, where sweeps are to add up. adaptive: whether it chooses readings.
-    certain, within: as of `Follower` and `AdaptivePolicy`. Raises InputError as these and `load`.
+    touching: dynamics of touches, to combine successive sweeps. adaptive: True to choose readings.
+    certain, within: limits of the filter and of the adaptive sweep. Raises InputError.
     """
     model = load(path)
     build_in_background(model.pipeline)
@@ -46,7 +46,7 @@ def localizer_of(
 
 @dataclass(frozen=True)
 class LiveLocalizer:
-    """A model on its skin.
+    """A model and its skin.
 
     follower: lets sweeps add up; None: each is answered alone. asker: chooses the readings of
     sweeps; None: all of them in their order.
@@ -59,18 +59,18 @@ class LiveLocalizer:
 
     @property
     def needs_rest(self) -> bool:
-        """Whether it looks at what differs from the skin at rest."""
+        """True if the model compares with the unpressed skin."""
         return needs_baseline(self.model.quantities) or self.model.guards_use_changes
 
     def prepare(self, rest: xr.Dataset | None) -> None:
-        """Have tables of the skin made, where the model makes any, and begin to follow anew."""
+        """Compute tables of the skin, if the model has any, and restart the filter."""
         if rest is not None and needs_baseline(self.model.quantities):
             inverter_for(self.model, rest)
         if self.follower is not None:
             self.follower.forget()
 
     def adaptive_sweep(self, rest: xr.Dataset | None, gap: float) -> AdaptiveSweep | None:
-        """For the next sweep, gap s after the one before; None where whole sweeps are wanted."""
+        """Adaptive sweep, gap s after the sweep before; None if sweeps are to be whole."""
         if self.asker is None or rest is None:
             return None
         return self.asker.begin(rest, gap)
@@ -78,11 +78,11 @@ class LiveLocalizer:
     def answer(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
     ) -> TouchAnswer:
-        """Where one sweep was pressed, by it and, where they are followed, by those before it.
+        """Answer to one sweep; with a filter, also by the sweeps before it.
 
-        rest: sweeps of the skin at rest, where there are any, of the opening or the latest, as
-        their coordinate OPENING of `simulator.sweeps` says. gap: s from the end of the sweep before
-        to its beginning. during: s that it took.
+        rest: unpressed sweeps, of the opening or the latest as their coordinate OPENING of
+        `simulator.sweeps` says; or None. gap: s since the end of the sweep before. during: its
+        duration, s.
         """
         if self.follower is not None:
             return self.worded(self.follower.follow(sweep, rest, gap, during))
@@ -96,7 +96,7 @@ class LiveLocalizer:
         return _no_place(label, probability)
 
     def worded(self, followed: Followed) -> TouchAnswer:
-        """The answer by a sweep and those before it, or by readings that were chosen."""
+        """Answer for a filtered or adaptive result."""
         if self.model.target != "position":
             answer = self._of_classes(followed.label, followed.probabilities)
         elif followed.coordinates:

@@ -1,4 +1,4 @@
-"""The meter of a live session: connected, swept, lost, waited for, given up, and left as found."""
+"""Meter of a live session: connected, measured, reconnected after failures, and restored."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ LOOKED_AT = 1.0
 
 
 class LiveMeter:
-    """One meter, with the settings it had at the beginning; reconnected when it fails.
+    """One meter with its settings of the beginning, reconnected when it fails.
 
-    patience: s without a whole sweep after which it is given up. switch: connects it to one of the
-    localizer's interfaces, where there are several.
+    patience: s without a whole sweep until the session gives up. switch: connects the meter to one
+    of the localizer's interfaces, if there are several.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class LiveMeter:
         clock: Callable[[], float] = time.perf_counter,
         journal: RecordingJournal | None = None,
     ) -> None:
-        """tell, journal: as of `Station`. clock: s, of turns."""
+        """tell, journal: arguments of `ManagedMeter`. clock: times the turns, s."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
@@ -67,20 +67,20 @@ class LiveMeter:
 
     @property
     def header(self) -> RecordingHeader | None:
-        """What the session began with; None before the first connection."""
+        """Facts of the session's beginning; None before the first connection."""
         return self._station.header
 
     def ready(self) -> None:
-        """Have the meter connected, with the settings of the beginning.
+        """Connect the meter, if necessary, with the settings of the beginning.
 
-        Raises MeterError where that fails, InputError where it has not the model's frequencies.
+        Raises MeterError if that fails, InputError if it lacks a frequency of the model.
         """
         meter = self._station.ready()
         if self._station.header is None:
             self._begin(meter)
 
     def sweep(self, watch: Watch) -> MeasuredSweep:
-        """Readings that were all measured with those settings, once ready. Raises MeterError."""
+        """Measure a whole sweep and check that the settings are unchanged. Raises MeterError."""
         model = self._localizer.model
         sweep = measure_sweep(
             self._meter,
@@ -94,9 +94,9 @@ class LiveMeter:
         return sweep
 
     def readings(self, watch: Watch, requests: Iterable[tuple[str, float]]) -> MeasuredSweep:
-        """Those at (interface, frequency in Hz) that are asked for. Raises MeterError.
+        """Measure at the requested (interface, frequency in Hz). Raises MeterError.
 
-        The settings are looked at once in LOOKED_AT seconds.
+        The settings are checked once in LOOKED_AT seconds.
         """
         sweep = measure_readings(self._meter, requests, self.turns, watch)
         if time.monotonic() - self._looked > LOOKED_AT:
@@ -117,11 +117,11 @@ class LiveMeter:
         self._recovered()
 
     def failed(self, failure: MeterError) -> float:
-        """Seconds to wait before the next sweep, longer with each failure in a row.
+        """Time to wait before the next sweep, s; longer after each successive failure.
 
-        Raises NoConnectionError or NoSwitchError where patience is at its end. A reading that the
-        meter itself calls failed is no reason to connect anew, or to give up; nor is a switch that
-        fails one to let the meter go.
+        Raises NoConnectionError or NoSwitchError when patience is over. A reading that failed by
+        the meter's own status causes no reconnection. A failed switch does not disconnect the
+        meter.
         """
         if isinstance(failure, FailedReadingError):
             self._recovered()
@@ -135,13 +135,13 @@ class LiveMeter:
         left = self._failing_since + self._patience - time.monotonic()
         if left <= 0:
             raise gone(
-                f"given up after {self._patience:g} s without the {what}; at last: {failure}"
+                f"the {what} gave no sweep for {self._patience:g} s; the last failure: {failure}"
             ) from failure
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
     def leave(self) -> None:
-        """Let the meter and the switch go as they were found, as far as they answer."""
+        """Restore the meter and the switch, as far as they answer, and close them."""
         with shielded():
             self._station.release()
             if self.turns:

@@ -1,4 +1,4 @@
-"""Live localization on a terminal: grid, answer in words, times, and what happens beside."""
+"""Live localization on a terminal: grid, answer in words, times and notes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 NOTES = 3
 WIDEST = 80
 BESIDE_GRID = 14
-"""Lines of the screen that are not the grid's."""
+"""Lines of the screen outside the grid."""
 
 
 class LiveScreen:
-    """A picture that is drawn anew with each reading while the block runs, and then wiped off."""
+    """A picture that each reading updates while the block runs; removed at its end."""
 
     def __init__(self, console: Console, localizer: LiveLocalizer) -> None:
         from rich.live import Live
@@ -51,7 +51,7 @@ class LiveScreen:
         self._live.stop()
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """Show how far the sweep is."""
+        """Show the progress of the sweep."""
         self._done = self._done % self._readings + 1
         self._frequency = frequency
 
@@ -61,16 +61,16 @@ class LiveScreen:
         self._live.refresh()
 
     def no_answer(self, why: str) -> None:
-        """Show why in the answer's place."""
+        """Show the reason in place of the answer."""
         self._why, self._done = why, 0
         self._live.refresh()
 
     def note(self, text: str) -> None:
-        """Show it among the latest notes."""
+        """Show the note among the latest ones."""
         self._notes.append(text)
 
     def picture(self) -> RenderableType:
-        """All of it, as it is now."""
+        """The present picture."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.text import Text
@@ -112,7 +112,7 @@ class LiveScreen:
         from rich.text import Text
 
         keys = f"{END_KEY}: end" + (
-            f"   {REST_KEY}: take the rest anew" if self._localizer.needs_rest else ""
+            f" {REST_KEY}: measure the unpressed skin again" if self._localizer.needs_rest else ""
         )
         sweep = f"sweep: {self._done} of {self._readings} readings"
         now = f", {self._frequency / 1e3:.4g} kHz" if self._done else ""

@@ -1,4 +1,4 @@
-"""Live localization: a sweep, an answer, and so on at the meter's pace, whatever the meter does."""
+"""Live session: one sweep and one answer after the other, also after failures of the meter."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ END_KEY, REST_KEY = "q", "r"
 
 @dataclass(frozen=True)
 class AnswerSource:
-    """What an answer is of. frequencies: of each trace, Hz, ascending. rest: sweeps of the skin at
-    rest."""
+    """Source of an answer. frequencies: of each trace, Hz, ascending. rest: unpressed sweeps."""
 
     sweep: MeasuredSweep
     frequencies: tuple[tuple[float, ...], ...]
@@ -41,11 +40,11 @@ class AnswerSource:
 
 @dataclass(frozen=True)
 class TimedAnswer:
-    """One answer and how it came about.
+    """One answer with its source and times.
 
-    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the sound sweep before
-    to this answer, the longest that a touch may have waited for it; None for the first. rate:
-    answers per second, lately. failed: sweeps lost so far. remarks: what to know about this one.
+    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the sound sweep
+    before, the longest time from a touch to this answer; None for the first. rate: recent answers
+    per second. failed: sweeps lost so far. remarks: notes about this answer.
     """
 
     answer: TouchAnswer
@@ -76,35 +75,35 @@ class TimedSweep:
 
     @property
     def during(self) -> float:
-        """Seconds that it took."""
+        """Duration, s."""
         return self.ended - self.begun
 
 
 class SessionDisplay(Protocol):
-    """Where a session is shown."""
+    """Shows a session."""
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """A reading of the sweep under way came, at a frequency in Hz."""
+        """Show a reading of the present sweep, at a frequency in Hz."""
         ...
 
     def answer(self, moment: TimedAnswer) -> None:
-        """An answer came."""
+        """Show an answer."""
         ...
 
     def no_answer(self, why: str) -> None:
-        """There is no answer now; what was shown before is no longer true."""
+        """Show that there is no answer, and why; the answer before is no longer valid."""
         ...
 
     def note(self, text: str) -> None:
-        """Something to know that leaves the answer as it is."""
+        """Show a note; the answer stays."""
         ...
 
 
 @dataclass
 class LiveSession:
-    """A localizer at a meter. key: the last key that was pressed, empty where none was.
+    """A localizer at a meter. key: returns the last pressed key, or an empty string.
 
-    clock: s, by which sweeps are timed.
+    clock: times the sweeps, s.
     """
 
     localizer: LiveLocalizer
@@ -130,10 +129,10 @@ class LiveSession:
         self._known = BaselineDataset(self.rest, self.localizer.model)
 
     def run(self, answers: int | None = None) -> None:
-        """Answer so often, or until the key of the end.
+        """Answer until the given number of answers or the end key.
 
-        Raises MeterError where the meter is given up or the skin does not come to rest, InputError
-        where meter and model do not fit each other.
+        Raises MeterError if the meter fails for too long or the unpressed skin is not stable,
+        InputError if meter and model do not fit each other.
         """
         self._ask_for_rest()
         if self.rest.complete:
@@ -148,7 +147,7 @@ class LiveSession:
             self.step()
 
     def step(self) -> None:
-        """Measure once, and answer or tell why not. Raises as `run`."""
+        """Measure once and show the answer, or why there is none. Raises the errors of `run`."""
         try:
             self.link.ready()
             at, begun = now(), self.clock()
@@ -171,7 +170,7 @@ class LiveSession:
             self._take_rest(measured.sweep)
 
     def _measured(self, begun: float) -> TimedSweep:
-        """The next sweep: whole, or as much of it as an answer takes."""
+        """The next sweep, whole or adaptive."""
         gap = 0.0 if self._ended is None else begun - self._ended
         asked = None
         if self.rest.complete and not self.rest.due:
@@ -229,7 +228,7 @@ class LiveSession:
             )
         )
         if self.rest.follow(sweep if measured.part is None else None, answer):
-            self.show.note("rest renewed by one sweep, to follow slow drift")
+            self.show.note("baseline renewed by one unpressed sweep, to follow slow drift")
 
     def _source(self, measured: TimedSweep) -> AnswerSource:
         part, model = measured.part, self.localizer.model
@@ -247,7 +246,7 @@ class LiveSession:
             self._restless += 1
             if self._restless >= RESTLESS:
                 raise MeterError(
-                    f"the skin does not come to rest in {RESTLESS} trials ({moved[0]}); leave it "
+                    f"the unpressed skin is not stable in {RESTLESS} trials ({moved[0]}); leave it "
                     "untouched, or allow more by --drift"
                 )
             self.rest.forget()
@@ -256,14 +255,14 @@ class LiveSession:
         if self.rest.complete:
             self._restless = 0
             self._prepare()
-            self.show.no_answer("rest is known: the skin may be touched")
+            self.show.no_answer("ready: the skin may be touched")
         else:
             self._ask_for_rest()
 
     def _ask_for_rest(self) -> None:
         done, wanted = len(self.rest.sweeps), self.rest.wanted
         if done < wanted:
-            self.show.no_answer(f"leave the skin untouched: sweep {done + 1} of {wanted} at rest")
+            self.show.no_answer(f"leave the skin untouched: unpressed sweep {done + 1} of {wanted}")
 
     def _remarks(self, measured: TimedSweep, first: MeasuredSweep | None = None) -> list[str]:
         judge = self.link.judge

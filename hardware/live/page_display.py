@@ -1,4 +1,4 @@
-"""A session on a page: the newest sweep and answer, and what the terminal says, as one state."""
+"""A live session on a page: latest sweep, answer and notes as one state."""
 
 from __future__ import annotations
 
@@ -20,39 +20,39 @@ if TYPE_CHECKING:
 
 NOTES = 5
 OFTEN = 0.25
-"""Seconds from one word on the sweep under way to the next."""
+"""Seconds between two updates of a sweep's progress."""
 
 
 @dataclass
 class CombinedDisplay:
-    """Several places where a session is shown."""
+    """Several displays of one session."""
 
     shows: Sequence[SessionDisplay]
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """A reading came, at a frequency in Hz."""
+        """Show a reading at a frequency in Hz."""
         for show in self.shows:
             show.reading(frequency, reading)
 
     def answer(self, moment: TimedAnswer) -> None:
-        """An answer came."""
+        """Show an answer."""
         for show in self.shows:
             show.answer(moment)
 
     def no_answer(self, why: str) -> None:
-        """There is none now."""
+        """Show why there is no answer."""
         for show in self.shows:
             show.no_answer(why)
 
     def note(self, text: str) -> None:
-        """Something to know."""
+        """Show a note."""
         for show in self.shows:
             show.note(text)
 
 
 @dataclass
 class PageDisplay:
-    """Posts a session's state each time that it changes, all of it in plain numbers and words."""
+    """Posts the state of a session, as numbers and text, at each change."""
 
     model: Model
     post: Callable[[Mapping[str, Any]], None]
@@ -74,13 +74,13 @@ class PageDisplay:
         self._post_state()
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """How far the sweep is, now and then."""
+        """Post the progress of the sweep, at intervals."""
         self._done += 1
         if time.monotonic() - self._posted > OFTEN:
             self._post_state(frequency)
 
     def answer(self, moment: TimedAnswer) -> None:
-        """The answer, and the sweep that it is of."""
+        """Post the answer and its sweep."""
         self._done = 0
         self._state |= {
             "why": "",
@@ -98,13 +98,13 @@ class PageDisplay:
         self._post_state()
 
     def no_answer(self, why: str) -> None:
-        """Why, in the answer's place; the sweep stays until another one is sound."""
+        """Post the reason in place of the answer; the sweep stays until the next sound one."""
         self._done = 0
         self._state |= {"why": why, "answer": None, "remarks": []}
         self._post_state()
 
     def note(self, text: str) -> None:
-        """Among the latest notes."""
+        """Post the note among the latest ones."""
         self._notes.append(text)
         self._post_state()
 
@@ -127,7 +127,7 @@ def _answer_state(answer: TouchAnswer) -> dict[str, Any]:
 
 
 def _measured(seen: AnswerSource, model: Model) -> dict[str, Any]:
-    """Z and its mean at rest, ohm, by interface and frequency; None where it was not read."""
+    """Z and its mean of the unpressed skin, ohm, by interface and frequency; None if not read."""
     read = {
         trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
         for trace, at in zip(seen.sweep.traces, seen.frequencies, strict=True)

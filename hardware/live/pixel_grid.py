@@ -1,4 +1,4 @@
-"""The grid of pixels in colours: how probable a touch is, or where it lies and how surely."""
+"""Coloured grid of pixels: the probability of touches, or a position and its region."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 CIVIDIS = ((0, 34, 78), (53, 69, 108), (102, 105, 112), (148, 142, 119), (200, 184, 102))
 RAMP = (*CIVIDIS, (254, 232, 56))
-"""Of J. R. Nunez et al., PLoS ONE 13 (2018) e0199239: read alike by all eyes, brighter is more."""
+"""Colours of J. R. Nunez et al., PLoS ONE 13 (2018) e0199239; readable with colour blindness."""
 MARKER = "+"
 NUMBERED = 4
-"""Least width of a pixel, in characters, that has room for its number."""
+"""Smallest width of a pixel, in characters, that has room for its number."""
 
 
 @dataclass(frozen=True)
 class PixelGrid:
-    """Pixels on a skin, drawn with row 1 at the bottom. size: of the skin, mm.
+    """Pixels of a skin, drawn with row 1 at the bottom. size: of the skin, mm.
 
     wide, high: characters of each pixel.
     """
@@ -37,7 +37,7 @@ class PixelGrid:
     high: int = 3
 
     def draw(self, answer: TouchAnswer | None) -> Text:
-        """The grid under an answer; None draws it dark."""
+        """Grid that shows an answer; None draws it dark."""
         from rich.text import Text
 
         text = Text(no_wrap=True)
@@ -63,9 +63,9 @@ class PixelGrid:
             text.append(" " * (self.wide * self.columns), _style(0))
 
     def _numbered(self, row: int, shared: str) -> range:
-        """Columns of a row, from 0, that show their probability.
+        """Columns of a row, from 0, that show their probability as a number.
 
-        All do; where a whole column or row shares one, its pixel in the middle does.
+        All columns do. If a whole column or row shares one probability, only its middle pixel does.
         """
         if shared == "column" and row != (self.rows + 1) // 2:
             return range(0)
@@ -91,7 +91,7 @@ class PixelGrid:
         position: tuple[float, float],
         region: Callable[[NDArray, NDArray], NDArray] | None,
     ) -> None:
-        """A marker where the touch is told, the region as bright as places are likely."""
+        """One line with the marker of the position and its region, brighter for likelier places."""
         wide, high = self.wide * self.columns, self.high * self.rows
         at_x, at_y = (
             _place(position[0] / self.size[0], wide),
@@ -106,7 +106,7 @@ class PixelGrid:
 
 
 def fitting(rows: int, columns: int, size: tuple[float, float], room: tuple[int, int]) -> PixelGrid:
-    """The grid with the largest pixels that have room. room: characters across and down."""
+    """Grid with the largest pixels that fit. room: characters across and down."""
     wide = max(2, min(9, (room[0] - 4) // columns))
     high = 3 if 3 * rows < room[1] else 1
     return PixelGrid(rows, columns, size, wide, high)

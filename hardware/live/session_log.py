@@ -1,4 +1,4 @@
-"""Measured sweeps as a model takes them, and the log of a live session."""
+"""Datasets of measured sweeps for a model, and the log of a live session."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 def as_dataset(
     sweeps: Sequence[MeasuredSweep], model: Model, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
-    """Sweeps at the model's interfaces and frequencies. press: of each, or of all."""
+    """Dataset of sweeps at the model's interfaces and frequencies. press: of each, or of all."""
     presses = [press] * len(sweeps) if isinstance(press, str) else list(press)
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return sweep_dataset(
@@ -52,7 +52,7 @@ def as_dataset(
 
 
 def rest_dataset(rest: LiveBaseline, model: Model) -> xr.Dataset:
-    """Sweeps of the skin at rest, those of the opening told apart from the latest."""
+    """Dataset of the unpressed sweeps; the coordinate OPENING marks those of the opening."""
     both = [*rest.opening, *rest.sweeps]
     opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
     return as_dataset(both, model, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
@@ -60,7 +60,7 @@ def rest_dataset(rest: LiveBaseline, model: Model) -> xr.Dataset:
 
 @dataclass
 class BaselineDataset:
-    """The skin at rest as a model takes it, made anew where another sweep counts."""
+    """Dataset of the unpressed sweeps, built again when they change."""
 
     rest: LiveBaseline
     model: Model
@@ -79,7 +79,7 @@ class BaselineDataset:
 
 
 def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> list[MeasuredSweep]:
-    """The unpressed sweeps of a file or several.
+    """Unpressed sweeps of files.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
     interfaces or frequencies.
@@ -90,7 +90,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> li
         check_same_skin(str(sweeps.attrs.get("scene", "")), model.problem.scene, path)
     unpressed = sweeps.isel(sweep=np.flatnonzero(sweeps["press"].values == UNPRESSED))
     if not unpressed.sizes["sweep"]:
-        raise InputError(f"{path}: holds no sweep of the skin at rest (press `none`)")
+        raise InputError(f"{path}: holds no unpressed sweep (press `none`)")
     frequencies = unpressed["frequency"].values
     same = len(frequencies) == len(model.frequencies) and np.allclose(
         frequencies, model.frequencies, rtol=1e-9, atol=0
@@ -116,7 +116,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> li
 
 
 def _taken(sweeps: xr.Dataset) -> NDArray[np.bool_]:
-    """Which interface was read at which frequency, shape (interface, frequency)."""
+    """Mask of the measured frequencies, shape (interface, frequency)."""
     every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
     own = taken_of(sweeps)
     return every if own is None else own
@@ -130,7 +130,7 @@ def _trace(values: NDArray[np.float64], interface: str) -> InterfaceTrace:
 
 @dataclass
 class SessionLog:
-    """All that was measured and answered, in a recorder's journal; kept only where there is one.
+    """Log of all sweeps and answers in a journal. Without a journal nothing is kept.
 
     told: what was written, in one line, and how a session goes on with its rest.
     """
@@ -143,7 +143,7 @@ class SessionLog:
     def keep(
         self, sweep: MeasuredSweep, press: str, begun: str, header: RecordingHeader | None
     ) -> None:
-        """Put a sweep on the disk as it ends. press: `none` where the skin was left untouched."""
+        """Write a finished sweep. press: `none` for an unpressed sweep."""
         if self.journal is None or header is None:
             return
         if not self._kept:
@@ -158,17 +158,21 @@ class SessionLog:
         self._kept += 1
 
     def answered(self, answer: TouchAnswer) -> None:
-        """Keep what was told of the latest sweep."""
+        """Write the answer to the latest sweep."""
         if self.journal is None or self._latest is None:
             return
         self._latest = replace(self._latest, answer=(answer.label, answer.probability))
         self.journal.keep(self._kept - 1, self._latest)
 
     def write(self, header: RecordingHeader | None) -> None:
-        """Write the sweeps, whole or not at all; nothing where there are none."""
+        """Write the output, if there are sweeps."""
         if self.journal is None or header is None or not self._kept:
             return
         sweeps = finish(self.journal, header, self.journal.entries(header))
         output, presses = self.journal.output, sweeps["press"].values
-        again = f"; --rest-file {output} begins with its rest" if UNPRESSED in presses else ""
+        again = (
+            f"; --rest-file {output} starts from its unpressed sweeps"
+            if UNPRESSED in presses
+            else ""
+        )
         self.summary = f"{sizes_text(sweeps.sizes)} -> {output}{again}"

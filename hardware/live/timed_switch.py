@@ -1,4 +1,4 @@
-"""How long a switch takes to turn, as it turns."""
+"""Measured times of a switch's turns."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 from ..switch.switch import Switch
 
 USUAL = 0.1
-"""s that a turn takes where none was seen yet."""
+"""Assumed time of a turn before the first one, s."""
 
 
 @dataclass
 class TimedSwitch:
-    """A switch whose turns are timed, by a clock in s. latest: s that the newest turn took.
+    """A switch whose turns are timed by a clock in s. latest: time of the latest turn, s.
 
-    spent: s of all that it was asked, with and without a turn.
+    spent: total time of all calls, s.
     """
 
     switch: Switch

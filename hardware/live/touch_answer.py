@@ -1,4 +1,4 @@
-"""What a localizer answers to one sweep, in words and so that it can be drawn."""
+"""Answer of a localizer to one sweep, in words and in numbers to draw."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
 
 @dataclass(frozen=True)
 class TouchAnswer:
-    """What one sweep tells.
+    """Answer to one sweep.
 
-    label: in words. probability: of the label, None where it is not known. pixels: probability that
-    a pixel is pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its
-    standard deviations, mm. region: how likely places x, y in mm are, from 0 outside of the region
-    that holds 95 % to 1. remark: what to know about it. shared: "column" or "row" where its pixels
-    are pressed together and share one probability. Raises ValueError where a number is none or no
+    label: in words. probability: of the label, None if unknown. pixels: probability that a pixel is
+    pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its standard
+    deviations, mm. region: likelihood of places x, y in mm, from 0 outside the region that holds
+    95 % to 1. remark: a note, or empty. shared: "column" or "row" if its pixels are pressed
+    together and share one probability. Raises ValueError if a number is not finite or no
     probability.
     """
 
@@ -50,11 +50,13 @@ class TouchAnswer:
         lengths = (*(self.position or ()), *(self.deviation or ()))
         within = (probabilities >= -1e-9) & (probabilities <= 1 + 1e-9)
         if not (within.all() and all(map(math.isfinite, lengths))):
-            raise ValueError(f"the localizer's answer {self.label!r} has numbers that are none")
+            raise ValueError(
+                f"the localizer's answer {self.label!r} has numbers that are not finite"
+            )
 
     @property
     def words(self) -> str:
-        """The label with how sure it is: `column 3, 97 %`."""
+        """The label with its uncertainty: `column 3, 97 %`."""
         parts = [self.label]
         if self.deviation is not None:
             parts.append(f"± {self.deviation[0]:.1f} x {self.deviation[1]:.1f} mm")
@@ -64,7 +66,7 @@ class TouchAnswer:
 
 
 def readings_of(model: Model) -> int:
-    """How many readings a sweep is of."""
+    """Number of readings in a sweep of this model."""
     return sum(len(model.own_frequencies.get(name, model.frequencies)) for name in model.interfaces)
 
 
@@ -75,10 +77,10 @@ def answer_of_classes(
     probabilities: NDArray[np.float64],
     shape: tuple[int, int],
 ) -> TouchAnswer:
-    """The answer of a classifier: its label, and the probability of each of its classes.
+    """Answer of a classifier: its label, and the probability of each of its classes.
 
     classes: a number for a column, row or count of touches, `ROW,COLUMN` for a pixel, several
-    joined by '+'; zeros where nothing is pressed. shape: rows and columns of pixels.
+    joined by '+'; zeros for the unpressed skin. shape: rows and columns of pixels.
     """
     known = dict(zip(classes, probabilities.tolist(), strict=True))
     pixels = None
@@ -101,7 +103,7 @@ def _in_words(target: str, label: str) -> str:
 
 
 def _pressed(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """1 where a class presses, shape (row, column)."""
+    """Pixels that a class presses: 1, others 0; shape (row, column)."""
     pressed = np.zeros(shape)
     if target == "column" and int(label):
         pressed[:, int(label) - 1] = 1

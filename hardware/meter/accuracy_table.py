@@ -1,4 +1,4 @@
-"""How well a meter reads, by conditions, and how long it takes."""
+"""Accuracy table of a meter: bounds on its errors and times of its readings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from ...simulator.sweeps.reading_time import reading_time
 
 @dataclass(frozen=True)
 class ReadingConditions:
-    """frequency: Hz. range: 1 to 10. level: open voltage at the terminals in V. cable: m."""
+    """Conditions of one reading.
+
+    frequency: Hz. range: 1 to 10. level: open voltage at the terminals, V. cable: length, m.
+    """
 
     frequency: float
     range: int
@@ -29,17 +32,17 @@ class ReadingConditions:
 
     @property
     def seconds(self) -> float:
-        """Time of a measurement, see `reading_time`."""
+        """Time of a reading, s, see `reading_time`."""
         return reading_time(self.frequency, self.speed) * self.averaging
 
 
 OUTPUT_RESISTANCE = 100.0
-"""Of the generator, ohm."""
+"""Output resistance of the generator, ohm."""
 
 
 @dataclass(frozen=True)
 class GeneratorLevel:
-    """What the generator holds: level V its open voltage, CV the skin's voltage, CC its current.
+    """Quantity that the generator controls: open voltage (V), skin voltage (CV) or current (CC).
 
     voltage, constant_voltage: V. constant_current: A.
     """
@@ -51,11 +54,11 @@ class GeneratorLevel:
 
     @classmethod
     def of(cls, settings: Mapping[str, Any]) -> GeneratorLevel:
-        """That of a meter's settings by name."""
+        """Level in a meter's settings, given by name."""
         return cls(**{field.name: settings[field.name] for field in fields(cls)})
 
     def open_voltage(self, Z: complex) -> float:
-        """The generator's voltage in V with the terminals open, behind its output resistance."""
+        """Open-circuit voltage of the generator in V, behind its output resistance."""
         loop = abs(OUTPUT_RESISTANCE + Z)
         return {
             "V": self.voltage,
@@ -81,7 +84,7 @@ class _AccuracyModel(BaseModel):
 
 
 class RangeErrors(_AccuracyModel):
-    """Cells (A, B) of one range, one for each band; full_scale: ohm. Z: %. theta: degrees."""
+    """Coefficients (A, B) of one range for each band. full_scale: ohm. Z: %. theta: degrees."""
 
     full_scale: Positive
     Z: BandErrors
@@ -89,7 +92,7 @@ class RangeErrors(_AccuracyModel):
 
 
 class ErrorFactors(_AccuracyModel):
-    """Factors of the error. level: (from V, factor). cable_1m: factor at 0 Hz, rise per kHz."""
+    """Factors on the error. level: (from V, factor). cable_1m: factor at 0 Hz, rise per kHz."""
 
     level: tuple[tuple[Error, Positive], ...]
     speed: dict[str, Positive]
@@ -97,14 +100,14 @@ class ErrorFactors(_AccuracyModel):
 
 
 class RangeLimits(_AccuracyModel):
-    """Least and most of |Z| over full scale that is guaranteed, and that is displayed at all."""
+    """Limits (min, max) of |Z| over full scale: guaranteed accuracy, and display."""
 
     guaranteed: tuple[Error, Positive]
     displayed: tuple[Error, Positive]
 
 
 class AccuracyTable(_AccuracyModel):
-    """A meter's table. band_starts, stop: Hz, ascending; a band ends where the next one starts."""
+    """Accuracy table of a meter. band_starts, stop: Hz; a band ends at the start of the next."""
 
     name: str
     band_starts: tuple[Positive, ...]
@@ -114,14 +117,14 @@ class AccuracyTable(_AccuracyModel):
     span: RangeLimits
 
     def has_range(self, range_number: int) -> bool:
-        """Whether it has a row of this range; where not, `bound` tells that of the nearest."""
+        """True if the table has this range. If not, `error_bounds` uses the nearest one."""
         scale = full_scale(range_number)
         return any(math.isclose(row.full_scale, scale) for row in self.range)
 
     def is_outside_guarantee(self, Z: complex, conditions: ReadingConditions) -> bool:
-        """Whether a reading is known to be outside guaranteed accuracy under these conditions.
+        """True if a reading is outside the guaranteed accuracy under these conditions.
 
-        A range of which it has no row is not: nothing is known of that.
+        The limits of a range hold for ranges without a row, too.
         """
         low, high = self.span.guaranteed
         in_band = self.band_starts[0] <= conditions.frequency <= self.stop
@@ -130,9 +133,9 @@ class AccuracyTable(_AccuracyModel):
         return not (in_band and strong and within)
 
     def error_bounds(self, Z: complex, conditions: ReadingConditions) -> tuple[float, float]:
-        """Bounds on the systematic error of |Z| (a fraction) and of the phase (rad).
+        """Bounds on the systematic errors of |Z| (a fraction) and of the phase (rad).
 
-        Where the table has no cell, those of the nearest range and band are taken.
+        A range or band that the table lacks is replaced by the nearest one.
         """
         band = max(0, bisect_right(self.band_starts, conditions.frequency) - 1)
         scale = full_scale(conditions.range)
@@ -144,7 +147,7 @@ class AccuracyTable(_AccuracyModel):
         return factor * of_Z / 100, factor * math.radians(of_theta)
 
     def fitting_range(self, Z: complex) -> int:
-        """The number of the lowest range that guarantees |Z|, the highest where none does."""
+        """Number of the lowest range that guarantees |Z|; the highest range if none does."""
         most = self.span.guaranteed[1]
         return next((n for n in RANGES if abs(Z) <= most * full_scale(n)), RANGES[-1])
 
@@ -157,16 +160,16 @@ class AccuracyTable(_AccuracyModel):
 
 
 def full_scale(range_number: int) -> float:
-    """Full scale in ohm of a range by its number: 1 is 100 mohm, 10 is 100 Mohm."""
+    """Full scale of a range in ohm, by its number: 1 is 100 mohm, 10 is 100 Mohm."""
     return 10.0 ** (range_number - 2)
 
 
 def read_table(path: Path = DERIVED_TABLE) -> AccuracyTable:
-    """The table in a TOML file. Raises InputError naming the file, the key and what is wrong."""
+    """Accuracy table in a TOML file. Raises InputError with the file, the key and the fault."""
     try:
         table = AccuracyTable.model_validate(inputs.tables(inputs.text(path, inputs.SETTINGS)))
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: cannot be read as a table of accuracy: {error}") from error
+        raise InputError(f"{path}: is no accuracy table in TOML: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
@@ -187,6 +190,6 @@ def _check_shape(table: AccuracyTable, path: Path) -> None:
     for key, wrong in problems.items():
         if wrong:
             raise InputError(
-                f"{path}: `{key}` does not fit: starts ascend, every range has one cell for each "
-                "band, and every speed and level has its factor"
+                f"{path}: `{key}` does not fit: band starts must ascend, every range must have one "
+                "cell for each band, and every speed and level must have its factor"
             )

@@ -1,4 +1,4 @@
-"""A meter's line, by VISA resource string: TCP socket, serial port (USB or RS-232) or GP-IB."""
+"""Connection to a VISA resource: TCP socket, serial port (USB or RS-232) or GP-IB."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ EXAMPLES = (
 
 
 class Connection(Protocol):
-    """Whatever carries lines to a meter and back."""
+    """A channel for lines of text to a meter and back."""
 
     @property
     def resource(self) -> str:
-        """The name that errors tell."""
+        """Name of the resource, for errors."""
         ...
 
     def write(self, message: str) -> None:
@@ -41,24 +41,24 @@ class Connection(Protocol):
         ...
 
     def close(self) -> None:
-        """Let the line go; closing twice does no harm."""
+        """Close the connection. Closing twice does no harm."""
         ...
 
 
 CLOSED_ERRORS = (OSError, ValueError, TypeError, AttributeError)
-"""What a backend raises of a line that another thread lets go at that moment."""
+"""Exceptions of a backend whose connection another thread closes at that moment."""
 
 
 PYVISA_PY_INTERFACES = {"TCPIP", "ASRL"}
-"""Interfaces that pyvisa-py reaches by itself on every system: sockets and serial ports."""
+"""Interfaces that pyvisa-py opens on every system: sockets and serial ports."""
 
 
 def resource_manager(interface: str = "") -> ResourceManager:
-    """PyVISA with the backend that reaches such an interface: pyvisa-py for PYVISA_PY_INTERFACES.
+    """PyVISA's manager with a backend for this interface: pyvisa-py for PYVISA_PY_INTERFACES.
 
-    For others it is PyVISA's choice: NI-VISA or another vendor's library where one is installed,
-    else pyvisa-py. The user's own choice, in PYVISA_LIBRARY, is kept for all. Raises ValueError or
-    OSError where there is no such backend.
+    For other interfaces PyVISA chooses: a vendor's library such as NI-VISA if one is installed,
+    else pyvisa-py. PYVISA_LIBRARY of the user overrides both. Raises ValueError or OSError if there
+    is no such backend.
     """
     from pyvisa import ResourceManager
 
@@ -67,10 +67,10 @@ def resource_manager(interface: str = "") -> ResourceManager:
 
 
 class VisaConnection:
-    """A line through PyVISA."""
+    """A connection through PyVISA."""
 
     def __init__(self, resource: str, timeout: float, opened: MessageBasedResource) -> None:
-        """timeout: seconds that an answer may take."""
+        """timeout: longest time of an answer, s."""
         self.resource, self._timeout, self._opened = resource, timeout, opened
         self._waits = 0
 
@@ -86,8 +86,8 @@ class VisaConnection:
     def read(self, seconds: float = 0.0) -> str:
         """One line, without its end. seconds: how long it may take beyond the time-out.
 
-        Raises NoAnswerError where none comes whole within the time-out, GarbledError where it is
-        no text or never ends, LostConnectionError where the line is gone.
+        Raises NoAnswerError if no whole line comes within the time-out, GarbledError if it is no
+        text or never ends, LostConnectionError if the connection is lost.
         """
         from pyvisa.constants import StatusCode
         from pyvisa.errors import Error, VisaIOError
@@ -104,11 +104,11 @@ class VisaConnection:
         return _text(raw, self.resource)
 
     def close(self) -> None:
-        """Let the line go; closing twice does no harm."""
+        """Close the connection. Closing twice does no harm."""
         self._opened.close()
 
     def _wait(self, milliseconds: int) -> None:
-        """Let an answer take so long; a line that waits so long already is not told again."""
+        """Set the time-out of the backend, unless it has this value already."""
         if milliseconds != self._waits:
             self._opened.timeout, self._waits = milliseconds, milliseconds
 
@@ -116,7 +116,7 @@ class VisaConnection:
         return NoAnswerError(
             f"{self.resource}: no whole answer within {waited:.3g} s; check that the meter "
             "is on, that the cable and the port are right, that its terminator is CR+LF, and that "
-            "a slow measurement has time enough"
+            "the time-out is long enough for a slow measurement"
         )
 
     def _lost(self, error: Exception) -> LostConnectionError:
@@ -127,11 +127,11 @@ class VisaConnection:
 
 
 def connect(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> VisaConnection:
-    """A line to `resource`, with the meter's terminations set on both ways.
+    """Connection to `resource`, with the meter's terminators in both directions.
 
-    timeout: seconds that an answer may take. baud_rate: of a serial port, one of BAUD_RATES.
-    Raises InputError where the name is no VISA resource or a number is out of range, and
-    NoConnectionError where the resource cannot be opened.
+    timeout: longest time of an answer, s. baud_rate: for a serial port, one of BAUD_RATES. Raises
+    InputError if the name is no VISA resource or a number is out of range, and NoConnectionError if
+    the resource cannot be opened.
     """
     interface = _checked_interface(resource, timeout, baud_rate)
     serial: dict[str, Any] = {"baud_rate": baud_rate, "data_bits": 8} if interface == "ASRL" else {}
@@ -164,7 +164,7 @@ def _checked_interface(resource: str, timeout: float, baud_rate: int) -> str:
     try:
         return parse_resource_name(resource).interface_type
     except InvalidResourceName as error:
-        raise InputError(f"{resource!r} is no VISA resource; such are {EXAMPLES}") from error
+        raise InputError(f"{resource!r} is no VISA resource; examples: {EXAMPLES}") from error
 
 
 def _library_of(interface: str) -> str:

@@ -1,4 +1,4 @@
-"""Questions and answers kept in step: an answer always belongs to the question before it."""
+"""Conversation with a meter: every answer belongs to the query before it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LATE_ANSWERS = 16
 
 
 class Event(IntFlag):
-    """Bits of the standard event register `*ESR?`, with what each tells."""
+    """Bits of the standard event register `*ESR?`."""
 
     POWER_ON = 128
     COMMAND = 32
@@ -46,9 +46,9 @@ REFUSALS = {
 
 @dataclass
 class AnswerTimes:
-    """When a meter last answered, s of `monotonic`, and the longest that an answer took, s.
+    """Time of the latest answer (s of `monotonic`) and longest delay of an answer (s).
 
-    What a reading is expected to take is no part of it.
+    The delay does not contain the expected time of a reading.
     """
 
     at: float = 0.0
@@ -56,11 +56,11 @@ class AnswerTimes:
 
 
 ANSWER_TIMES = AnswerTimes()
-"""Of all connections: a command works with one meter, however often it connects."""
+"""Shared by all connections, because a command works with one meter."""
 
 
 class Conversation:
-    """What is said over one connection; after a failure it is brought back into step, or closed."""
+    """Messages over one connection. After a failure it is resynchronized or closed."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._closed = connection, False
@@ -68,30 +68,30 @@ class Conversation:
 
     @property
     def resource(self) -> str:
-        """The name of the meter's line."""
+        """Name of the meter's resource."""
         return self._connection.resource
 
     def send(self, message: str) -> None:
-        """Send a message that has no answer, and look whether the meter took it.
+        """Send a message without an answer, and check that the meter accepted it.
 
-        Raises RefusedError, RestartedError, or MeterError where the connection fails.
+        Raises RefusedError, RestartedError, or MeterError if the connection fails.
         """
         self._check_register(f"{message};*ESR?", message)
 
     def check_events(self, message: str) -> None:
-        """Raises RefusedError or RestartedError where the event register holds such an event."""
+        """Raises RefusedError or RestartedError if the event register holds such an event."""
         self._check_register("*ESR?", message)
 
     def query(
         self, message: str, parse: Callable[[str], Answer], about: str = "", seconds: float = 0.0
     ) -> Answer:
-        """The answer to a message, understood by `parse`, which raises ValueError at nonsense.
+        """Answer to a message, parsed by `parse`, which raises ValueError at nonsense.
 
-        about: what errors name instead of the message. seconds: how long the answer may take beyond
-        the time-out. Raises RefusedError or RestartedError where
-        the event register explains a silence (a message that is unknown has no answer), otherwise
-        NoAnswerError or GarbledError, and LostConnectionError where nothing helps. An answer that
-        nobody waited for, because a signal came, is not taken for this one.
+        about: name of the message in errors. seconds: time allowed beyond the time-out. Raises
+        RefusedError or RestartedError if the event register explains a missing answer (an unknown
+        message has none), otherwise NoAnswerError or GarbledError, and LostConnectionError if the
+        conversation cannot be resynchronized. An earlier answer that a signal interrupted is never
+        taken for this one.
         """
         raise_pending_signal()
         self._require_open()
@@ -109,9 +109,9 @@ class Conversation:
     def query_checked(
         self, message: str, parse: Callable[[str], Answer], seconds: float = 0.0
     ) -> Answer:
-        """As `ask`, with a look at the event register in the same exchange.
+        """Like `query`, and checks the event register in the same exchange.
 
-        Raises RefusedError or RestartedError before the answer is parsed, where the register holds
+        Raises RefusedError or RestartedError before the answer is parsed, if the register holds
         such an event.
         """
 
@@ -125,7 +125,7 @@ class Conversation:
         return self.query(f"{message};*ESR?", checked, message, seconds)
 
     def close(self) -> None:
-        """Let the connection go; closing twice does no harm."""
+        """Close the connection. Closing twice does no harm."""
         if not self._closed:
             self._closed = True
             self._connection.close()
@@ -148,14 +148,14 @@ class Conversation:
             return parse(answer)
         except ValueError as error:
             raise GarbledError(
-                f"{self.resource}: {message} was answered with {answer[:60]!r}; check the line "
-                "and that nothing else talks to the meter"
+                f"{self.resource}: the answer to {message} was {answer[:60]!r}; check the line, "
+                "and that no other program uses the meter"
             ) from error
 
     def _resynchronize(self, seconds: float = 0.0) -> Event:
-        """The event register, told in an answer that no earlier question can have.
+        """Event register, read by a query whose answer no earlier query can have.
 
-        seconds: that the answer before may take beyond the time-out.
+        seconds: time that the pending answer may take beyond the time-out.
         """
         self._pending = seconds
         try:
@@ -170,8 +170,8 @@ class Conversation:
             raise failure from None
         self.close()
         raise LostConnectionError(
-            f"{self.resource}: answers no longer fit the questions; the connection was closed: "
-            "check that nothing else talks to the meter, then connect again"
+            f"{self.resource}: the answers no longer fit the queries; the connection was closed: "
+            "check that no other program uses the meter, then connect again"
         )
 
     def _any_answer(self, seconds: float) -> str:
@@ -183,7 +183,7 @@ class Conversation:
     def _failure(self, found: Event, message: str) -> MeterError | None:
         if Event.POWER_ON in found:
             return RestartedError(
-                f"{self.resource}: the meter was switched on anew before {message}, so its "
+                f"{self.resource}: the meter was switched off and on before {message}; its "
                 "settings and corrections are lost; check its power, then set it up again"
             )
         reasons = [reason for event, reason in REFUSALS.items() if event in found]

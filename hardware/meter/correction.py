@@ -1,4 +1,4 @@
-"""Open and short correction: acquired by the meter, awaited here, its failure told."""
+"""Open and short correction: started, awaited, and checked for failure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .termination import shielded
 
 COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
 ADVICE = {
-    "open": "check that the leads are held apart, connected to nothing, and shielded",
+    "open": "check that the leads are apart, connected to nothing, and shielded",
     "short": "check that the leads are joined firmly by a clean shorting bar",
 }
 COMPLETE = 1
@@ -27,13 +27,15 @@ def correct(
     patience: float = 180.0,
     interval: float = 0.2,
 ) -> None:
-    """Acquire open or short correction at all frequencies or one (ALL, SPOT), or end it (OFF).
+    """Acquire the open or short correction at all frequencies or one (ALL, SPOT), or end it (OFF).
 
-    progress: called with the seconds so far, every `interval` s. patience: s.
-    Raises InputError on other words, CorrectionError where the meter fails or never ends.
+    progress: called with the elapsed seconds, every `interval` s. patience: longest time, s. Raises
+    InputError for other words, CorrectionError if the meter fails or does not end in time.
     """
     if kind not in COMMANDS or extent not in ("ALL", "SPOT", "OFF"):
-        raise InputError(f"correction is open or short, and ALL, SPOT or OFF; got {kind}, {extent}")
+        raise InputError(
+            f"`kind` must be open or short and `extent` ALL, SPOT or OFF, got {kind}, {extent}"
+        )
     command, talk = COMMANDS[kind], meter.talk
     meter.trigger = "EXTERNAL"
     talk.query(":ESR0?", int)

@@ -1,4 +1,4 @@
-"""Which meters answer."""
+"""Discovery of meters."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .meter_identity import MeterIdentity
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """What came of asking a resource: an identity, or why there is none."""
+    """Result of a probe: the identity, or why there is none."""
 
     identity: MeterIdentity | None
     failure: str = ""
 
 
 def find_resources() -> list[str]:
-    """VISA resources that can be found by themselves: serial ports, GP-IB, and some on the LAN."""
+    """VISA resources that PyVISA lists: serial ports, GP-IB, and some on the LAN."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         of_backends = [
@@ -31,7 +31,7 @@ def find_resources() -> list[str]:
 
 
 def probe(resource: str, timeout: float, baud_rate: int) -> ProbeResult:
-    """Who answers at a resource. Raises InputError where it is no name of one."""
+    """Identity of the meter at a resource. Raises InputError if the name is no resource."""
     try:
         connection = connect(resource, timeout, baud_rate)
     except MeterError as error:

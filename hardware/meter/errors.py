@@ -1,18 +1,18 @@
-"""How work with a meter fails; every message ends with what to check."""
+"""Errors of meters. Every message ends with what to check."""
 
 from __future__ import annotations
 
 
 class MeterError(RuntimeError):
-    """Something between here and the skin failed; told in one line that says what to check."""
+    """Something between computer and skin failed. The message is one line."""
 
 
 class NoConnectionError(MeterError):
-    """The resource cannot be opened, or nothing behind it speaks."""
+    """The resource cannot be opened, or nothing answers there."""
 
 
 class LostConnectionError(MeterError):
-    """A connection that stood is gone, or its answers can no longer be told apart."""
+    """An open connection is lost, or its answers no longer fit the queries."""
 
 
 class NoAnswerError(MeterError):
@@ -20,23 +20,23 @@ class NoAnswerError(MeterError):
 
 
 class GarbledError(MeterError):
-    """An answer came that no meter gives to the question."""
+    """The answer is none that a meter gives to the query."""
 
 
 class RefusedError(MeterError):
-    """The meter took the message for an error and said so in its event register."""
+    """The meter refused the message, as its event register says."""
 
 
 class RestartedError(MeterError):
-    """The meter was switched on since it was last asked, so its settings are lost."""
+    """The meter was switched on since the last query, so its settings are lost."""
 
 
 class WrongMeterError(MeterError):
-    """What answers is no meter that this driver knows."""
+    """The instrument that answers is no meter of this driver, or another one than before."""
 
 
 class FailedReadingError(MeterError):
-    """A reading that failed, by the meter's own status: there is no number."""
+    """The meter's status says that the reading failed; there is no number."""
 
 
 class CorrectionError(MeterError):
@@ -44,4 +44,4 @@ class CorrectionError(MeterError):
 
 
 class PressError(MeterError):
-    """The skin could not be pressed by the machine that was asked to."""
+    """The machine could not press the skin."""

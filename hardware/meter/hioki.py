@@ -1,4 +1,4 @@
-"""Hioki's LCR meters IM3523, IM3533, IM3536 and IM3570, each a dialect of one language."""
+"""Hioki's LCR meters IM3523, IM3533, IM3536 and IM3570: dialects of one command language."""
 
 from __future__ import annotations
 
@@ -36,33 +36,32 @@ CP_RS_X = 16, 18
 STATUS_AND_VALUES = 18
 READ = "*TRG;:MEASure?"
 ROUNDING = 6e-5
-"""Of frequencies, that a meter sets with five digits."""
+"""Relative rounding of frequencies, which a meter sets with five digits."""
 SEARCHES = 3
-"""Measurements that a reading may take, the range being searched for."""
+"""Measurements that one reading may take with automatic range."""
 TIMING = ("frequency", "speed", "averaging", "trigger_delay")
 LOG = logging.getLogger(__name__)
 
 
 class HiokiMeter:
-    """What the four have in common. Every set is followed by a look at the event register.
+    """Common part of the four models. Each set is followed by a check of the event register.
 
-    Setting a property raises InputError where the value is not allowed, RefusedError where the
-    meter objects, RestartedError where it was switched on anew; anything may raise MeterError.
+    Setting a property raises InputError if the value is not allowed, RefusedError if the meter
+    refuses it, RestartedError if the meter was switched off and on. Everything may raise
+    MeterError.
     """
 
     model: ClassVar[str]
     frequency: ClassVar[Setting[float]]
 
-    header = Setting(
-        ":HEADer", OnOffFormat(), "Whether answers begin with the name of what they tell"
-    )
+    header = Setting(":HEADer", OnOffFormat(), "Whether answers begin with the command's name")
     items = Setting(":MEASure:ITEM", RegisterFormat(2), "Quantities of a reading")
     valid = Setting(":MEASure:VALid", IntegerFormat(1, 31), "Parts of a reading")
     mode = Setting(":MODE", WordFormat(("LCR", "CONTinuous")), "Mode of measurement")
     level = Setting(
         ":LEVel",
         WordFormat(("V", "CV", "CC")),
-        "What the level holds: the open voltage (V), the voltage (CV) or the current (CC)",
+        "Controlled quantity: the open voltage (V), the skin's voltage (CV) or its current (CC)",
     )
     voltage = Setting(":LEVel:VOLTage", NumberFormat("V", 5e-3, 5, 4), "Open voltage, rms, level V")
     constant_voltage = Setting(
@@ -106,15 +105,15 @@ class HiokiMeter:
         self._keeper = SETTINGS_STORE.get()
 
     def note_found(self) -> None:
-        """As of `Holder`."""
+        """Save the original settings, if there is a store."""
         if self._keeper:
             self._keeper.note_found()
 
     def prepare(self) -> None:
-        """Set it up so that each reading is new and tells status, Cp, Rs and X. Raises MeterError.
+        """Set the meter up so that each reading is new and holds status, Cp, Rs and X.
 
-        From here on `found` keeps what each setting was before it was set. Settings of range,
-        level, speed and correction stay as they are.
+        From now on `original` collects the original value of each setting that changes. Range,
+        level, speed and correction do not change. Raises MeterError.
         """
         if self.found is None:
             self.found = self._keeper.found(self.identity) if self._keeper else {}
@@ -123,11 +122,14 @@ class HiokiMeter:
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
 
     def put_back(self) -> None:
-        """Set everything that was set to what it was before, as `putting_back`."""
+        """Restore all changed settings, see `original_settings`."""
         restore_original(self)
 
     def let_go(self) -> None:
-        """Put back what was set, close, and log what was not confirmed; of a keeper it is his."""
+        """Restore the settings, log those not confirmed, and close.
+
+        A store restores them itself.
+        """
         try:
             if self._keeper is None:
                 with suppress(MeterError):
@@ -138,20 +140,20 @@ class HiokiMeter:
             self.close()
 
     def read(self) -> MeterReading:
-        """A reading that was started by this call and by nothing before it.
+        """Reading that this call triggered, never an older one.
 
-        Once set up, it is waited for as long as speed, averaging and delay make it.
-        Raises ReadingError where the meter calls it failed, RefusedError where it would not be
-        triggered (then what it answered was stale), RestartedError, or another MeterError.
+        After `prepare`, the time-out grows with speed, averaging and delay. Raises
+        FailedReadingError if the meter reports a failure, RefusedError if the meter refused the
+        trigger (its answer would be stale), RestartedError, or another MeterError.
         """
         return self.talk.query_checked(READ, parse_reading, self._longest)
 
     def read_at(self, frequency: float) -> MeterReading:
-        """A reading at a frequency in Hz, as `read`, in two exchanges.
+        """Reading at a frequency in Hz, in two exchanges.
 
-        The meter rounds a frequency to five digits; it tells with the reading at which it is.
-        Raises InputError where it does not reach the frequency, GarbledError where it is at
-        another, and as `read`.
+        The meter rounds a frequency to five digits, and reports it with the reading. Raises
+        InputError if the model does not reach the frequency, GarbledError if the meter is at
+        another one, and the errors of `read`.
         """
         self.frequency = frequency
         question = f"{READ};{type(self).frequency.ask}"
@@ -169,12 +171,12 @@ class HiokiMeter:
 
     @property
     def _longest(self) -> float:
-        """Seconds that a reading may take, once set up."""
+        """Longest time of a reading after `prepare`, s."""
         return 0.0 if self.found is None else SEARCHES * self.seconds
 
     @property
     def seconds(self) -> float:
-        """How long a reading takes with the settings that were set or told here, about."""
+        """Approximate time of a reading with the present settings, s."""
         for name in TIMING:
             if name not in self.known:
                 self.known[name] = getattr(self, name)
@@ -182,7 +184,7 @@ class HiokiMeter:
         return ReadingConditions(frequency, 1, speed, averaging).seconds + delay
 
     def close(self) -> None:
-        """Let the connection go; closing twice does no harm."""
+        """Close the connection. Closing twice does no harm."""
         self.talk.close()
 
     def __enter__(self) -> Self:
@@ -193,7 +195,7 @@ class HiokiMeter:
 
 
 class IM3523(HiokiMeter):
-    """40 Hz to 200 kHz; speed, averaging and delay are kept for each range and set alike."""
+    """40 Hz to 200 kHz. Speed, averaging and delay exist per range and are set equally."""
 
     model = "IM3523"
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
@@ -251,24 +253,24 @@ DIALECTS: dict[str, type[Meter]] = {
 
 
 def open_meter(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> Meter:
-    """The meter behind a VISA resource, known by its own name and set up for readings.
+    """Meter at a VISA resource, of the model that it reports, set up for readings.
 
-    timeout: seconds that an answer may take. Raises InputError where the resource is no name of
-    one, NoConnectionError where nothing answers, WrongMeterError where something else does.
+    timeout: longest time of an answer, s. Raises InputError if the name is no resource,
+    NoConnectionError if nothing answers, WrongMeterError if another instrument answers.
     """
     return start(connect(resource, timeout, baud_rate))
 
 
 def start(connection: Connection) -> Meter:
-    """The meter behind a connection, in its dialect and set up; the connection is closed if not.
+    """Meter of a connection, in its dialect and set up. On failure the connection is closed.
 
-    Raises as `open_meter`.
+    Raises the errors of `open_meter`.
     """
     try:
         identity = identify(connection)
         if not identity.model:
             raise WrongMeterError(
-                f"{connection.resource}: {identity.text!r} answers, which is none of "
+                f"{connection.resource}: {identity.text!r} answers and is none of "
                 f"{', '.join(MODELS)}; check the address"
             )
         meter = DIALECTS[identity.model](connection, identity)
@@ -284,7 +286,7 @@ def start(connection: Connection) -> Meter:
 
 
 def identify(connection: Connection) -> MeterIdentity:
-    """Who answers at the other end. Raises NoConnectionError, or another MeterError."""
+    """Identity of the instrument at the other end. Raises NoConnectionError or MeterError."""
     try:
         return Conversation(connection).query("*IDN?", parse_identity)
     except LostConnectionError as error:

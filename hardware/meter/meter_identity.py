@@ -1,4 +1,4 @@
-"""Who answers: model and serial number found by content, whatever their order."""
+"""Identity of a meter: model and serial number, recognized in any order."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 MODELS = tuple(METER_BANDS)
 VIRTUAL_SERIAL = "000000000"
-"""Serial number that the virtual meter answers with."""
+"""Serial number of the virtual meter."""
 MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class MeterIdentity:
-    """What `*IDN?` told; model is empty where it is none of MODELS."""
+    """Answer to `*IDN?`. model: empty if it is none of MODELS."""
 
     text: str
     model: str
@@ -28,7 +28,7 @@ class MeterIdentity:
 
 
 def parse_identity(text: str) -> MeterIdentity:
-    """The identity in an answer to `*IDN?`. Raises ValueError where it names nothing at all."""
+    """Identity in an answer to `*IDN?`. Raises ValueError if the answer is empty."""
     fields = [field.strip() for field in text.split(",")]
     if not any(fields):
         raise ValueError(text)
@@ -39,5 +39,5 @@ def parse_identity(text: str) -> MeterIdentity:
 
 
 def sweep_origin(text: str) -> str:
-    """What sweeps are that a meter recorded which answers so to `*IDN?`: measured, or virtual."""
+    """Origin of the sweeps of a meter with this answer to `*IDN?`: measured, or virtual."""
     return VIRTUAL if parse_identity(text).serial == VIRTUAL_SERIAL else MEASURED

@@ -1,4 +1,4 @@
-"""One reading: Cp, Rs and X of the same instant, and how the meter vouches for them."""
+"""One reading: Cp, Rs and X of the same instant, and the meter's status."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CONTACT = "contact error: check the leads and terminals"
 
 
 class ReadingStatus(Enum):
-    """How a reading ended: the meter's code, and what to check where it is not normal."""
+    """Status of a reading: the meter's code, and what to check if it is not normal."""
 
     NORMAL = 0, "normal"
     NOT_MEASURED = 1, "nothing was measured yet: check the trigger"
@@ -35,7 +35,7 @@ class ReadingStatus(Enum):
 
     @property
     def has_values(self) -> bool:
-        """Whether a number comes with it."""
+        """True if the reading has numbers."""
         return self.code in (0, 2, 3, 5)
 
 
@@ -53,9 +53,9 @@ class MeterReading:
 
 
 def parse_reading(text: str) -> MeterReading:
-    """The reading in an answer `status, Cp, Rs, X`, whatever its number of digits and spaces.
+    """Reading in an answer `status, Cp, Rs, X`, with any number of digits and spaces.
 
-    Raises ReadingError where the status is a failure, ValueError where the answer is none.
+    Raises FailedReadingError if the status is a failure, ValueError if the answer is malformed.
     """
     code, Cp, Rs, X = (float(part) for part in text.split(","))
     if not code.is_integer():

@@ -1,4 +1,4 @@
-"""Putting a meter back to what it was before anything was set."""
+"""Original settings of a meter, and their restoring."""
 
 from __future__ import annotations
 
@@ -14,44 +14,42 @@ from .setting import Setting, SettingsOwner
 from .termination import shielded
 
 RESTORED_LAST = ("auto_range", "trigger", "header")
-"""Settings that are put back after all others, in this order."""
+"""Settings that are restored after all others, in this order."""
 MAX_RESTARTS = 3
-"""Times that a meter may be switched on anew while its settings are put back."""
+"""Number of restarts of the meter that are allowed during the restoring."""
 
 
 class OriginalSettingsStore(Protocol):
-    """Who sees to it that settings are put back, over other connections too."""
+    """Store of a meter's original settings, shared by successive connections."""
 
     def found(self, identity: MeterIdentity) -> dict[str, Any]:
-        """A meter's settings as they were at first; whoever sets others adds them.
+        """Original settings of a meter; whoever changes a setting adds its original value.
 
-        Raises WrongMeterError where those of another meter are kept.
+        Raises WrongMeterError if the store holds those of another meter.
         """
         ...
 
     def note_found(self) -> None:
-        """Something was added, and the meter is about to be changed."""
+        """Save the original settings: one was added, and the meter is about to change."""
         ...
 
 
 SETTINGS_STORE: ContextVar[OriginalSettingsStore | None] = ContextVar("keeper", default=None)
-"""Of the meters that are opened; None: each is put back as it is let go."""
+"""Store for the meters that are opened. None: each meter restores its own on release."""
 
 
 def restore_original(meter: SettingsOwner) -> None:
-    """Set everything that was set to what it was before. No signal ends that.
+    """Restore all changed settings. No signal ends that.
 
-    `found` then has what the meter did not confirm. Raises MeterError where the connection fails,
-    or the meter is switched on anew again and again; calling it again goes on from there.
+    `original` then holds the settings that the meter did not confirm. Raises MeterError if the
+    connection fails or the meter restarts too often; another call continues from there.
     """
     kept, meter.found = meter.found or {}, None
     everything = dict(kept)
     try:
         with shielded():
             with suppress(MeterError):
-                meter.talk.check_events(
-                    "the end"
-                )  # what it was just answering answers nothing else
+                meter.talk.check_events("the end")  # drops a pending answer
             for _ in range(MAX_RESTARTS):
                 with suppress(RestartedError):
                     return _restore_each(meter, kept)
@@ -62,20 +60,20 @@ def restore_original(meter: SettingsOwner) -> None:
 
 
 def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
-    """Set what is kept, and drop what the meter confirms; what it refuses stays."""
+    """Restore each setting in `kept`, and remove those that the meter confirms."""
     for name in sorted(
         kept, key=lambda name: name in RESTORED_LAST and 1 + RESTORED_LAST.index(name)
     ):
         setting = getattr(type(meter), name, None)
         if not isinstance(setting, Setting):
             continue
-        with suppress(RefusedError, InputError, TypeError, ValueError):  # the last: from a file
+        with suppress(RefusedError, InputError, TypeError, ValueError):  # values may be of a file
             setting.put_back(meter, kept[name])
             del kept[name]
 
 
 def not_restored_message(settings: Mapping[str, Any]) -> str:
-    """What is told of settings that were not put back. settings: as they should be."""
+    """Message about settings that were not restored. settings: their original values."""
     return (
         "the meter did not confirm these original settings; check them on the meter: "
         f"{settings_text(settings)}"
@@ -83,11 +81,11 @@ def not_restored_message(settings: Mapping[str, Any]) -> str:
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:
-    """Settings with their values, in words."""
+    """Settings as text: `name = value, ...`."""
     return ", ".join(f"{name} = {_value_text(value)}" for name, value in settings.items())
 
 
 def _value_text(value: Any) -> str:
-    """A value, or one of each range or register, which may all be the same."""
+    """One value, or the values of all ranges or registers; equal values appear once."""
     each = value if isinstance(value, (tuple, list)) else (value,)
     return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))

@@ -1,4 +1,4 @@
-"""A meter's settings as declared properties: commands, what is allowed, and what it means."""
+"""Settings of a meter as declared properties: command, allowed values and meaning."""
 
 from __future__ import annotations
 
@@ -18,36 +18,36 @@ Value_co = TypeVar("Value_co", covariant=True)
 
 
 class SettingsOwner(Protocol):
-    """What settings are declared on: something with a conversation."""
+    """An object with settings: it has a conversation with a meter."""
 
     talk: Conversation
     found: dict[str, Any] | None
     known: dict[str, Any]
 
     def note_found(self) -> None:
-        """`found` has changed, and the meter is about to."""
+        """Save `original`, which has changed; the meter is about to change, too."""
         ...
 
 
 class ValueFormat(Protocol[Value_co]):
-    """Values that a setting may take, and how they are written."""
+    """Allowed values of a setting, and their written form."""
 
     def __str__(self) -> str:
-        """The allowed values with their unit."""
+        """Allowed values with their unit."""
         ...
 
     def write(self, value: Any) -> str | None:
-        """The value as the meter reads it; None where it is not allowed."""
+        """Value as the meter reads it; None if it is not allowed."""
         ...
 
     def read(self, text: str) -> Value_co:
-        """The value that the meter wrote; raises ValueError where it is none."""
+        """Value that the meter wrote. Raises ValueError if the text is none."""
         ...
 
 
 @dataclass(frozen=True)
 class NumberFormat:
-    """Numbers in a unit, sent with so many significant digits."""
+    """Numbers in a unit, sent with `digits` significant digits."""
 
     unit: str
     low: float
@@ -58,7 +58,7 @@ class NumberFormat:
         return f"from {self.low:g} to {self.high:g} {self.unit}"
 
     def write(self, value: Any) -> str | None:
-        """In exponent form, as `1.0000E+03`."""
+        """The number in exponent form, such as `1.0000E+03`."""
         within = _is_number(value) and self.low <= value <= self.high
         return f"{value:.{self.digits - 1}E}" if within else None
 
@@ -72,7 +72,7 @@ class NumberFormat:
 
 @dataclass(frozen=True)
 class IntegerFormat:
-    """Whole numbers; `lowest_word` is what the meter calls the lowest, where it has a word."""
+    """Whole numbers. lowest_word: the meter's word for the lowest, or empty."""
 
     low: int
     high: int
@@ -82,7 +82,7 @@ class IntegerFormat:
         return f"a whole number from {self.low} to {self.high}"
 
     def write(self, value: Any) -> str | None:
-        """As digits, or as the word for the lowest."""
+        """The number in digits, or the word for the lowest."""
         if not (_is_number(value) and value == int(value) and self.low <= value <= self.high):
             return None
         return self.lowest_word if self.lowest_word and value == self.low else str(int(value))
@@ -96,7 +96,7 @@ class IntegerFormat:
 
 @dataclass(frozen=True)
 class WordFormat:
-    """One of some words; the meter may answer with the short form or the long one."""
+    """One of several words. The meter may answer with the short or the long form."""
 
     words: tuple[str, ...]
 
@@ -120,7 +120,7 @@ class WordFormat:
 
 @dataclass(frozen=True)
 class RegisterFormat:
-    """So many registers of eight bits."""
+    """`count` registers of eight bits."""
 
     count: int
 
@@ -128,7 +128,7 @@ class RegisterFormat:
         return f"{self.count} whole numbers from 0 to 255"
 
     def write(self, value: Any) -> str | None:
-        """As digits with commas between."""
+        """The numbers in digits, separated by commas."""
         fits = len(value) == self.count and all(_is_number(each) for each in value)
         return ",".join(str(int(each)) for each in value) if fits else None
 
@@ -149,16 +149,16 @@ class OnOffFormat:
         return ("ON" if value else "OFF") if isinstance(value, bool) else None
 
     def read(self, text: str) -> bool:
-        """Whether it is on; a header before the word is none of it."""
+        """True if on. A header before the word is ignored."""
         text = text.split()[-1]
         return {"ON": True, "1": True, "OFF": False, "0": False}[text.strip().upper()]
 
 
 class MeterProperty(Generic[T]):
-    """Something a meter tells of itself, asked anew each time."""
+    """A property that the meter reports. Each access queries the meter."""
 
     def __init__(self, ask: str, allowed: ValueFormat[T], meaning: str) -> None:
-        """ask: the question; `{range}` in it stands for the present range."""
+        """ask: the query; `{range}` in it stands for the present range."""
         self.ask, self.allowed, self.__doc__ = ask, allowed, f"{meaning}: {allowed}."
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -175,7 +175,7 @@ class MeterProperty(Generic[T]):
         return meter.talk.query(self.ask.format(**at), self._read)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
-        raise AttributeError(f"`{self.name}` is told by the meter and cannot be set")
+        raise AttributeError(f"`{self.name}` is read from the meter and cannot be set")
 
     def _read(self, text: str) -> T:
         try:
@@ -185,7 +185,7 @@ class MeterProperty(Generic[T]):
 
 
 class Setting(MeterProperty[T]):
-    """A report that can also be set; each set is followed by a look at the event register."""
+    """A property that can also be set. Each set is followed by a check of the event register."""
 
     def __init__(
         self,
@@ -196,16 +196,19 @@ class Setting(MeterProperty[T]):
         each_range: bool = False,
         moves: str = "",
     ) -> None:
-        """each_range: whether the meter keeps one value for each range; all are set alike.
+        """each_range: True if the meter keeps one value per range; all are set to the same value.
 
-        moves: another setting that changes with it.
+        moves: another setting that changes with this one.
         """
         super().__init__(f"{command}? {{range}}" if each_range else f"{command}?", allowed, meaning)
         self.tell = f"{command} ALL," if each_range else f"{command} "
         self._command, self._each_range, self._moves = command, each_range, moves
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
-        """Raises InputError where it is not allowed, RefusedError where the meter objects."""
+        """Set it.
+
+        Raises InputError if the value is not allowed, RefusedError if the meter refuses.
+        """
         text = self.allowed.write(value)
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
@@ -214,13 +217,13 @@ class Setting(MeterProperty[T]):
         meter.known[self.name] = self.allowed.read(text)
 
     def now(self, meter: SettingsOwner) -> T | tuple[T, ...]:
-        """What it is set to: one value, or one for each range."""
+        """Present value, or one value per range."""
         if not self._each_range:
             return self.__get__(meter, type(meter))
         return tuple(meter.talk.query(f"{self._command}? {n}", self._read) for n in RANGES)
 
     def put_back(self, meter: SettingsOwner, found: Any) -> None:
-        """Set what `now` told earlier. Raises as setting it does."""
+        """Set a value that `current_value` gave earlier. Raises as `__set__`."""
         if not self._each_range or len(set(found)) == 1:
             self.__set__(meter, found[0] if self._each_range else found)
             return
@@ -228,7 +231,7 @@ class Setting(MeterProperty[T]):
             meter.talk.send(f"{self._command} {n},{self.allowed.write(value)}")
 
     def _find(self, meter: SettingsOwner) -> None:
-        """Keep what it is, and what moves with it, where that is kept and not known yet."""
+        """Add the present value to the meter's original settings, with `moves`, if missing."""
         if meter.found is None:
             return
         missing = [each for each in (self._moves, self.name) if each and each not in meter.found]

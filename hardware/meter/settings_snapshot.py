@@ -1,4 +1,4 @@
-"""A meter's settings as a whole: told, kept with a recording, and set again."""
+"""Snapshot of a meter's settings: taken, kept with a recording, and restored."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Value = str | int | float | bool
 
 
 def snapshot(meter: Meter) -> dict[str, Value]:
-    """Every setting that a reading depends on; the range only if fixed. Raises MeterError."""
+    """All settings that a reading depends on; the range only if fixed. Raises MeterError."""
     told = {name: getattr(meter, name) for name in (*SETTABLE, *REPORTED)}
     if told["auto_range"]:
         del told["range"]
@@ -34,9 +34,9 @@ def snapshot(meter: Meter) -> dict[str, Value]:
 
 
 def apply_settings(meter: Meter, settings: Mapping[str, Any]) -> None:
-    """Set what is named and settable; automatic range comes after the range, which ends it.
+    """Set those of the settings that can be set; the automatic range after the range.
 
-    Raises InputError where a value is not allowed, MeterError where the meter fails.
+    Raises InputError if a value is not allowed, MeterError if the meter fails.
     """
     for name in SETTABLE:
         if name in settings:
@@ -44,10 +44,9 @@ def apply_settings(meter: Meter, settings: Mapping[str, Any]) -> None:
 
 
 def restore_settings(meter: Meter, settings: Mapping[str, Value]) -> None:
-    """Set the meter as it was in a snapshot.
+    """Restore the settings of a snapshot.
 
-    Raises CorrectionError where open or short correction is no longer what it was: those cannot be
-    set again, only acquired again.
+    Raises CorrectionError if the open or short correction differs: it cannot be set, only acquired.
     """
     apply_settings(meter, settings)
     now = snapshot(meter)
@@ -60,7 +59,7 @@ def restore_settings(meter: Meter, settings: Mapping[str, Value]) -> None:
 
 
 def require_settings(meter: Meter, settings: Mapping[str, Value]) -> None:
-    """Raises RestartedError where any setting is no longer what it was in a snapshot."""
+    """Raises RestartedError if any setting differs from the snapshot."""
     now = snapshot(meter)
     for name in {**settings, **now}:
         if now.get(name) != settings.get(name):

@@ -1,4 +1,4 @@
-"""A command that is told to end: what it has begun with a meter is put in order first."""
+"""Orderly end of a command on a signal: the meter is left in order first."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from ...simulator.sweeps.cleanup import cleanup_block
 from .windows_console import handle_console_close
 
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
-"""Ctrl-C; told to end; the terminal is closed or the line to it lost; Ctrl-\\; Ctrl-Break."""
+"""Ctrl-C; terminate; terminal closed or its line lost; Ctrl-\\; Ctrl-Break."""
 REPEAT_INTERVAL = 1.0
-"""Seconds within which signals are one: a key is held, or a shell and a terminal both send it."""
+"""Seconds within which repeated signals count as one (key repeat, shell and terminal)."""
 INTERRUPTS_TO_QUIT = 3
-"""Ctrl-C so often while settings are put back: whoever does that wants to get out."""
+"""Number of Ctrl-C that ends the restoring of settings."""
 NOT_RESTORED = 3
-"""Exit code of a command that did its work and could not leave the meter as it was found."""
+"""Exit code of a command that did its work and could not restore the meter's settings."""
 SHIELDED = (
-    "rcskin: the meter's settings are being put back; Ctrl-C {left} more, a second apart, leaves "
+    "rcskin: the meter's settings are being restored; Ctrl-C {left} more, a second apart, leaves "
     "them changed\n"
 )
 
 
 @dataclass
 class Termination:
-    """What has told the command under way to end.
+    """State of the signals that end the running command.
 
-    number: the first signal, None before. heard: when the latest came, s of `monotonic`. shields:
-    blocks that no signal leaves. insisted: how often Ctrl-C was pressed within them.
+    number: the first signal, or None. latest_signal: time of the latest one, s of `monotonic`.
+    shields: number of blocks that no signal leaves. interrupts: number of Ctrl-C within them.
     """
 
     number: int | None = None
@@ -45,7 +45,7 @@ class Termination:
     interrupts: int = 0
 
     def on_signal(self, number: int, frame: FrameType | None, before: Any = None) -> None:
-        """Raise what ends the command, unless it is shielded. before: the handler of Ctrl-C."""
+        """Raise the exception that ends the command, unless shielded. before: handler of Ctrl-C."""
         again, self.latest_signal = monotonic() - self.latest_signal < REPEAT_INTERVAL, monotonic()
         if again:
             return
@@ -58,7 +58,7 @@ class Termination:
         raise self.exception_for(number)
 
     def exception_for(self, number: int) -> BaseException:
-        """What a signal raises: SystemExit with the code of shells, 128 + its number."""
+        """Exception of a signal: KeyboardInterrupt, or SystemExit with 128 + its number."""
         return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
 
     def _count(self, number: int) -> None:
@@ -66,7 +66,7 @@ class Termination:
         left = INTERRUPTS_TO_QUIT - self.interrupts
         if left > 0:
             times = f"{left} times" if left > 1 else "once"
-            with suppress(OSError):  # no print: a signal may come in the midst of another one
+            with suppress(OSError):  # os.write: a signal may interrupt a print
                 os.write(2, SHIELDED.format(left=times).encode())
 
 
@@ -74,9 +74,9 @@ _ending = Termination()
 
 
 def raise_pending_signal() -> None:
-    """Raise anew what a signal has raised and a callback of a library has swallowed.
+    """Raise a signal's exception again, if a library's callback swallowed it.
 
-    Loops that work with a meter call this with each exchange.
+    Loops that work with a meter call this at each exchange.
     """
     if _ending.number is None or _ending.shields:
         return
@@ -86,7 +86,7 @@ def raise_pending_signal() -> None:
 
 @contextmanager
 def shielded() -> Iterator[Callable[[], bool]]:
-    """A block that no signal leaves. Gives a function: whether a user insists on getting out."""
+    """Block that no signal ends. Gives a function that is True if the user insists on ending."""
     _ending.shields += 1
     try:
         yield lambda: _ending.interrupts >= INTERRUPTS_TO_QUIT
@@ -96,11 +96,11 @@ def shielded() -> Iterator[Callable[[], bool]]:
 
 @contextmanager
 def orderly_termination() -> Iterator[Callable[[str], None]]:
-    """Each of SIGNALS leaves the block by an exception, once, however a library treats it.
+    """Block that each of SIGNALS ends by one exception, even if a library swallows it.
 
-    A signal that is ignored stays so (`nohup`). The block is left in its own time. Gives a function
-    that tells on the terminal what could not be put back; where that was called and all else went
-    well, the block ends with SystemExit(NOT_AS_FOUND).
+    An ignored signal stays ignored (`nohup`). Gives a function that prints a warning about settings
+    that could not be restored. After such a warning, a block without another failure ends with
+    SystemExit(NOT_RESTORED).
     """
     global _ending
     warnings: list[str] = []
@@ -128,7 +128,7 @@ def _listening(ending: Termination) -> Iterator[None]:
     usual = sys.unraisablehook
 
     def quiet(unraisable: Any) -> None:
-        """What ends the command and was swallowed is raised anew, which `look` does."""
+        """Hide a swallowed exception that `raise_pending_signal` will raise again."""
         if unraisable.exc_type not in (KeyboardInterrupt, SystemExit):
             usual(unraisable)
 

@@ -1,4 +1,4 @@
-"""A console of Windows that is closed while a command works with a meter."""
+"""Reaction to the closing of a Windows console while a command works with a meter."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ CLOSING_EVENTS = (2, 5, 6)
 """CTRL_CLOSE_EVENT, CTRL_LOGOFF_EVENT, CTRL_SHUTDOWN_EVENT of HandlerRoutine
 (https://learn.microsoft.com/windows/console/handlerroutine)."""
 GRACE_PERIOD = 4.5
-"""Seconds: Windows ends the process when the handler returns, or 5 s after it was called."""
+"""Seconds. Windows ends the process when the handler returns, at most 5 s after its call."""
 
 
 @contextmanager
 def handle_console_close() -> Iterator[None]:
-    """That the console is closed comes as SIGBREAK, and the block has GRACE_PERIOD s to end.
+    """Turn the closing of the console into SIGBREAK; the block then has GRACE_PERIOD s to end.
 
-    Elsewhere a closed terminal is SIGHUP, and nothing is done here.
+    On other systems a closed terminal sends SIGHUP, and this function does nothing.
     """
     if sys.platform != "win32":
         yield

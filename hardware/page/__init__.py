@@ -1,1 +1,1 @@
-"""A page served on the loopback: the newest of what is shown to its viewers, their presses back."""
+"""A page served on the loopback: viewers get the latest state, their presses come back."""

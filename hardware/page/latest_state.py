@@ -1,4 +1,4 @@
-"""The newest state of what is shown: one frame, which a newer one replaces."""
+"""Latest state of a page: one frame, which a newer one replaces."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from typing import Any
 
 
 def state_json(state: Mapping[str, Any]) -> str:
-    """A state in JSON. Raises ValueError where a number is none."""
+    """A state in JSON. Raises ValueError if a number is not finite."""
     return json.dumps(state, separators=(",", ":"), allow_nan=False)
 
 
 @dataclass
 class LatestState:
-    """Read and written in one event loop. number: of the frame, counted from 1; 0 before any."""
+    """Latest frame, read and written in one event loop. number: from 1; 0 before the first."""
 
     number: int = 0
     state: str = ""
     _changed: asyncio.Event = field(default_factory=asyncio.Event)
 
     def post(self, state: str) -> None:
-        """Replace the frame by one of a state that is written out, see `written`."""
+        """Replace the frame. state: in JSON, see `state_json`."""
         self.number, self.state = self.number + 1, state
         changed, self._changed = self._changed, asyncio.Event()
         changed.set()
 
     @property
     def frame(self) -> str:
-        """The state with its number, as it is sent."""
+        """The frame as sent: its number and state."""
         return f'{{"frame":{self.number},"state":{self.state}}}'
 
     async def newer(self, number: int) -> None:
-        """Wait for a frame beyond that of a number."""
+        """Wait for a frame after this number."""
         while self.number <= number:
             await self._changed.wait()

@@ -1,4 +1,4 @@
-"""What a viewer may say: two messages, each of a schema, and nothing else."""
+"""Messages of a viewer: two kinds, each with a schema."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 MAX_MESSAGE = 1024
-"""Bytes of a message."""
+"""Longest message, bytes."""
 
 
 class _Message(BaseModel):
@@ -15,14 +15,14 @@ class _Message(BaseModel):
 
 
 class FrameDrawn(_Message):
-    """A frame was drawn: the next one may come."""
+    """The viewer has drawn a frame and is ready for the next."""
 
     do: Literal["seen"]
     frame: Annotated[int, Field(ge=0, le=2**53)]
 
 
 class PressRequest(_Message):
-    """Press the skin, and hold it until the next press."""
+    """Request to press the skin until the next press."""
 
     do: Literal["press"]
     press: Annotated[str, Field(max_length=400, pattern=r"^[a-z0-9,:.+() -]+$")]
@@ -34,7 +34,7 @@ _MESSAGES: TypeAdapter[FrameDrawn | PressRequest] = TypeAdapter(
 
 
 def read_message(text: str | bytes) -> FrameDrawn | PressRequest:
-    """The message that a text is. Raises ValueError where it is none."""
+    """Message in a text. Raises ValueError if it is none."""
     if isinstance(text, bytes):
-        raise ValueError("a message is text")
+        raise ValueError("a message must be text")
     return _MESSAGES.validate_json(text)

@@ -1,4 +1,4 @@
-"""Where a page is served, and who may ask for it."""
+"""Address of a served page, and which requests it accepts."""
 
 from __future__ import annotations
 
@@ -16,24 +16,23 @@ PAGE, LINK = "/", "/link"
 
 @dataclass(frozen=True)
 class PageAddress:
-    """A port of the loopback, and the token that a page's address carries."""
+    """A port of the loopback, and the token in the page's address."""
 
     port: int
     token: str = field(default_factory=new_token, repr=False)
 
     @property
     def url(self) -> str:
-        """What is opened in a browser."""
+        """URL to open in a browser."""
         return f"http://{LOOPBACK}:{self.port}{PAGE}?token={self.token}"
 
     def refusal_status(
         self, target: str, hosts: Sequence[str], origins: Sequence[str]
     ) -> HTTPStatus | None:
-        """Why a request is refused; None where it is not.
+        """Status that refuses a request; None if the request is accepted.
 
-        target: path and query as asked. hosts, origins: all headers of those names. Host must be
-        this machine by its own name, against pages that rebind theirs to it; Origin must be this
-        page, and be there where a link is opened.
+        target: path and query of the request. hosts, origins: all its Host and Origin headers. Host
+        must name this machine, against DNS rebinding. Origin must be this page; a link needs one.
         """
         try:
             parts = urlsplit(target)

@@ -1,4 +1,4 @@
-"""Connections to a page's port, never too many: only what is good HTTP/1.1 is heard."""
+"""Connections to a page's port: limited in number, and accepted only with valid HTTP/1.1."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from websockets.asyncio.server import ServerConnection
 from .request_head import END, is_decidable, refusal_status
 
 MAX_CONNECTIONS, MAX_VIEWERS = 32, 16
-"""With those of the virtual meter below the 256 files of a process on macOS."""
+"""Together with the virtual meter's connections below 256, the limit of files on macOS."""
 HEAD_SECONDS = 5.0
-"""In which the whole head must come: a browser sends it at once."""
+"""Longest time until the whole head is there. A browser sends it at once."""
 STAND_IN = b"GET / HTTP/1.1" + END
-"""What the library is given for a head that is refused: it answers nothing else by a status."""
+"""Replaces a refused head, because the library answers only valid requests with a status."""
 
 
 class PageConnection(ServerConnection):
-    """A connection that the door knows of from its first byte to its last.
+    """One connection, counted by a `ConnectionLimit` from its first byte to its last.
 
-    refused: why its request is; None where it is not. bodiless: whether it asked by HEAD.
+    refused: status that refuses its request, or None. bodiless: True for a HEAD request.
     """
 
     def __init__(self, *given: Any, door: ConnectionLimit, **named: Any) -> None:
@@ -32,19 +32,19 @@ class PageConnection(ServerConnection):
         self.bodiless = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Has the door make room."""
+        """Count the connection, and start the time-out of its head."""
         super().connection_made(transport)
         self._door.admit(self)
         self.loop.call_later(HEAD_SECONDS, self._decide, HTTPStatus.REQUEST_TIMEOUT)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Tells the door."""
+        """Remove the connection from the count."""
         self._door.remove(self)
         self._decided = True
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Keeps the head until it is whole; what follows a refused one is not heard."""
+        """Collect the head until it is complete. Data after a refused head is dropped."""
         if not self._decided:
             self._received += data
             if is_decidable(self._received):
@@ -54,7 +54,7 @@ class PageConnection(ServerConnection):
             super().data_received(data)
 
     def eof_received(self) -> bool | None:
-        """Stays open for the answer to a request that is still to be given."""
+        """Keep the connection open until a pending response is sent."""
         if self._received and not self._decided:
             self._decide(HTTPStatus.BAD_REQUEST)
         if self._decided and not self._answered:
@@ -63,7 +63,7 @@ class PageConnection(ServerConnection):
         return super().eof_received()
 
     def note_answered(self) -> None:
-        """The answer is being written: where the client said all, nothing else is waited for."""
+        """Note that the response is being sent; close if the client has sent all."""
         self._answered = True
         if self._ended:
             self.loop.call_soon(self.transport.close)
@@ -78,7 +78,7 @@ class PageConnection(ServerConnection):
 
 
 class ConnectionLimit:
-    """Who is there: of too many, the one is put out that is no viewer and came first."""
+    """Limit of connections. If there are too many, the oldest that is no viewer is closed."""
 
     def __init__(self) -> None:
         self.connections: dict[PageConnection, None] = {}
@@ -86,11 +86,11 @@ class ConnectionLimit:
 
     @property
     def full(self) -> bool:
-        """Whether there are as many viewers as there may be."""
+        """True if there is no room for another viewer."""
         return len(self.viewers) >= MAX_VIEWERS
 
     def admit(self, guest: PageConnection) -> None:
-        """One more; see the class."""
+        """Count a connection, and close the oldest one if there are too many."""
         if len(self.connections) >= MAX_CONNECTIONS:
             first = next(each for each in self.connections if each not in self.viewers)
             self.remove(first)
@@ -98,10 +98,10 @@ class ConnectionLimit:
         self.connections[guest] = None
 
     def remove(self, guest: PageConnection) -> None:
-        """One less."""
+        """Remove a connection from the count."""
         self.connections.pop(guest, None)
 
     def abort_all(self) -> None:
-        """Put out everyone, at once."""
+        """Close all connections at once."""
         for guest in self.connections:
             guest.transport.abort()

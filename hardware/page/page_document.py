@@ -1,4 +1,4 @@
-"""The document of a page, and how it is sent under a strict policy."""
+"""HTML document of a page, sent with a strict content security policy."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
 
 Kind = Literal["live", "skin"]
-"""live: of measured sweeps and answers. skin: of a virtual one, which is pressed on the page."""
+"""live: shows measured sweeps and answers. skin: presses a virtual skin."""
 
 
 @dataclass(frozen=True)
 class PageDocument:
-    """HTML with a stand-in wherever each answer puts a nonce of its own."""
+    """HTML with a placeholder that each response replaces by a new nonce."""
 
     text: str
     stand_in: str
 
     @classmethod
     def of(cls, scene: Scene, kind: Kind) -> PageDocument:
-        """The document of a scene. Raises InputError as `linked_page`."""
+        """Document of a scene. Raises InputError as `linked_page`."""
         from ...simulator.page.linked import linked_page
 
         stand_in = secrets.token_urlsafe(16)
         return cls(linked_page(scene, kind, stand_in), stand_in)
 
     def sent(self) -> tuple[Mapping[str, str], bytes]:
-        """Headers and body of an answer."""
+        """Headers and body of a response."""
         nonce = secrets.token_urlsafe(16)
         policy = (
             "default-src 'none'",

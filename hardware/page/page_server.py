@@ -1,4 +1,4 @@
-"""Serving a page on the loopback: its document, and a link to each viewer."""
+"""Server of a page on the loopback: its document, and a WebSocket for each viewer."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from .page_document import PageDocument
 from .viewer import PressSkin, Viewer
 
 BACKLOG = 16
-"""Connections that are accepted at once, before the door puts others out."""
+"""Connections that wait to be accepted."""
 SENDING_TIMEOUT = 60.0
-"""Seconds in which a document of 3 MB must be taken, over a slow tunnel too."""
+"""Longest time to send the document of 3 MB, s; a tunnel may be slow."""
 CLOSING_TIMEOUT = 0.3
-"""Seconds that viewers have to take leave."""
+"""Time for viewers to close their connection, s."""
 COMMON_HEADERS = {
     "Cache-Control": "no-store",
     "Connection": "close",
@@ -37,7 +37,7 @@ COMMON_HEADERS = {
 
 
 class PageServer:
-    """One page at one address. press: as of `Viewer`."""
+    """One page at one address. press: presses the skin, see `Viewer`."""
 
     def __init__(
         self, document: PageDocument, board: LatestState, press: PressSkin | None = None
@@ -47,9 +47,9 @@ class PageServer:
 
     @asynccontextmanager
     async def served(self, port: int = 0) -> AsyncIterator[PageAddress]:
-        """Open while the block runs; port 0 takes any that is free.
+        """Serve while the block runs. Port 0 takes any free port.
 
-        Raises InputError where the port cannot be had.
+        Raises InputError if the port is not available.
         """
         server = await self._listening(port)
         self._address = PageAddress(next(iter(server.sockets)).getsockname()[1])
@@ -80,10 +80,10 @@ class PageServer:
                 create_connection=partial(PageConnection, door=self._door),  # type: ignore[arg-type]
             )
         except (OSError, OverflowError) as error:
-            raise InputError(f"port {port} of {LOOPBACK} cannot be had: {error}") from error
+            raise InputError(f"port {port} of {LOOPBACK} is not available: {error}") from error
 
     def _process_request(self, connection: ServerConnection, request: Request) -> Response | None:
-        """The answer to a request; None has a link opened."""
+        """Response to a request; None opens a WebSocket."""
         assert isinstance(connection, PageConnection)
         connection.note_answered()
         response = self._response(connection, request)
@@ -125,7 +125,7 @@ def _response(
 
 
 def _disabled_logger() -> logging.Logger:
-    """What clients do wrong is theirs to know."""
+    """Logger without output: faults of clients are not shown."""
     logger = logging.getLogger("rcskin.page")
     logger.disabled = True
     return logger

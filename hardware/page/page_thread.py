@@ -1,4 +1,4 @@
-"""A page served beside a program that is busy with something else."""
+"""A page served in a thread of its own."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Post = Callable[[Mapping[str, Any]], None]
 
 @contextmanager
 def serve_in_thread(document: PageDocument, port: int = 0) -> Iterator[tuple[PageAddress, Post]]:
-    """A page in a thread of its own while the block runs: where, and what takes its states.
+    """Serve a page in a thread while the block runs. Gives its address and a function for states.
 
-    Raises InputError where the port cannot be had.
+    Raises InputError if the port is not available.
     """
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     thread = threading.Thread(target=loop.run_forever, name="page", daemon=True)

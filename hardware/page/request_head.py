@@ -1,4 +1,4 @@
-"""The head of a request to a page's port: whether it is good HTTP/1.1 that asks for a page."""
+"""Check of the head of a request: valid HTTP/1.1 that asks for a page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from http import HTTPStatus
 
 MAX_HEAD = 8192
-"""Bytes of request line and headers: browsers send under 2 kB to an address without cookies."""
+"""Bytes of request line and headers. Browsers send under 2 kB without cookies."""
 METHODS = (b"GET", b"HEAD")
 WORD = rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
 REQUEST = re.compile(rb"(%b) ([\x21-\x7e]+) HTTP/([0-9])\.([0-9])" % WORD)
@@ -16,7 +16,7 @@ BARE = re.compile(rb"(?<!\r)\n")
 
 
 def is_decidable(received: bytes) -> bool:
-    """Whether these first bytes of a connection hold a whole head, or surely no good one."""
+    """True if these first bytes of a connection are a complete head, or surely an invalid one."""
     line, ended, _ = received.partition(LINE)
     return (
         END in received
@@ -27,9 +27,10 @@ def is_decidable(received: bytes) -> bool:
 
 
 def refusal_status(head: bytes) -> HTTPStatus | None:
-    """Why a head up to its empty line is refused; None where it is not.
+    """Status that refuses a head (up to its empty line); None if the head is accepted.
 
-    Only GET and HEAD without a body, in HTTP/1.1, with one Host (RFC 9112, sections 2 to 6).
+    Accepted are GET and HEAD without a body, in HTTP/1.1, with one Host (RFC 9112, sections 2 to
+    6).
     """
     line, *headers = head.removesuffix(END).split(LINE)
     if len(head) > MAX_HEAD:
@@ -50,7 +51,7 @@ def _request_refusal(line: bytes) -> HTTPStatus | None:
 
 
 def _headers_are_valid(lines: list[bytes]) -> bool:
-    """Whether header lines are well-formed, name one host, and promise no body."""
+    """True if header lines are well-formed, name one host, and announce no body."""
     matches = [HEADER.fullmatch(line) for line in lines]
     if not all(matches):
         return False

@@ -1,4 +1,4 @@
-"""A state that changes by itself, looked at now and then."""
+"""Regular updates of a page by a state that changes by itself."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Any
 from .latest_state import LatestState, state_json
 
 INTERVAL = 0.1
-"""Seconds from one look to the next."""
+"""Seconds between two updates."""
 
 
 def post_if_changed(board: LatestState, state: Mapping[str, Any]) -> None:
-    """Put a state on the board, if it is another one."""
+    """Post a state if it differs from the latest one."""
     text = state_json(state)
     if text != board.state:
         board.post(text)
 
 
 async def keep_updated(board: LatestState, state: Callable[[], Mapping[str, Any]]) -> None:
-    """Keep the board as the state is, until cancelled."""
+    """Keep the latest state up to date until cancelled."""
     while True:
         post_if_changed(board, state())
         await asyncio.sleep(INTERVAL)

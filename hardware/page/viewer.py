@@ -1,4 +1,4 @@
-"""One viewer of a page: the newest frame each time it has drawn the one before, presses back."""
+"""One viewer of a page: it gets the latest frame after each drawn one, and sends presses."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
 PressSkin = Callable[[str], Awaitable[str]]
-"""Presses a skin; the press in its full form. Raises InputError where it is none on it."""
+"""Presses a skin and returns the press in its full form. Raises InputError if it is invalid."""
 POLICY_VIOLATION = 1008
 
 
 class Viewer:
-    """A connection that is never sent a second frame before it has drawn the first.
+    """A viewer's connection, which gets a frame only after it has drawn the one before.
 
-    So a slow viewer is left out frames, and none wait for it. press: None where nothing is pressed.
+    So a slow viewer skips frames, and no frames pile up. press: None if the page presses nothing.
     """
 
     def __init__(
@@ -32,13 +32,13 @@ class Viewer:
         self._sent, self._drawn = 0, asyncio.Event()
 
     async def serve_frames(self) -> None:
-        """Until the viewer leaves, or says what is no message."""
+        """Send frames until the viewer leaves or sends an invalid message."""
         pushing = asyncio.create_task(self._push())
         try:
             async for said in self._socket:
                 await self._handle(read_message(said))
         except ValueError:
-            await self._socket.close(POLICY_VIOLATION, "no message that is known")
+            await self._socket.close(POLICY_VIOLATION, "unknown message")
         finally:
             pushing.cancel()
             await asyncio.gather(pushing, return_exceptions=True)
@@ -57,7 +57,7 @@ class Viewer:
                 self._drawn.set()
             return
         if self._press is None:
-            raise ValueError("nothing is pressed here")
+            raise ValueError("this page presses nothing")
         try:
             answer = {"do": "pressed", "press": await self._press(message.press)}
         except InputError as error:

@@ -1,4 +1,4 @@
-"""The meter of a command: connected when needed, set as at its begin, put back at its end."""
+"""The meter of a command: connected when needed, its settings restored at the end."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from ..meter.termination import raise_pending_signal, shielded
 from .recording_journal import RecordingHeader, RecordingJournal
 
 GIVE_UP_AFTER, SLOW_LINE_FACTOR, PAUSE, POLL_INTERVAL = 2.0, 2.0, 0.2, 0.05
-"""While settings are put back: seconds without any answer after which the meter is given up, beyond
-so many times the longest that an answer took; and between tries to reach it, and looks at that."""
+"""Times while settings are restored, s. The meter is given up after GIVE_UP_AFTER without any
+answer, plus SLOW_LINE_FACTOR times the longest delay of an answer. PAUSE: between connections."""
 TRIES = 20
-"""Connections in which they may be put back: of a meter that answers, and never as it should."""
+"""Number of connections in which the settings may be restored."""
 LOG = logging.getLogger(__name__)
 
 
 @dataclass
 class ManagedMeter:
-    """One meter, through all its connections. tell: told what could not be put back.
+    """One meter through all its connections. tell: reports settings that could not be restored.
 
-    journal: keeps how the meter was found, on the disk before anything is set; what is in it from a
-    command that was killed is put back at the end of this one.
+    journal: saves the original settings before any is changed. Those of a killed command are
+    restored at the end of this one.
     """
 
     connect: Callable[[], Meter]
@@ -48,14 +48,17 @@ class ManagedMeter:
         if self.journal and (kept := self.journal.original_settings()):
             self._identity, self._found = kept
             LOG.warning(
-                "%s: a command that was cut off left the meter changed; at the end it is put back "
-                "to what it was at first: %s",
+                "%s: a killed command left the meter's settings changed; this command restores the "
+                "original ones at its end: %s",
                 self.journal.folder,
                 settings_text(self._found),
             )
 
     def ready(self) -> Meter:
-        """The meter, set up. Raises MeterError, WrongMeterError where it is another than before."""
+        """The meter, set up.
+
+        Raises MeterError; WrongMeterError if it is not the meter of before.
+        """
         raise_pending_signal()
         if self.meter is None:
             self.meter = self._connected()
@@ -68,16 +71,16 @@ class ManagedMeter:
         return self.meter
 
     def close(self) -> None:
-        """Let the connection go; `ready` connects anew."""
+        """Close the connection. `ready` opens a new one."""
         if self.meter:
             self.meter.close()
             self.meter = None
 
     def release(self) -> None:
-        """Put back all settings as they were found, over a new connection if need be, and let go.
+        """Restore all original settings, over a new connection if necessary, and close.
 
-        No signal ends that, only a meter that does not answer or a user who insists. What the meter
-        did not confirm is told.
+        No signal ends that, only a meter without answers or a user who insists. Settings that the
+        meter did not confirm are reported.
         """
         with shielded() as insisting:
             if self.meter or self._found:
@@ -94,7 +97,7 @@ class ManagedMeter:
             self.close()
 
     def found(self, identity: MeterIdentity) -> dict[str, Any]:
-        """As of `Keeper`."""
+        """Original settings, see `OriginalSettingsStore`."""
         expected = self.header.meter if self.header else self._identity or identity.text
         if identity.text != expected:
             raise WrongMeterError(
@@ -105,17 +108,17 @@ class ManagedMeter:
         return self._found
 
     def note_found(self) -> None:
-        """As of `Keeper`."""
+        """Save the original settings, see `OriginalSettingsStore`."""
         if self.journal:
             self.journal.save_original_settings(self._identity, self._found)
 
     def _patient(self, begun: float) -> bool:
-        """Whether the meter answered lately, for a line as slow as it is."""
+        """True if the meter answered recently, in view of how slow its line is."""
         silent = time.monotonic() - max(begun, ANSWER_TIMES.at)
         return silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._under_way()
 
     def _under_way(self) -> float:
-        """Seconds that a reading may take which nobody waits for any more."""
+        """Longest time of a reading that may still be running, s."""
         known = self.meter is not None and self.meter.known.keys() >= set(TIMING)
         return self.meter.seconds if self.meter and known else 0.0
 
@@ -131,7 +134,7 @@ class ManagedMeter:
             time.sleep(PAUSE)
 
     def _connected(self) -> Meter:
-        """The meter, which knows how it was found at first."""
+        """The meter over a new connection, with this object as its store of original settings."""
         before = SETTINGS_STORE.set(self)
         try:
             return self.connect()

@@ -1,4 +1,4 @@
-"""One measured sweep: readings at every interface and ascending frequencies, under one press."""
+"""Measured sweeps: readings at all interfaces and ascending frequencies, under one press."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_PAUSE = 1.0
-"""Seconds between two interfaces, beyond which a touch may well have changed."""
+"""Seconds between two interfaces after which a touch may have changed."""
 Watch = Callable[[float, MeterReading], None]
 Turn = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class InterfaceTrace:
-    """Readings [F, ohm, ohm] and their status codes at one interface, one for each frequency.
+    """Readings [F, ohm, ohm] and status codes at one interface, one per frequency.
 
-    begun, ended: ISO 8601, empty where it is not known when they were taken.
+    begun, ended: ISO 8601, empty if unknown.
     """
 
     Cp: tuple[float, ...]
@@ -48,27 +48,27 @@ class InterfaceTrace:
 
 @dataclass(frozen=True)
 class MeasuredSweep:
-    """What was measured under one press: a trace for each interface, in the recording's order."""
+    """Readings under one press: a trace per interface, in the order of the recording."""
 
     traces: tuple[InterfaceTrace, ...]
 
     def at(self, interface: str) -> InterfaceTrace:
-        """The trace at an interface."""
+        """Trace at an interface."""
         return next(trace for trace in self.traces if trace.interface == interface)
 
 
 def now() -> str:
-    """The time as ISO 8601 with milliseconds, UTC."""
+    """Present time as ISO 8601 with milliseconds, UTC."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 def trace_times(sweep: MeasuredSweep) -> list[tuple[str, str]]:
-    """When the readings at each interface began and ended."""
+    """Start and end of the readings at each interface."""
     return [(trace.begun, trace.ended) for trace in sweep.traces]
 
 
 def switching_remarks(sweep: MeasuredSweep) -> list[str]:
-    """In words, how long the meter did not measure between two interfaces, where it was long."""
+    """Remark about the longest pause between two interfaces, if it exceeds MAX_PAUSE."""
     spans = sorted(trace_times(sweep))
     waits = [
         (datetime.fromisoformat(after) - datetime.fromisoformat(before)).total_seconds()
@@ -80,7 +80,7 @@ def switching_remarks(sweep: MeasuredSweep) -> list[str]:
 
 
 def flagged_readings(sweeps: Sequence[MeasuredSweep]) -> list[tuple[int, int, int, int]]:
-    """Readings not normal: numbers of sweep, interface and frequency, and the status code."""
+    """Readings that are not normal: index of sweep, interface and frequency, and status code."""
     return [
         (number, place, index, code)
         for number, sweep in enumerate(sweeps)
@@ -91,7 +91,7 @@ def flagged_readings(sweeps: Sequence[MeasuredSweep]) -> list[tuple[int, int, in
 
 
 def flag_remarks(sweeps: Sequence[MeasuredSweep]) -> list[str]:
-    """In words, how many readings of them the meter flagged, and as what."""
+    """Number of flagged readings for each status, in words."""
     codes = [code for *_, code in flagged_readings(sweeps)]
     return [
         f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
@@ -109,14 +109,13 @@ def measure_sweep(
     turn: Turn = lambda interface: None,
     of_each: Mapping[str, Sequence[float]] | None = None,
 ) -> MeasuredSweep:
-    """A reading at each interface and frequency [Hz], in any order, none older than this call.
+    """Measure at each interface and frequency [Hz]; no reading is older than this call.
 
-    The interface that is connected comes first: a switch turns once less in each sweep. switch: of
-    the interfaces, asked after each whether it stayed; without it the meter stays where it is.
-    turn: called with each interface before the switch turns, watch: with each reading as it comes.
-    of_each: frequencies of interfaces that have their own, by name.
-    Raises InputError where the meter cannot take a frequency, MeterError where a reading or the
-    switch fails.
+    The connected interface comes first, which saves one turn of the switch per sweep. switch:
+    selects interfaces, and is checked after each; None: the meter stays where it is. turn: called
+    with each interface before the switch turns. watch: called with each reading. of_each:
+    frequencies of interfaces with their own, by name. Raises InputError if the meter lacks a
+    frequency, MeterError if a reading or the switch fails.
     """
     traces: dict[str, InterfaceTrace] = {}
     for name in sorted(interfaces, key=lambda name: switch is None or name != switch.selected):
@@ -135,11 +134,10 @@ def measure_readings(
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
 ) -> MeasuredSweep:
-    """Readings at (interface, frequency in Hz), each asked for when the one before is known.
+    """Measure at (interface, frequency in Hz); each request is made after the reading before.
 
-    Traces are of the interfaces that were asked for, by name, and ascend in frequency. The switch
-    is asked where it stands at the first reading and where the interface changes. Raises as
-    `measure_sweep`.
+    Traces are sorted by the name of their interface, readings by frequency. The switch is selected
+    at the first reading and at each change of interface. Raises the errors of `measure_sweep`.
     """
     found: dict[str, dict[float, MeterReading]] = {}
     times: dict[str, tuple[str, str]] = {}
@@ -163,7 +161,7 @@ def measure_readings(
 
 
 def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
-    """Raises InputError where the meter's model does not reach one of the frequencies in Hz."""
+    """Raises InputError if the meter's model does not reach one of the frequencies in Hz."""
     beyond = outside_band(meter.model, frequencies)
     if beyond:
         raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")

@@ -1,4 +1,4 @@
-"""Who presses the skin: what a recording asks of a person, or of a machine."""
+"""Operators, which press the skin during a recording: a person or a machine."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Press = Callable[[PressStep], None]
 
 @dataclass(frozen=True)
 class StepStatus:
-    """How far a recording is.
+    """Progress of a recording.
 
-    number: of the step, from 0. total: steps. left: s until the end, None where nothing tells it
-    yet. rest: the latest sound sweep of the skin at rest, if there is one.
+    number: of the step, from 0. total: steps. left: estimated s until the end, None if unknown.
+    rest: the latest sound unpressed sweep, or None.
     """
 
     number: int
@@ -32,7 +32,7 @@ class StepStatus:
 
     @property
     def words(self) -> str:
-        """Which step of how many, and the time left."""
+        """Step, number of steps, and the time left."""
         counted = f"{self.number + 1}/{self.total}"
         if self.left is None:
             return counted
@@ -41,39 +41,38 @@ class StepStatus:
 
 
 class Operator(Protocol):
-    """Leads through a recording."""
+    """Presses the skin and decides what is repeated."""
 
     def same_mounting(self, ago: str) -> bool:
-        """Whether the skin is mounted as it was when the last sweep was taken, so long ago."""
+        """True if the skin was not mounted anew since the last sweep. ago: time since, in words."""
         ...
 
     def press(self, step: PressStep, progress: StepStatus) -> bool:
-        """True when the skin is pressed and held, False where the step before is to be done again.
+        """True when the skin is pressed; False if the step before is to be repeated.
 
-        Raises PressError where it cannot be pressed, KeyboardInterrupt where the recording is to
-        end here.
+        Raises PressError if the press fails, KeyboardInterrupt if the recording is to end here.
         """
         ...
 
     def turn(self, interface: str) -> None:
-        """An interface is about to be connected; what comes next is of it."""
+        """Note that the next readings are those of this interface."""
         ...
 
     def watch(self, frequency: float, reading: MeterReading) -> None:
-        """A reading came, at a frequency in Hz."""
+        """Note a reading at a frequency in Hz."""
         ...
 
     def kept(self, remarks: Sequence[str]) -> bool:
-        """A sweep is done; False to repeat it, which is offered where there are remarks."""
+        """True to keep a finished sweep, False to repeat it. remarks: its faults."""
         ...
 
     def again(self, failure: MeterError) -> bool:
-        """A sweep failed; True to try it again, False to stop there."""
+        """True to repeat a failed sweep, False to stop."""
         ...
 
 
 class RecordingDisplay(Protocol):
-    """Where the course of a recording is shown."""
+    """Shows the progress of a recording."""
 
     def begin(self, title: str, rest: MeasuredSweep | None) -> None: ...
     def turn(self, interface: str) -> None: ...
@@ -83,9 +82,9 @@ class RecordingDisplay(Protocol):
 
 @dataclass
 class MachineOperator:
-    """Presses by a function, and repeats what failed or is unsound up to `retries` times.
+    """Presses by a function, and repeats failed or unsound sweeps up to `retries` times.
 
-    pause: s before the first repetition after a failure, doubled with each further one.
+    pause: s before the first repetition after a failure; doubled for each further one.
     """
 
     press_skin: Press
@@ -96,11 +95,11 @@ class MachineOperator:
     current: int = field(default=-1, init=False)
 
     def same_mounting(self, ago: str) -> bool:
-        """A machine does not know."""
+        """False: a machine does not know."""
         return False
 
     def press(self, step: PressStep, progress: StepStatus) -> bool:
-        """Have the machine press. Raises PressError where it fails."""
+        """Press by the machine. Raises PressError if it fails."""
         if progress.number != self.current:
             self.current, self.repetitions = progress.number, 0
         self.press_skin(step)
@@ -108,7 +107,7 @@ class MachineOperator:
         return True
 
     def turn(self, interface: str) -> None:
-        """Show it."""
+        """Show the interface."""
         self.show.turn(interface)
 
     def watch(self, frequency: float, reading: MeterReading) -> None:
@@ -116,12 +115,12 @@ class MachineOperator:
         self.show.reading(frequency, reading)
 
     def kept(self, remarks: Sequence[str]) -> bool:
-        """Whether it is sound, or has been repeated often enough."""
+        """True if the sweep is sound or the repetitions are used up."""
         self.show.end(remarks)
         return not remarks or not self._count_repetition()
 
     def again(self, failure: MeterError) -> bool:
-        """Whether it has not failed often enough."""
+        """True, after a pause, unless the repetitions are used up."""
         self.show.end([str(failure)])
         if not self._count_repetition():
             return False
@@ -134,10 +133,10 @@ class MachineOperator:
 
 
 def press_by_command(command: str) -> Press:
-    """Presses by running a command in which `{press}`, `{row}` and `{column}` are filled in.
+    """Function that presses by a command with placeholders `{press}`, `{row}`, `{column}`.
 
-    Raises InputError where the command cannot be understood; the press raises PressError where it
-    cannot be run or ends with another code than 0.
+    Raises InputError if the command is malformed. The function raises PressError if the command
+    cannot run or ends with another code than 0.
     """
     template = CommandTemplate(command, "press-with", press="none", row=0, column=0)
 
@@ -152,7 +151,7 @@ def press_by_command(command: str) -> Press:
 
 
 def press_virtual_skin(control: str) -> Press:
-    """Presses a virtual meter's skin through its control port."""
+    """Function that presses a virtual meter's skin through its control port."""
     from ..control_client import send_request
 
     def press(step: PressStep) -> None:

@@ -1,4 +1,4 @@
-"""How far a sweep is from the skin at rest: beside the meter's noise, and along the frequencies."""
+"""Detection of a press: change of a sweep against the unpressed skin and the meter's noise."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ...simulator.sweeps.laws.noise import local_scale, roughness
 from .measured_sweep import MeasuredSweep
 
 DETECTION_FACTOR = 2.5
-"""A change whose root mean square is so many times its noise is a press. Noise alone has 1, and up
-to 2.1 where it is told from one difference at 20 frequencies."""
+"""A change is a press if its root mean square exceeds its noise by this factor. Noise alone gives
+1, and up to 2.1 if estimated from one difference at 20 frequencies."""
 RESOLUTION = 1e-4
-"""Least relative noise: what the digits leave open that a meter sends."""
+"""Lower limit of the relative noise: the rounding of the digits that a meter sends."""
 
 
 def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -> list[str]:
-    """A remark where a sweep cannot be told from the skin at rest at any interface, else none.
+    """Remark if a sweep does not differ from the unpressed skin at any interface; else empty.
 
-    rests: sweeps at rest of the same session, oldest first; compared with the last one.
+    baselines: unpressed sweeps of the same session, oldest first. The last one is compared.
     """
     if not baselines:
         return []
@@ -34,13 +34,14 @@ def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -
         return []
     change, noise = np.concatenate(changes), np.concatenate(noises)
     return [
-        f"no press is seen: the readings are those at rest, to {100 * _rms(change):.2g} %, and "
-        f"the meter's noise is {100 * _rms(noise + 1j * noise):.2g} %"
+        f"no press detected: the readings differ from the unpressed skin by "
+        f"{100 * _rms(change):.2g} %, and the meter's noise is "
+        f"{100 * _rms(noise + 1j * noise):.2g} %"
     ]
 
 
 def percent_change(values: Sequence[float], rest: Sequence[float]) -> NDArray[np.float64]:
-    """How far values are above those at rest, in %; NaN where these are 0. Shape of the values."""
+    """Change of values against the unpressed skin, %; NaN where that is 0. Shape of the values."""
     before = np.array(rest[: len(values)])
     ratio = np.full(before.shape, np.nan)
     np.divide(values, before, out=ratio, where=before != 0)
@@ -53,10 +54,11 @@ def _rms(change: NDArray[np.complex128]) -> float:
 
 
 def _noise(change: NDArray[np.complex128], rests: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Standard deviation of the parts of a change between two sweeps; shape (frequency,).
+    """Standard deviation of real and imaginary part of a change; shape (frequency,).
 
-    What is rough along the frequencies, of changes at rest or else of this one; where there are few
-    frequencies, all that has changed at rest. rests: ohm, shape (sweep, frequency).
+    It is the roughness along the frequencies, of changes of the unpressed skin or else of this
+    change. With few frequencies, it is the size of the unpressed skin's changes. rests: ohm, shape
+    (sweep, frequency).
     """
     at_rest = rests[1:] / rests[:-1] - 1
     if change.size >= FEWEST_FREQUENCIES:

@@ -1,4 +1,4 @@
-"""The order of presses in a recording."""
+"""Order of the presses in a recording."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...simulator.sweeps.press_text import parse_touches, written_pixel
 
 @dataclass(frozen=True)
 class PressStep:
-    """One press; row and column 0 where nothing is pressed, -1 where it is no single pixel."""
+    """One press. row, column: 0 for the unpressed skin, -1 if it is no single pixel."""
 
     press: str
     row: int
@@ -24,30 +24,30 @@ class PressStep:
 UNPRESSED_STEP = PressStep(UNPRESSED, 0, 0)
 FIRST_BASELINES = 3
 BYTES_FOR_STEP = 300
-"""Of a step, its text and its place in the order."""
+"""Memory of one step, its text and its place in the order."""
 UNKNOWN = "?"
-"""The press of a sweep that a localizer is asked of."""
+"""Press of a sweep whose press is unknown."""
 
 
 def parse_step(text: str, rows: int, columns: int) -> PressStep:
-    """The step that presses `text`, see `sweeps.press_text`.
+    """Step of a press, see `sweeps.press_text`.
 
-    Raises InputError on other syntax, or a pixel that is not among rows x columns.
+    Raises InputError for other syntax, or a pixel outside rows x columns.
     """
     press = "".join(text.split())
     touches = parse_touches(press)
     for row, column in (touch.pixel for touch in touches if touch.kind == "pixel"):
         if not (1 <= row <= rows and 1 <= column <= columns):
-            raise InputError(f"press {text!r}: pixels are 1,1 to {rows},{columns}")
+            raise InputError(f"press {text!r}: pixels must be in 1,1 to {rows},{columns}")
     return PressStep(press, *written_pixel(press)) if touches else UNPRESSED_STEP
 
 
 def standard_order(
     rows: int, columns: int, repetitions: int, without: Collection[tuple[int, int]] = ()
 ) -> list[PressStep]:
-    """Every pixel row by row, so many times, with the skin at rest between and after.
+    """All pixels row by row, `repetitions` times, with the unpressed skin between and after.
 
-    FIRST_RESTS begin it: later presses are told against their mean. without: pixels that are none.
+    FIRST_BASELINES unpressed sweeps begin it. without: pixels that the skin lacks.
     """
     if not 1 <= repetitions <= 10_000:
         raise InputError(f"`repetitions` must be in 1..10000, got {repetitions}")
@@ -66,9 +66,9 @@ def standard_order(
 
 
 def read_order(path: Path, rows: int, columns: int) -> list[PressStep]:
-    """The order in a file of one press a line; `#` begins a remark.
+    """Order in a file with one press per line; `#` begins a comment.
 
-    Raises InputError naming the file and the line.
+    Raises InputError with the file and the line.
     """
     lines = inputs.text(path, inputs.SETTINGS).splitlines()
     steps: list[PressStep] = []
@@ -81,5 +81,5 @@ def read_order(path: Path, rows: int, columns: int) -> list[PressStep]:
         except InputError as error:
             raise InputError(f"{path}: line {number}: {error}") from error
     if not steps:
-        raise InputError(f"{path}: holds no press")
+        raise InputError(f"{path}: has no press; write one per line")
     return steps

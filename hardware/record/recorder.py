@@ -1,4 +1,4 @@
-"""Recording: every press of an order, swept, checked, and on the disk before the next begins."""
+"""Recorder: measures and checks each press of an order, and saves it before the next."""
 
 from __future__ import annotations
 
@@ -33,19 +33,18 @@ from .recording_journal import (
 from .sweep_checks import SweepChecker, SweepLimits
 
 ETA_STEPS = 12
-"""Steps by which the time left is told."""
+"""Number of latest steps that the estimate of the time left uses."""
 REMOUNT_HOURS = 12.0
-"""Hours after which a skin may have been mounted anew."""
+"""Hours after which the skin may have been mounted anew."""
 
 
 @dataclass(frozen=True)
 class RecordingTask:
-    """What is to be recorded. connect: opens the meter.
+    """Specification of a recording. connect: opens the meter.
 
-    header: with all that is known before the meter is connected; its session empty: the time of
-    its begin. same_mounting: that the skin is mounted as it was, however long ago it was begun.
-    switch: connects the meter to one of the scene's interfaces; None where there is but one.
-    tell: told of settings that could not be put back.
+    header: as known before the meter is connected; an empty session becomes the start time.
+    same_mounting: True if the skin was surely not mounted anew. switch: connects the meter to one
+    of the interfaces; None if there is one. tell: reports settings that could not be restored.
     """
 
     header: RecordingHeader
@@ -59,17 +58,17 @@ class RecordingTask:
 
     @cached_property
     def order(self) -> list[PressStep]:
-        """The presses in their order."""
+        """Presses in their order."""
         header = self.header
         return [parse_step(press, header.rows, header.columns) for press in header.order]
 
 
 def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, list[JournalEntry]]:
-    """Every sweep of the task, those included that an earlier run has finished.
+    """Record all sweeps of the task. Returns them with those of earlier runs.
 
-    Raises InputError where the journal beside the output is of another recording, of another
-    mounting or unreadable, MeterError where the operator gives up on a sweep, KeyboardInterrupt
-    where the operator ends it; what is finished stays on the disk.
+    Raises InputError if the journal next to the output belongs to another recording or mounting or
+    is unreadable, MeterError if the operator gives up on a sweep, KeyboardInterrupt if the operator
+    ends the recording. Finished sweeps stay on the disk.
     """
     journal = RecordingJournal(task.output)
     header = _resumed(journal, task)
@@ -107,7 +106,7 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
 
 @dataclass
 class RecordingRun:
-    """The way through a task. entries: what is finished, by its place in the order."""
+    """One run of a task. entries: finished sweeps by their place in the order."""
 
     task: RecordingTask
     station: ManagedMeter
@@ -117,9 +116,9 @@ class RecordingRun:
     _ends: list[float] = field(default_factory=lambda: [time.monotonic()], init=False)
 
     def step(self, number: int) -> JournalEntry | None:
-        """A sweep that the operator keeps; None where the step before is to be done again.
+        """Sweep that the operator keeps; None if the step before is to be repeated.
 
-        Raises MeterError where the operator gives up, KeyboardInterrupt where the operator ends it.
+        Raises MeterError if the operator gives up, KeyboardInterrupt if the operator ends it.
         """
         step = self.task.order[number]
         before = [entry for place, entry in sorted(self.entries.items()) if place < number]
@@ -163,7 +162,7 @@ class RecordingRun:
         return JournalEntry(step.press, sweep, begun, now())
 
     def _progress(self, number: int, rests: Sequence[MeasuredSweep]) -> StepStatus:
-        """The time left is told from the median of the latest steps of this run."""
+        """Progress; the time left is estimated by the median of this run's latest steps."""
         total = len(self.task.order)
         taken = np.diff(self._ends[-ETA_STEPS:])
         left = float(np.median(taken)) * (total - number) if taken.size else None
@@ -190,9 +189,9 @@ def _confirm_mounting(
     ago = f"{hours:.0f} hours ago" if hours < 48 else f"{hours / 24:.0f} days ago"
     if hours > REMOUNT_HOURS and not operator.same_mounting(ago):
         raise InputError(
-            f"{journal.folder}: the last sweep was taken {ago}; --same-mounting goes on where the "
+            f"{journal.folder}: the last sweep was taken {ago}; --same-mounting continues if the "
             "skin was not mounted anew. A new mounting is a session of its own: `rcskin meter "
-            f"gather {journal.output}` writes what there is, `rcskin join` joins it with the rest"
+            f"gather {journal.output}` writes the sweeps so far, `rcskin join` joins the files"
         )
 
 

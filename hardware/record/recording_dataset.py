@@ -1,4 +1,4 @@
-"""A finished recording in the schema of sweeps."""
+"""Dataset of a recording, in the schema of sweeps."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 
 def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) -> xr.Dataset:
-    """Sweeps at the scene's frequencies (the meter's own, rounded to five digits, differ by less).
+    """Sweeps at the scene's frequencies, which the meter rounds to five digits.
 
-    Attributes hold the scene, the meter and its settings; `times`, `interface_times` (of each
-    interface), `remarks`, `answers` (label and probability, of a live session) and `flagged` (as
-    numbers of sweep, interface and frequency, and status of each reading that was not normal) are
-    JSON.
+    Attributes hold the scene, the meter and its settings. JSON attributes are `times`,
+    `interface_times` (for each interface), `remarks`, `answers` (label and probability, in a live
+    session) and `flagged` (sweep, interface, frequency and status of each reading that was not
+    normal, as numbers).
     """
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
@@ -68,9 +68,9 @@ def sweep_dataset(
     of_each: Mapping[str, Sequence[float]],
     **more: Any,
 ) -> xr.Dataset:
-    """Sweeps in the schema, at these interfaces and frequencies in Hz.
+    """Dataset of sweeps at these interfaces and frequencies in Hz.
 
-    of_each: frequencies of interfaces that have their own, by name. more: as of `build`.
+    of_each: frequencies of interfaces with their own, by name. more: arguments of `build`.
     """
     taken = measured_mask(interfaces, frequencies, of_each)
     Z = [scatter_readings([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
@@ -90,15 +90,15 @@ def measured_mask(
     frequencies: Sequence[float],
     of_each: Mapping[str, Sequence[float]],
 ) -> NDArray[np.bool_]:
-    """Which interface is read at which frequency, shape (interface, frequency).
+    """Mask of the measured frequencies, shape (interface, frequency).
 
-    of_each: of interfaces that have their own, by name.
+    of_each: frequencies of interfaces with their own, by name, Hz.
     """
     return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
 
 
 def scatter_readings(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
-    """What was read in its places, NaN elsewhere, shape (interface, frequency)."""
+    """Readings at their frequencies, NaN elsewhere; shape (interface, frequency)."""
     read = np.concatenate([np.asarray(trace) for trace in traces])
     found = np.full(taken.shape, np.nan, dtype=read.dtype)
     found[taken] = read
@@ -108,7 +108,7 @@ def scatter_readings(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> N
 def _global_frequency_indices(
     flags: Sequence[tuple[int, int, int, int]], taken: NDArray[np.bool_]
 ) -> list[tuple[int, int, int, int]]:
-    """Numbers of frequencies among all, in place of those among what an interface is read at."""
+    """Flags with the index of the frequency among all, instead of among the interface's own."""
     places = [np.flatnonzero(own).tolist() for own in taken]
     return [(sweep, at, places[at][index], code) for sweep, at, index, code in flags]
 

@@ -1,4 +1,4 @@
-"""A recording on disk: a folder beside the output with one small file for each sweep.
+"""Journal of a recording: a folder next to the output, with one small file per sweep.
 
 A file appears whole or not at all, and is on the disk before the next sweep begins. The folder is
 gone once the output is written.
@@ -23,7 +23,7 @@ from .measured_sweep import InterfaceTrace, MeasuredSweep
 HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
 LOG = logging.getLogger(__name__)
 OPTIONAL_FIELD = "of_each"
-"""The field of a header that is left out where it is empty."""
+"""Field of a header that its file omits if empty."""
 REQUESTED_FIELDS = ("scene", "name", "interfaces", "frequencies", OPTIONAL_FIELD, "rows", "columns")
 REQUESTED_FIELDS += ("order", "asked")
 """Fields of a header that are known before a meter is connected."""
@@ -31,12 +31,12 @@ REQUESTED_FIELDS += ("order", "asked")
 
 @dataclass(frozen=True)
 class RecordingHeader:
-    """What a recording is of, fixed when it begins; before that its last fields are empty.
+    """Fixed facts of a recording. The fields after `asked` are empty until the meter is connected.
 
-    scene: TOML text. frequencies: Hz, ascending. order: presses; empty where they come as they
-    come. asked: settings asked for; settings: all the meter had. session: name of the mounting.
-    accuracy: name of the table that sweeps are judged by. of_each: of interfaces that are read at
-    some of the frequencies alone, by name: these, Hz, ascending.
+    scene: TOML text. frequencies: Hz, ascending. order: presses; empty in a live session. asked:
+    requested settings (the name of the key in the file). settings: all settings of the meter.
+    session: name of the mounting. accuracy: name of the accuracy table. of_each: frequencies of
+    interfaces with their own, by name, Hz, ascending.
     """
 
     scene: str
@@ -57,9 +57,9 @@ class RecordingHeader:
 
 @dataclass(frozen=True)
 class JournalEntry:
-    """One finished sweep. begun, ended: ISO 8601. remarks: what was wrong with it.
+    """One finished sweep. begun, ended: ISO 8601. remarks: its faults.
 
-    answer: what a localizer told of it, and how probable that is.
+    answer: label of the localizer, and its probability.
     """
 
     press: str
@@ -71,37 +71,37 @@ class JournalEntry:
 
     @property
     def time(self) -> float:
-        """Of its middle, s since 1970-01-01 UTC."""
+        """Time of its middle, s since 1970-01-01 UTC."""
         return sum(self.ends) / 2
 
     @property
     def ends(self) -> tuple[float, float]:
-        """When it was begun and ended, s since 1970-01-01 UTC."""
+        """Start and end, s since 1970-01-01 UTC."""
         begun, ended = map(datetime.fromisoformat, (self.begun, self.ended))
         return begun.timestamp(), ended.timestamp()
 
 
 def warn_if_clock_set_back(entry: JournalEntry, before: JournalEntry | None) -> None:
-    """Log that the clock was set back in a sweep, or since the end of the one before."""
+    """Log a warning if the clock was set back in a sweep or since the end of the one before."""
     begun, ended = entry.ends
     back = max(before.ends[1] - begun if before else 0.0, begun - ended)
     if back > SLACK:
         LOG.warning(
             "sweep begun %s: the computer's clock was set back by at least %.1f s; the times of "
-            "this recording do not fit together, by which the drift of the skin is known",
+            "this recording are inconsistent, so its drift cannot be estimated from them",
             entry.begun,
             back,
         )
 
 
 class RecordingJournal:
-    """The folder of one recording."""
+    """Folder of one recording."""
 
     def __init__(self, output: Path) -> None:
         self.output, self.folder = output, output.with_name(f"{output.name}.sweeps")
 
     def header(self) -> RecordingHeader | None:
-        """What was recorded here so far, None where nothing was. Raises InputError."""
+        """Header of the recording in the folder; None if there is none. Raises InputError."""
         path = self.folder / HEADER
         if not path.exists():
             return None
@@ -109,7 +109,7 @@ class RecordingJournal:
             return _header(_read(path), path)
 
     def begin(self, header: RecordingHeader) -> None:
-        """Put the header on the disk; sweeps of anything before it are gone."""
+        """Write the header, and remove sweeps of earlier recordings."""
         self.folder.mkdir(exist_ok=True)
         for path in self.folder.glob(SWEEPS):
             path.unlink()
@@ -117,11 +117,11 @@ class RecordingJournal:
         _write(self.folder / HEADER, told if header.of_each else _without(OPTIONAL_FIELD, told))
 
     def keep(self, number: int, entry: JournalEntry) -> None:
-        """Put a finished sweep on the disk."""
+        """Write a finished sweep."""
         _write(self._path(number), asdict(entry))
 
     def entries(self, header: RecordingHeader) -> dict[int, JournalEntry]:
-        """The finished sweeps by their number, which is their place in the order if there is one.
+        """Finished sweeps by number, which is their place in the order if there is one.
 
         Raises InputError.
         """
@@ -133,12 +133,12 @@ class RecordingJournal:
         return found
 
     def save_original_settings(self, meter: str, settings: Mapping[str, Any]) -> None:
-        """Put on the disk how a meter was found, which answers so to `*IDN?`."""
+        """Write the original settings of a meter. meter: its answer to `*IDN?`."""
         self.folder.mkdir(exist_ok=True)
         _write(self.folder / METER_FILE, {"meter": meter, "settings": dict(settings)})
 
     def original_settings(self) -> tuple[str, dict[str, Any]] | None:
-        """The meter and the settings that it was found with, where they were not put back.
+        """Meter and original settings, if an earlier command did not restore them; else None.
 
         Raises InputError.
         """
@@ -148,26 +148,26 @@ class RecordingJournal:
         match _read(path):
             case {"meter": str(meter), "settings": dict(settings), **more} if not more:
                 return meter, {name: _tuple(value) for name, value in settings.items()}
-        raise InputError(f"{path}: tells not how the meter was found; take it away to go on")
+        raise InputError(f"{path}: does not hold a meter's original settings; remove the file")
 
     def drop_original_settings(self) -> None:
-        """The meter is as it was found."""
+        """Remove the original settings, which are restored."""
         (self.folder / METER_FILE).unlink(missing_ok=True)
-        with suppress(OSError):  # there is a recording in it
+        with suppress(OSError):  # the folder holds a recording
             self.folder.rmdir()
 
     def remove(self) -> None:
-        """End it, as all of it is in the output; the folder goes when its lock is given back."""
-        self.drop_original_settings()  # what is not put back by now was told
+        """Remove the files, as the output holds all. Releasing the lock removes the folder."""
+        self.drop_original_settings()  # the user was warned of those not restored
         for path in (self.folder / HEADER, *self.folder.glob(SWEEPS)):
             path.unlink()
 
     def lock(self) -> AbstractContextManager[Path]:
-        """Keep other recorders away while the block runs. Raises InputError where one is at work.
+        """Lock the folder while the block runs. Raises InputError if another recorder has it.
 
-        A folder in which nothing is kept is taken away at the end.
+        An empty folder is removed at the end.
         """
-        busy = f"{self.folder}: another recorder is at work on it; end that one first, or give "
+        busy = f"{self.folder}: another recorder uses it; end that one first, or give "
         return locked(self.folder, "*.json", f"{busy}another output")
 
     def _path(self, number: int) -> Path:
@@ -175,7 +175,7 @@ class RecordingJournal:
 
 
 def differences(begun: RecordingHeader, requested: RecordingHeader) -> list[str]:
-    """Names of what is asked for and is not what the recording began with."""
+    """Names of the fields in which a request differs from the begun recording."""
     names = [*REQUESTED_FIELDS, *(["session"] if requested.session else [])]
     return [name for name in names if getattr(begun, name) != getattr(requested, name)]
 
@@ -195,7 +195,7 @@ def _read(path: Path) -> dict[str, Any]:
 def _unreadable(path: Path, error: Exception) -> InputError:
     told = " ".join(str(error).split())
     return InputError(
-        f"{path}: cannot be read as part of a recording: {told}; move it away to record that anew"
+        f"{path}: is no part of a recording: {told}; move it away to record that sweep again"
     )
 
 
@@ -228,7 +228,7 @@ def _entry(content: dict[str, Any], path: Path, expected: tuple[str, ...]) -> Jo
         _check_keys(trace, InterfaceTrace, path)
     if expected and content["press"] != expected[0]:
         raise InputError(
-            f"{path}: holds press {content['press']}, the order has {expected[0]} here"
+            f"{path}: holds press {content['press']}, but the order has {expected[0]} here"
         )
     sweep = MeasuredSweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
     answer = content["answer"] and tuple(content["answer"])

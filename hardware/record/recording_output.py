@@ -1,4 +1,4 @@
-"""What a recording leaves: its output, written once from the journal."""
+"""Output of a recording, written from its journal."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ LOG = logging.getLogger(__name__)
 def finish(
     journal: RecordingJournal, header: RecordingHeader, entries: Mapping[int, JournalEntry]
 ) -> xr.Dataset:
-    """Write the output whole, then take the journal away; the sweeps that were written."""
+    """Write the output, remove the journal, and return the sweeps."""
     sweeps = write_all(journal.output, header, entries)
     journal.remove()
     return sweeps
 
 
 def gather(
-    recording: Annotated[Path, typer.Argument(help="The output that the recording was to have.")],
+    recording: Annotated[Path, typer.Argument(help="Output file of the recording.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
     ] = None,
 ) -> None:
-    """Write what a recording or a live session has so far, ended or under way.
+    """Write the sweeps that a recording or a live session has so far.
 
-    A recording can go on afterwards, towards another mounting's or its own end.
+    The recording can continue afterwards.
     """
     from ...simulator.sweeps import InputError, checked_output, sizes_text
     from .recording_journal import RecordingJournal
@@ -56,15 +56,15 @@ def gather(
 
 
 def _warn_if_meter_changed(journal: RecordingJournal) -> None:
-    """Log how a meter should be that a command which was killed left changed."""
+    """Log the original settings of a meter that a killed command left changed."""
     from ...simulator.sweeps import InputError
     from ..meter.original_settings import settings_text
 
-    with suppress(InputError), journal.lock():  # else it is under way
+    with suppress(InputError), journal.lock():  # a running recording has the lock
         if found := journal.original_settings():
             LOG.warning(
-                "%s: a command that was cut off left the meter changed; the same command puts it "
-                "back to what it was at first: %s",
+                "%s: a killed command left the meter's settings changed; the same command restores "
+                "the original ones: %s",
                 journal.folder,
                 settings_text(found[1]),
             )
@@ -73,7 +73,7 @@ def _warn_if_meter_changed(journal: RecordingJournal) -> None:
 def write_all(
     output: Path, header: RecordingHeader, entries: Mapping[int, JournalEntry]
 ) -> xr.Dataset:
-    """Write sweeps of a journal, whole or not at all; what was written."""
+    """Write the sweeps of a journal, all or none, and return them."""
     from ...simulator.sweeps import write
     from .recording_dataset import recording_dataset
 
@@ -84,7 +84,7 @@ def write_all(
 
 @contextmanager
 def explain_resuming(journal: RecordingJournal) -> Iterator[None]:
-    """Where the block ends early, tell what is kept and how to go on with it."""
+    """If the block ends early, print what is kept and how to continue."""
     from ..meter.errors import MeterError
 
     try:
@@ -94,14 +94,14 @@ def explain_resuming(journal: RecordingJournal) -> Iterator[None]:
         if header is not None:
             say(
                 f"rcskin: {len(journal.entries(header))} of {len(header.order)} sweeps are "
-                f"kept in {journal.folder}; the same command goes on after them",
+                f"kept in {journal.folder}; the same command continues after them",
                 err=True,
             )
         raise
 
 
 def summary_remarks(entries: Sequence[JournalEntry]) -> list[str]:
-    """How many sweeps have remarks, and what the meter flagged."""
+    """Number of sweeps with remarks, and the readings that the meter flagged."""
     from .measured_sweep import flag_remarks
 
     unsound = sum(bool(entry.remarks) for entry in entries)

@@ -1,4 +1,4 @@
-"""A recording on a terminal: curves that grow with each reading, and prompts for a person."""
+"""A recording on a terminal: live tables of readings, and prompts for a person."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ LEVELS = "▁▂▃▄▅▆▇█"
 
 
 class RecordingScreen:
-    """Live table of Rs and Cp on a terminal while the block runs, and a line for each sweep.
+    """Live table of Rs and Cp on a terminal while the block runs, and a line per sweep.
 
-    In a pipe only what is wrong with a sweep, unless `plain` asks for a line for each.
-    several: whether a sweep has several interfaces, which are then told.
+    In a pipe it prints only faults of sweeps, or with `plain` a line per sweep. several: True if
+    sweeps have several interfaces, which are then named.
     """
 
     def __init__(self, console: Console, plain: bool = False, several: bool = False) -> None:
@@ -54,19 +54,19 @@ class RecordingScreen:
         self._stop()
 
     def begin(self, title: str, rest: MeasuredSweep | None) -> None:
-        """A sweep begins. rest: the skin at rest, which it is shown beside."""
+        """Begin a sweep. rest: unpressed sweep to compare with."""
         self._title = self._press = title
         self._all_rest, self._rest, self._readings = rest, None, []
 
     def turn(self, interface: str) -> None:
-        """The readings that come are of an interface; tell those before."""
+        """Print the readings of the interface before, and begin this one."""
         self._finish()
         if self._several:
             self._title = f"{self._press}, interface {interface}"
         self._rest = self._all_rest and self._all_rest.at(interface)
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
-        """A reading came, at a frequency in Hz."""
+        """Show a reading at a frequency in Hz."""
         from rich.live import Live
 
         self._readings.append((frequency, reading))
@@ -77,7 +77,7 @@ class RecordingScreen:
             self._live.update(self._table())
 
     def end(self, remarks: Sequence[str]) -> None:
-        """The sweep is over; tell what is wrong with it."""
+        """End the sweep and print its faults."""
         self._finish()
         self._title = self._press
         for remark in remarks:
@@ -98,7 +98,7 @@ class RecordingScreen:
         self._console.print(f"{self._title}: {text}", highlight=False, markup=False, soft_wrap=True)
 
     def _changes(self) -> dict[str, NDArray[np.float64]]:
-        """Rs and Cp in % above rest, at the readings so far; empty where no rest is known."""
+        """Change of Rs and Cp against the unpressed skin, %; empty without an unpressed sweep."""
         if self._rest is None:
             return {}
         Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
@@ -108,7 +108,7 @@ class RecordingScreen:
         }
 
     def _curves(self) -> str:
-        """The change from rest of each quantity: as a curve where it can be drawn, and its span."""
+        """Change of each quantity against the unpressed skin: a curve if possible, and its span."""
         drawn = self._console.is_terminal and self._console.encoding.startswith("utf")
         told = [
             f"{name} {sparkline(change) + ' ' if drawn else ''}"
@@ -116,7 +116,7 @@ class RecordingScreen:
             for name, change in self._changes().items()
             if np.isfinite(change).any()
         ]
-        return "; against rest " + ", ".join(told) if told else ""
+        return "; against the unpressed skin " + ", ".join(told) if told else ""
 
     def _table(self) -> Table:
         from rich.table import Column, Table
@@ -137,7 +137,7 @@ class RecordingScreen:
 
 
 def sparkline(values: NDArray[np.float64]) -> str:
-    """A character for each value, the lowest as low as it goes; a space where there is none."""
+    """Curve with one character per value, scaled to their span; a space for NaN."""
     low, high = np.nanmin(values), np.nanmax(values)
     top = len(LEVELS) - 1
     scaled = np.full(values.shape, top / 2) if high == low else top * (values - low) / (high - low)
@@ -146,23 +146,23 @@ def sparkline(values: NDArray[np.float64]) -> str:
 
 @dataclass(frozen=True)
 class PersonOperator:
-    """Someone at the keyboard who presses the skin and decides what is repeated."""
+    """A person at the keyboard who presses the skin and decides what is repeated."""
 
     console: Console
     show: RecordingDisplay
 
     def same_mounting(self, ago: str) -> bool:
-        """What the person says."""
+        """Answer of the person."""
         question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
         while not (answer := self._ask_choice(question, "yn")):
             pass
         return answer == "n"
 
     def press(self, step: PressStep, progress: StepStatus) -> bool:
-        """Tell what to press, and wait for Enter; False where the step before is to come again."""
+        """Print what to press and wait for Enter; False if the step before is to be repeated."""
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
         what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"
-        again = "r: the one before again, " if progress.number else ""
+        again = "r: repeat the one before, " if progress.number else ""
         question = f"{progress.words}  {what}, then Enter ({again}q: quit) "
         if self._ask_choice(question, "r" if progress.number else "") == "r":
             return False
@@ -170,11 +170,11 @@ class PersonOperator:
         return True
 
     def turn(self, interface: str) -> None:
-        """Show it."""
+        """Show the interface."""
         self.show.turn(interface)
 
     def connect(self, interface: str) -> None:
-        """Have the person connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
+        """Ask the person to connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
         self._ask_choice(
             f"Keep the press, connect interface {interface}, then Enter (q: quit) ", ""
         )
@@ -184,18 +184,21 @@ class PersonOperator:
         self.show.reading(frequency, reading)
 
     def kept(self, remarks: Sequence[str]) -> bool:
-        """Whether the person keeps a sweep in spite of remarks."""
+        """True if the sweep has no remarks, or the person keeps it all the same."""
         self.show.end(remarks)
         question = "Enter: redo, a: accept anyway, q: quit "
         return not remarks or self._ask_choice(question, "ra") == "a"
 
     def again(self, failure: MeterError) -> bool:
-        """Whether the person wants to try again."""
+        """True if the person wants to try again."""
         self.show.end([str(failure)])
         return self._ask_choice("Enter: try again, n: give up, q: quit ", "n") != "n"
 
     def _ask_choice(self, prompt: str, letters: str) -> str:
-        """One of the letters, or nothing for Enter; asked until it is. Raises KeyboardInterrupt."""
+        """One of the letters, or empty for Enter; asks until it is.
+
+        `q` raises KeyboardInterrupt.
+        """
         while True:
             answer = self._ask(prompt).lower()
             if answer == "q":

@@ -1,4 +1,4 @@
-"""Is a measured sweep sound? Laws of passive skins, earlier repetitions, and the skin at rest."""
+"""Checks of a measured sweep: passivity, earlier repetitions, drift of the unpressed skin."""
 
 from __future__ import annotations
 
@@ -21,8 +21,10 @@ CP_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class SweepLimits:
-    """How far a sweep may depart. errors: the slack of the laws, in bounds of the meter's error.
-    At 2 noise of the size of the bounds broke a law in 22 of 300 sweeps, at 3 in none.
+    """Allowed deviations of a sweep.
+
+    errors: tolerance of the laws in bounds of the meter's error. With noise of the size of the
+    bounds, a law was broken in 22 of 300 sweeps at 2, and in none at 3.
 
     repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
     from the first sweep at rest. Both are fractions. two_terminal: whether all current that enters
@@ -37,9 +39,9 @@ class SweepLimits:
 
 @dataclass(frozen=True)
 class SweepChecker:
-    """What a sweep is judged by. frequency: Hz. settings: the meter's, as in a snapshot.
+    """Checks sweeps. frequency: Hz. settings: the meter's, as in a snapshot.
 
-    of_each: frequencies of interfaces that have their own, by name.
+    of_each: frequencies of interfaces with their own, by name, Hz.
     """
 
     frequency: NDArray[np.float64]
@@ -51,9 +53,9 @@ class SweepChecker:
     def remarks(
         self, sweep: MeasuredSweep, earlier: Sequence[MeasuredSweep], at_rest: bool
     ) -> list[str]:
-        """What is wrong with a sweep, in words; empty where it is sound.
+        """Faults of a sweep, in words; empty if it is sound.
 
-        earlier: sound sweeps of the same press, oldest first.
+        earlier: sound sweeps of the same press, oldest first. at_rest: True for an unpressed sweep.
         """
         found: list[str] = []
         for place, trace in enumerate(sweep.traces):
@@ -70,7 +72,7 @@ class SweepChecker:
         found = [*self._law_remarks(trace), *self._capacitance_remarks(trace)]
         if earlier and at_rest:
             found += self._deviation_remarks(
-                trace, earlier[0].Z, self.limits.drift, "the skin at rest has drifted"
+                trace, earlier[0].Z, self.limits.drift, "the unpressed skin has drifted"
             )
         elif earlier:
             mean = np.mean([one.Z for one in earlier], axis=0)
@@ -80,7 +82,7 @@ class SweepChecker:
         return found
 
     def error_bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
-        """Of the meter's error, at each frequency by its own reading."""
+        """Bounds on the meter's error, at each frequency for the reading there."""
         pairs = [
             self.table.error_bounds(z, self._conditions(f, z))
             for f, z in zip(self.frequency.tolist(), Z.tolist(), strict=True)
@@ -111,7 +113,7 @@ class SweepChecker:
         ]
 
     def _unknown_error_note(self, Z: NDArray[np.complex128]) -> str:
-        """What is said of ranges whose error is not known; nothing where all are."""
+        """Note about used ranges that the accuracy table lacks; empty if it has all."""
         used = {
             self._conditions(float(f), complex(z)).range
             for f, z in zip(self.frequency, Z, strict=True)
@@ -119,7 +121,7 @@ class SweepChecker:
         unknown = [f"{full_scale(n):g}" for n in sorted(used) if not self.table.has_range(n)]
         if not unknown:
             return ""
-        return f" as far as it is known: {self.table.name} tells none of {', '.join(unknown)} ohm"
+        return f" (estimated: {self.table.name} has no range of {', '.join(unknown)} ohm)"
 
     def _capacitance_remarks(self, trace: InterfaceTrace) -> list[str]:
         from_Z = parallel_capacitance(trace.Z, self.frequency)

@@ -1,4 +1,4 @@
-"""How a switch fails; every message ends with what to check."""
+"""Errors of switches. Every message ends with what to check."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from ..meter.errors import MeterError
 
 
 class SwitchError(MeterError):
-    """The switch between meter and skin failed; told in one line that says what to check."""
+    """The switch between meter and skin failed. The message is one line."""
 
 
 class NoSwitchError(SwitchError):
-    """The switch cannot be reached, or is gone."""
+    """The switch cannot be opened, or its connection is lost."""
 
 
 class SilentSwitchError(SwitchError):
-    """No whole answer came in time."""
+    """The switch gave no complete answer in time."""
 
 
 class GarbledSwitchError(SwitchError):
-    """An answer came that no such switch gives."""
+    """The answer is none of such a switch."""
 
 
 class RefusedSwitchError(SwitchError):
-    """The switch would not do what it was asked."""
+    """The switch refused a command."""
 
 
 class StuckSwitchError(SwitchError):
-    """The switch tells another position than the one asked for."""
+    """The switch reports another position than the requested one."""

@@ -1,4 +1,4 @@
-"""Switches without a line to them: a person, and any command."""
+"""Switches without a connection: a person, and any command."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
 
 @dataclass(frozen=True)
 class ManualSwitch:
-    """Someone who connects what `ask` tells, and returns from it when that is done."""
+    """A person who connects interfaces. ask: asks for one, and returns when it is connected."""
 
     ask: Callable[[str], object]
 
     def put(self, position: str, /) -> None:
-        """Have the person connect an interface."""
+        """Ask the person to connect an interface."""
         self.ask(position)
 
     def reported_position(self) -> None:
-        """A person is believed."""
+        """None: the person is trusted."""
 
     def close(self) -> None:
         """Nothing is held."""
@@ -30,16 +30,16 @@ class ManualSwitch:
 
 @dataclass(frozen=True)
 class CommandSwitch:
-    """A command that is run, without a shell, with the interface's name filled in.
+    """A command that switches, run without a shell.
 
-    template: with `{interface}`. timeout: s that it may take.
+    template: with the placeholder `{interface}`. timeout: longest time, s.
     """
 
     template: CommandTemplate
     timeout: float
 
     def put(self, position: str, /) -> None:
-        """Run it. Raises NoSwitchError, SilentSwitchError, RefusedSwitchError."""
+        """Run the command. Raises NoSwitchError, SilentSwitchError, RefusedSwitchError."""
         filled = self.template.filled(interface=position)
         told = f"switching to {position} by {shlex.join(filled)!r}"
         try:
@@ -60,7 +60,7 @@ class CommandSwitch:
             )
 
     def reported_position(self) -> None:
-        """Its exit code is believed."""
+        """None: the exit code is trusted."""
 
     def close(self) -> None:
         """Nothing is held."""

@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 Closed = frozenset[int]
 Result = TypeVar("Result")
 NUMERALS = "0123456789ABCDEFGHIJKLMNOPQRSTUV"
-"""Numato's names of relays: one character each."""
+"""Names of Numato's relays, one character each."""
 LCUS_START = 0xA0
 LCUS_STATE = re.compile(rb"CH\s*(\d+)\s*:\s*(ON|OFF)", re.IGNORECASE)
 MAX_ANSWER = 1024
 
 
 class SerialLine:
-    """A serial port by name or pyserial URL; whatever fails on it is a SwitchError."""
+    """A serial port, by name or pyserial URL. Every failure is a SwitchError."""
 
     def __init__(self, port: str, baud: int, timeout: float) -> None:
-        """timeout: s that an answer may take. Raises NoSwitchError."""
+        """timeout: longest time of an answer, s. Raises NoSwitchError."""
         from serial import serial_for_url
 
         self.port, self._timeout = port, timeout
@@ -46,16 +46,16 @@ class SerialLine:
             ) from error
 
     def write(self, message: bytes) -> None:
-        """Send bytes, and forget answers that came before. Raises NoSwitchError."""
+        """Drop pending answers and send bytes. Raises NoSwitchError."""
         with self._safely():
             self._opened.reset_input_buffer()
             self._opened.write(message)
             self._opened.flush()
 
     def ask(self, message: bytes, parse: Callable[[bytes], Result | None]) -> Result:
-        """What `parse` makes of the answer, which it does not before it is whole.
+        """Answer to a message. parse: returns its value, or None while it is incomplete.
 
-        Raises SilentSwitchError, NoSwitchError, GarbledSwitchError where it never gets whole.
+        Raises SilentSwitchError, NoSwitchError, and GarbledSwitchError if it stays incomplete.
         """
         self.write(message)
         answer = b""
@@ -70,7 +70,7 @@ class SerialLine:
             answer += came
             if not came or len(answer) > MAX_ANSWER:
                 raise GarbledSwitchError(
-                    f"{self.port}: {answer[:40]!r} is no whole answer of such a board; check "
+                    f"{self.port}: {answer[:40]!r} is no complete answer of such a board; check "
                     "`kind` and `baud`"
                 )
         return parsed
@@ -83,7 +83,7 @@ class SerialLine:
     def _safely(self) -> Iterator[None]:
         try:
             yield
-        except Exception as error:  # of pyserial, of the system, and termios.error
+        except Exception as error:  # pyserial's, the system's, and termios.error
             raise NoSwitchError(
                 f"{self.port}: the line is lost ({error}); check the cable and the board's power"
             ) from error
@@ -91,7 +91,7 @@ class SerialLine:
 
 @dataclass(frozen=True)
 class NumatoBoard:
-    """A board of Numato Lab's. driven: the relays that belong to the switch, from 0."""
+    """A relay board of Numato Lab. driven: the relays of the switch, from 0."""
 
     line: SerialLine
     driven: Closed
@@ -113,7 +113,7 @@ class NumatoBoard:
         self.line.close()
 
     def _command(self, command: str, answer: bytes = b"") -> bytes:
-        """The answer between the echo of a command and the next prompt."""
+        """Answer between the echo of a command and the next prompt."""
         sent = command.encode("ascii")
         whole = re.compile(rb"[\s>]*" + sent + rb"\s*(" + answer + rb")\s*>")
         return self.line.ask(sent + b"\r", lambda came: (m := whole.fullmatch(came)) and m[1])
@@ -121,9 +121,9 @@ class NumatoBoard:
 
 @dataclass(frozen=True)
 class LcusBoard:
-    """A board of the LCUS kind. driven: the relays that belong to the switch, from 1.
+    """A relay board of the LCUS kind. driven: the relays of the switch, from 1.
 
-    query: the bytes that ask for the state of all; empty where the board has no read-back.
+    query: bytes that ask for the state of all relays; empty if the board has no read-back.
     """
 
     line: SerialLine

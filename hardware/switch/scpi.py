@@ -1,4 +1,4 @@
-"""A switch that speaks SCPI: `ROUT:CLOS (@101)`, in one of three ways of routing."""
+"""SCPI switches (`ROUT:CLOS (@101)`) with three kinds of routing."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ CHANNELS = re.compile(r"\(@([\d,\s]*)\)")
 
 @dataclass(frozen=True)
 class Routing:
-    """Messages that open, close and ask; `{these}` and `{all}` stand for lists of channels.
+    """Messages that open, close and query. `{these}`, `{others}`, `{all}`: lists of channels.
 
-    listed: whether the question is answered with the list of closed channels, as `(@101)`, and not
-    with a 1 or 0 for each of those asked for.
+    listed: True if the answer lists the closed channels, such as `(@101)`; False if it gives 1 or 0
+    for each requested channel.
     """
 
     open: str
@@ -47,22 +47,22 @@ pymeasure's `Keithley2700`). states: of Keysight's 34970A and its kind."""
 
 
 class ScpiSwitch:
-    """An SCPI switch on an open line. driven: its channels that belong to the switch."""
+    """An SCPI switch on an open connection. driven: the channels of the switch."""
 
     def __init__(self, line: Connection, driven: Closed, routing: Routing) -> None:
-        """Raises SwitchError where it does not answer."""
+        """Raises SwitchError if it does not answer."""
         self._line, self._driven, self._routing = line, driven, routing
         self._send("*CLS")
 
     def put(self, closed: Closed, /) -> None:
-        """Open the others and close these. Raises RefusedSwitchError where it reports an error."""
+        """Open the others and close these. Raises RefusedSwitchError if it reports an error."""
         if self._driven - closed:
             self._send(self._formatted(self._routing.open, closed))
         if closed:
             self._send(self._formatted(self._routing.close, closed))
 
     def reported_position(self) -> Closed:
-        """Which of the driven channels are closed."""
+        """Closed channels among the driven ones."""
         question = self._formatted(self._routing.ask, frozenset())
         return self._ask(question, self._listed if self._routing.listed else self._by_state)
 
@@ -75,7 +75,7 @@ class ScpiSwitch:
         return message.format(**{name: channel_list(each) for name, each in lists.items()})
 
     def _send(self, message: str) -> None:
-        """Send a message without an answer, and look whether it was taken."""
+        """Send a message without an answer, and check that it was accepted."""
         error = self._ask("SYST:ERR?", str, before=message)
         if not NO_ERROR.fullmatch(error.strip()):
             raise RefusedSwitchError(
@@ -95,7 +95,7 @@ class ScpiSwitch:
             return parse(answer)
         except ValueError as error:
             raise GarbledSwitchError(
-                f"{self._line.resource}: {question} was answered with {answer[:60]!r}; check the "
+                f"{self._line.resource}: the answer to {question} was {answer[:60]!r}; check the "
                 "address and `routing`"
             ) from error
 
@@ -112,17 +112,17 @@ class ScpiSwitch:
 
 
 def channel_list(channels: Closed) -> str:
-    """As `(@101,102)`."""
+    """List of channels in SCPI, such as `(@101,102)`."""
     return f"(@{','.join(map(str, sorted(channels)))})"
 
 
 def open_scpi(
     resource: str, baud: int, timeout: float, driven: Closed, routing: Routing
 ) -> ScpiSwitch:
-    """The switch behind a VISA resource.
+    """Switch at a VISA resource.
 
-    timeout: s that an answer may take. Raises InputError where the resource is no name of one,
-    SwitchError where nothing answers.
+    timeout: longest time of an answer, s. Raises InputError if the name is no resource, SwitchError
+    if nothing answers.
     """
     try:
         line = connect(resource, timeout, baud)

@@ -1,4 +1,4 @@
-"""What selects an interface, and how any device becomes that: turned, read back, left as found."""
+"""Switch between interfaces: turned, read back, and returned to its original position."""
 
 from __future__ import annotations
 
@@ -13,52 +13,52 @@ from .errors import StuckSwitchError, SwitchError
 
 Position = TypeVar("Position")
 POLL_INTERVAL = 0.01
-"""Seconds between two looks at a switch that is turning."""
+"""Seconds between two queries of a turning switch."""
 
 
 class Switch(Protocol):
-    """Anything that connects the meter to one interface at a time."""
+    """Connects the meter to one interface at a time."""
 
     @property
     def selected(self) -> str | None:
-        """The interface that is connected, as far as is known."""
+        """Connected interface, or None if unknown."""
         ...
 
     def select(self, name: str) -> None:
-        """Connect an interface; when this returns, it may be measured. Raises SwitchError."""
+        """Connect an interface, and return when it may be measured. Raises SwitchError."""
         ...
 
     def check_stayed(self) -> None:
-        """Raises SwitchError where it tells that it has turned away since it was asked to turn."""
+        """Raises SwitchError if the switch has turned away since `select`."""
         ...
 
     def close(self) -> None:
-        """Leave it as it was found, where that is known; closing twice does no harm."""
+        """Return to the original position, if known, and close. Closing twice does no harm."""
         ...
 
 
 class SwitchDevice(Protocol[Position]):
-    """What turns. Everything raises SwitchError where it fails."""
+    """A device that turns. All methods raise SwitchError if they fail."""
 
     def put(self, position: Position, /) -> None:
-        """Go to a position; it may still be turning afterwards."""
+        """Start to go to a position."""
         ...
 
     def reported_position(self) -> Position | None:
-        """The position that it reads back; None where it has no read-back."""
+        """Position that the device reads back; None without a read-back."""
         ...
 
     def close(self) -> None:
-        """Let it go."""
+        """Close the device."""
         ...
 
 
 @dataclass
 class DeviceSwitch(Generic[Position]):
-    """A switch made of a device that is opened when it is needed, and anew after a failure.
+    """A switch by a device, which is opened when needed and again after a failure.
 
-    positions: of the interfaces. settle: s from the moment a turn is done, as far as that is told,
-    to the first reading. patience: s in which the read-back must tell the new position.
+    positions: by interface. settle: s from the end of a turn to the first reading. patience: s in
+    which the read-back must report the new position.
     """
 
     open: Callable[[], SwitchDevice[Position]]
@@ -75,7 +75,7 @@ class DeviceSwitch(Generic[Position]):
                 raise InputError(f"`{name}` must be in [0, 3600] s, got {value:g}")
 
     def select(self, name: str) -> None:
-        """Connect an interface. Raises InputError where it has no position, SwitchError."""
+        """Connect an interface. Raises InputError if it has no position, SwitchError."""
         if name not in self.positions:
             known = ", ".join(self.positions)
             raise InputError(f"the switch knows the interfaces {known}, got {name!r}")
@@ -90,8 +90,7 @@ class DeviceSwitch(Generic[Position]):
         self.selected = name
 
     def check_stayed(self) -> None:
-        """Raises SwitchError where the read-back tells that it has turned away: late, as it was
-        asked before and given up, or by another hand."""
+        """Raises SwitchError if the read-back shows another position: turned late, or by others."""
         name, device = self.selected, self._device
         if name is None or device is None:
             return
@@ -109,7 +108,7 @@ class DeviceSwitch(Generic[Position]):
             raise
 
     def close(self) -> None:
-        """Leave the device at the position it was found at, where it told one."""
+        """Return the device to its original position, if it reported one, and close it."""
         self.selected = None
         with suppress(SwitchError):
             if (
@@ -121,7 +120,7 @@ class DeviceSwitch(Generic[Position]):
         self._drop()
 
     def _turn_if_needed(self, name: str, before: str | None) -> bool:
-        """Whether it had to turn."""
+        """Turn if necessary; True if it turned."""
         if self._device is None:
             self._device = self.open()
             self._found = self._device.reported_position() if self._found is None else self._found

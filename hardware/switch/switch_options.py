@@ -1,4 +1,4 @@
-"""The switch that a command is asked to use."""
+"""The switch of a command, from its options."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ def switch_from_options(
     interfaces: Sequence[str],
     ask: Callable[[str], object] | None = None,
 ) -> Switch | None:
-    """A switch that knows these interfaces; None where there is one of them and none was asked for.
+    """Switch for these interfaces; None for a single interface without options.
 
-    ask: a person who switches at `ask`, and where there is nothing else. Raises InputError.
+    ask: asks a person to connect an interface, with `--switch ask` or without options. Raises
+    InputError.
     """
     if name and command:
         raise InputError("`switch` and `switch-with` cannot both connect the interface")
@@ -32,7 +33,7 @@ def switch_from_options(
     missing = set(interfaces) - set(switch.positions)
     if missing:
         raise InputError(
-            f"{name}: has no interface {', '.join(sorted(missing))}, only "
+            f"{name}: lacks the interface {', '.join(sorted(missing))}; it has "
             f"{', '.join(switch.positions)}"
         )
     return switch
@@ -58,8 +59,8 @@ def _made(
         return _by_name(name, settle, waiting, by_name)
     if ask is None:
         raise InputError(
-            f"the interfaces {', '.join(interfaces)} are measured in turn, which takes a switch "
-            "that needs nobody: --switch TABLE.toml, --switch HOST:PORT or --switch-with"
+            f"the interfaces {', '.join(interfaces)} need a switch that works without a person: "
+            "--switch TABLE.toml, --switch HOST:PORT or --switch-with"
         )
     from .manual_switch import ManualSwitch
 

@@ -1,4 +1,4 @@
-"""A switch described in a TOML table: which relays or channels belong to which interface."""
+"""Description of a switch in TOML: the relays or channels of each interface."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ Relays = tuple[int, ...]
 
 
 class _SwitchTable(BaseModel):
-    """What every kind has.
+    """Common keys of all kinds.
 
-    interface: numbers of the relays that are on, all others named here being off. settle: s from
-    the end of a turn to the first reading. timeout: s that an answer, or a turn, may take.
+    interface: numbers of the relays that are on, by interface; all others named here are off.
+    settle: s from the end of a turn to the first reading. timeout: longest time of an answer or a
+    turn, s.
     """
 
     numbers: ClassVar[tuple[int, int]]
@@ -54,17 +55,17 @@ class _SwitchTable(BaseModel):
 
     @property
     def positions(self) -> dict[str, Closed]:
-        """What is closed at each interface."""
+        """Closed relays or channels by interface."""
         return {name: frozenset(relays) for name, relays in self.interface.items()}
 
     @property
     def driven(self) -> Closed:
-        """All that belongs to the switch."""
+        """All relays or channels of the switch."""
         return frozenset[int]().union(*self.positions.values())
 
 
 class NumatoTable(_SwitchTable):
-    """A board of Numato Lab's. port: a serial port, or a pyserial URL."""
+    """A board of Numato Lab. port: a serial port, or a pyserial URL."""
 
     numbers: ClassVar = 0, len(NUMERALS) - 1
     kind: Literal["numato"]
@@ -76,7 +77,7 @@ class NumatoTable(_SwitchTable):
 
 
 class LcusTable(_SwitchTable):
-    """A board of the LCUS kind. query: bytes in hex that ask for the state; empty for none."""
+    """A board of the LCUS kind. query: bytes in hex that ask for the state, or empty."""
 
     numbers: ClassVar = 1, 255
     kind: Literal["lcus"]
@@ -96,7 +97,7 @@ class LcusTable(_SwitchTable):
 
 
 class ScpiTable(_SwitchTable):
-    """An SCPI switch at a VISA resource. routing: its words, one of `scpi.ROUTINGS`."""
+    """An SCPI switch at a VISA resource. routing: one of `scpi.ROUTINGS`."""
 
     numbers: ClassVar = 1, 99_999
     kind: Literal["scpi"]
@@ -119,16 +120,16 @@ SwitchTable = Annotated[NumatoTable | LcusTable | ScpiTable, Field(discriminator
 
 
 def read_switch(path: Path, settle: float | None = None) -> DeviceSwitch[Closed]:
-    """The switch in a TOML file. settle: s, in place of the file's.
+    """Switch of a TOML file. settle: s, overrides the file's.
 
-    Raises InputError naming the file, the key and what is wrong.
+    Raises InputError with the file, the key and the fault.
     """
     try:
         table = TypeAdapter(SwitchTable).validate_python(
             inputs.tables(inputs.text(path, inputs.SETTINGS))
         )
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: cannot be read as a table of a switch: {error}") from error
+        raise InputError(f"{path}: is no table of a switch in TOML: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"][1:] or first["loc"])) or "kind"

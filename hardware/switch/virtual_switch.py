@@ -11,16 +11,16 @@ from .errors import NoSwitchError
 
 @dataclass(frozen=True)
 class VirtualSwitch:
-    """Between a virtual meter and the interfaces of its skin. control: HOST:PORT."""
+    """Switch between a virtual meter and the interfaces of its skin. control: HOST:PORT."""
 
     control: str
 
     def put(self, position: str, /) -> None:
-        """Turn to an interface. Raises InputError where the skin has none of that name."""
+        """Turn to an interface. Raises InputError if the skin lacks it."""
         self._ask("select", interface=position)
 
     def reported_position(self) -> str:
-        """The interface that is connected."""
+        """The connected interface."""
         return str(self._ask("state")["interface"])
 
     def close(self) -> None:

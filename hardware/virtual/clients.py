@@ -1,4 +1,4 @@
-"""Clients of a port, whatever they do: lines in, answers out, and never too many of them."""
+"""Clients of a port: lines in, answers out, and a limited number of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WEB = re.compile(
     % (METHODS, WORD, WORD),
     re.IGNORECASE,
 )
-"""How lines of HTTP begin (requests by any method, headers), and TLS; no line of SCPI or JSON does.
+"""Start of lines of HTTP (requests by any method, headers) and TLS; never of SCPI or JSON.
 
 Any page in a browser can send such requests to ports of this computer, with lines of its own in
 their body (RFC 9112, sections 3 and 5; RFC 8446, section 5.1).
@@ -31,21 +31,21 @@ their body (RFC 9112, sections 3 and 5; RFC 8446, section 5.1).
 
 
 class WebError(Exception):
-    """A client speaks HTTP or TLS, so nothing of what it says is meant for this port."""
+    """The client speaks HTTP or TLS, so its data is not meant for this port."""
 
 
 class LineReader:
-    """Takes bytes as they come and gives whole lines; one that is too long becomes None."""
+    """Turns received bytes into whole lines; a line that is too long becomes None."""
 
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest, self._kept, self._overlong = longest, b"", False
 
     def web(self, received: bytes) -> bool:
-        """Whether a line that these bytes belong to is one of HTTP or TLS, see `WEB`."""
+        """True if these bytes belong to a line of HTTP or TLS, see `WEB`."""
         return WEB.search(self._kept + received) is not None
 
     def feed(self, received: bytes) -> list[str | None]:
-        """The lines that these bytes complete, None for each that was refused; no empty ones."""
+        """Lines that these bytes complete, without empty ones; None for each refused line."""
         *whole, rest = END.split(self._kept + received)
         lines = [self._line(line) for line in whole]
         self._kept = rest
@@ -59,15 +59,15 @@ class LineReader:
 
 
 MOST_CLIENTS = 32
-"""On one port. Three ports with as many waiting stay below the 256 files of a process on macOS."""
+"""Clients of one port. Three such ports stay below 256, the limit of files on macOS."""
 BACKLOG = 16
-"""Connections that wait to be accepted, and are accepted at once before others are put out."""
+"""Connections that wait to be accepted."""
 PATIENCE = 10.0
 
 
 @dataclass(eq=False)
 class Client:
-    """One connection. answered: whether it ever took an answer. heard: when it said something."""
+    """One connection. answered: True if it ever took an answer. heard: time of its last data."""
 
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
@@ -75,9 +75,9 @@ class Client:
     heard: float = field(default_factory=time.monotonic)
 
     async def lines(self) -> AsyncIterator[str | None]:
-        """Whole lines as they come, None for each that was too long.
+        """Whole lines; None for each that is too long.
 
-        Other clients have their turn after each line. Raises WebError where one is HTTP or TLS.
+        Other clients have their turn after each line. Raises WebError at a line of HTTP or TLS.
         """
         kept = LineReader()
         while received := await self.reader.read(4096):
@@ -89,7 +89,7 @@ class Client:
                 await asyncio.sleep(0)
 
     async def say(self, said: bytes) -> None:
-        """Send bytes. Raises OSError or TimeoutError where the client does not take them."""
+        """Send bytes. Raises OSError or TimeoutError if the client does not take them."""
         self.writer.write(said)
         if self.writer.is_closing() or self.writer.transport.get_write_buffer_size():
             await asyncio.wait_for(self.writer.drain(), PATIENCE)
@@ -102,9 +102,9 @@ class Client:
 
 @dataclass
 class Clients:
-    """Connections to one port; too many push out who never took an answer, or is idle longest.
+    """Clients of one port. If there are too many, one without an answer or the longest idle goes.
 
-    name: of the port. report: takes what clients do wrong.
+    name: of the port. report: takes faults of clients.
     """
 
     serve: Callable[[Client], Coroutine[Any, Any, None]]
@@ -113,7 +113,7 @@ class Clients:
     present: list[Client] = field(default_factory=list)
 
     async def __call__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve one client to its end, whatever it does."""
+        """Serve one client until it leaves or fails."""
         client = Client(reader, writer)
         self._make_room()
         self.present.append(client)
@@ -121,8 +121,8 @@ class Clients:
             await self.serve(client)
         except WebError:
             self.report(
-                "clients hung up that spoke HTTP or TLS",
-                f"{self.name}: hung up a client that speaks HTTP or TLS, as pages in a browser do",
+                "clients of HTTP or TLS disconnected",
+                f"{self.name}: disconnected a client of HTTP or TLS, as pages in a browser are",
             )
         except (OSError, TimeoutError, asyncio.CancelledError):
             client.leave()
@@ -131,7 +131,7 @@ class Clients:
             writer.close()
 
     def close(self) -> None:
-        """End them all."""
+        """Disconnect all clients."""
         for client in self.present:
             client.leave()
 
@@ -141,11 +141,11 @@ class Clients:
 
 
 async def open_port(stack: AsyncExitStack, clients: Clients, host: str, port: int) -> int:
-    """Listen until the stack unwinds; the port that was had. Raises InputError where none was."""
+    """Listen until the stack unwinds; returns the port. Raises InputError if it is taken."""
     try:
         server = await asyncio.start_server(clients, host, port, backlog=BACKLOG)
     except (OSError, OverflowError) as error:
-        raise InputError(f"port {port} of {host} cannot be had: {error}") from error
+        raise InputError(f"port {port} of {host} is not available: {error}") from error
     stack.callback(clients.close)
     stack.callback(server.close)
     return server.sockets[0].getsockname()[1]

@@ -1,4 +1,4 @@
-"""The control port of the virtual meter: press its skin, have it misbehave, read its state.
+"""Control port of the virtual meter: press its skin, cause faults, read its state.
 
 One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "select",
 "interface": "left"}, {"do": "misbehave", "kind": "late", "times": 2, "seconds": 1.5},
@@ -23,7 +23,7 @@ from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
 UNKNOWN = (
     "the virtual meter does not know the token of this request; commands of the user who serves "
-    "it find it on the same computer, all others take TOKEN@HOST:PORT (README of the meter)"
+    "it find it on the same computer, all others need TOKEN@HOST:PORT"
 )
 
 
@@ -40,14 +40,14 @@ class ControlPort:
     token: str = field(default_factory=new_token, repr=False)
 
     def background(self) -> list[asyncio.Task]:
-        """The routines, started."""
+        """Start the routines."""
         self.tasks = [asyncio.create_task(routine(self)) for routine in self.routines]
         return self.tasks
 
     async def press(self, text: str) -> str:
-        """Press the skin, and hold it until the next press.
+        """Press the skin until the next press.
 
-        Raises InputError, and ToleranceError where the depth of a force is not found.
+        Raises InputError, and ToleranceError if the depth of a force is not found.
         """
         meter = self.instrument
         loop = asyncio.get_running_loop()
@@ -57,7 +57,7 @@ class ControlPort:
         return meter.press
 
     async def serve(self, client: Client) -> None:
-        """Answer a client's requests, one a line, until one has another token."""
+        """Answer a client's requests, one per line, until one has a wrong token."""
         async for line in client.lines():
             request = _request(line)
             known = request is None or same_token(request.pop("token", ""), self.token)
@@ -72,13 +72,13 @@ class ControlPort:
 
     async def _answer(self, request: dict[str, Any] | None) -> dict[str, Any]:
         if request is None:
-            return {"error": "no request that is known: it must be a JSON object on one line"}
+            return {"error": "unknown request: it must be a JSON object on one line"}
         try:
             return {"ok": await self._done(**request)}
         except (InputError, ToleranceError) as error:
             return {"error": str(error)}
         except (ValueError, TypeError, RecursionError) as error:
-            return {"error": f"no request that is known: {error}"}
+            return {"error": f"unknown request: {error}"}
 
     async def _done(self, do: str, **given: Any) -> Any:
         if do == "press":
@@ -97,7 +97,7 @@ class ControlPort:
         raise InputError(f"`do` must be press, depths, select, misbehave or state, got {do!r}")
 
     def _select(self, interface: str) -> str:
-        """Have the switch turn, which is told by the state once it has."""
+        """Turn the switch; the state shows the new interface after the turn."""
         meter = self.instrument
         if interface not in meter.skins:
             known = ", ".join(meter.skins)
@@ -110,7 +110,7 @@ class ControlPort:
         return interface
 
     def state(self) -> dict[str, Any]:
-        """Press, interface, settings and faults to come."""
+        """Press, interface, settings and pending faults."""
         settings = self.instrument.settings
         return {
             "press": self.instrument.press,
@@ -122,7 +122,7 @@ class ControlPort:
         }
 
     def shown(self) -> dict[str, Any]:
-        """What a page shows: press and interface, and the latest reading where it is a number."""
+        """State of the page: press, interface, and the latest reading if it has numbers."""
         meter, latest = self.instrument, self.instrument.latest
         reading = None
         if latest.status not in (*WITHOUT_NUMBERS, UNDERFLOW):

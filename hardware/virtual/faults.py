@@ -1,4 +1,4 @@
-"""How a virtual meter can be told to misbehave."""
+"""Faults that a virtual meter can simulate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ KINDS = {
     "silent": "do not answer",
     "garbage": "answer with bytes that are no text",
     "half": "send half an answer and no end of line",
-    "status": "report a failed reading, 7 (overflow) unless told otherwise",
+    "status": "report a failed reading, by default 7 (overflow)",
     "correction": "fail an open or short correction",
     "forget": "lose all settings, as after a power cut",
     "slow": "have the switch turn late",
@@ -24,7 +24,7 @@ ON_ANSWERS = ("drop", "late", "silent", "garbage", "half")
 
 @dataclass
 class Fault:
-    """A kind of misbehaviour that is left to be shown so many times."""
+    """A kind of fault, and how many times it is still to occur."""
 
     kind: str
     times: int = 1
@@ -33,7 +33,7 @@ class Fault:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise InputError(f"a meter misbehaves by {', '.join(KINDS)}, got {self.kind!r}")
+            raise InputError(f"`kind` must be one of {', '.join(KINDS)}, got {self.kind!r}")
         if type(self.times) is not int or not 1 <= self.times <= 10**6:
             raise InputError(f"`times` must be a whole number in 1..1000000, got {self.times!r}")
         if type(self.seconds) not in (int, float) or not 0 <= self.seconds <= 3600:
@@ -44,16 +44,16 @@ class Fault:
 
 @dataclass
 class Faults:
-    """Misbehaviour that is still to come, first come first shown."""
+    """Pending faults, in order."""
 
     waiting: list[Fault] = field(default_factory=list)
 
     def add(self, fault: Fault) -> None:
-        """Have it shown at the next occasion."""
+        """Add a fault for the next occasion."""
         self.waiting.append(fault)
 
     def take(self, *kinds: str) -> Fault | None:
-        """The first that is of one of these kinds, counted as shown; None where there is none."""
+        """Take the first fault of these kinds, and count it; None if there is none."""
         fault = next((each for each in self.waiting if each.kind in kinds), None)
         if fault:
             fault.times -= 1

@@ -1,4 +1,4 @@
-"""The virtual meter itself: its settings, its registers, its trigger and its readings."""
+"""The virtual meter: settings, registers, trigger and readings."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 @dataclass
 class Pending:
-    """A measurement under way: of what, where, and when it is done (s of the loop's clock).
+    """A running measurement. done: time of its end, s of the loop's clock.
 
-    press: as the skin is pressed in the middle of it.
+    press: of the skin in the middle of the measurement.
     """
 
     press: Any
@@ -47,11 +47,10 @@ class Pending:
 
 @dataclass
 class Instrument:
-    """One meter; clients share it. pace: how long things take, 1 as long as a meter, 0 no time.
+    """One meter, shared by clients. pace: factor on all times; 1: as a real meter, 0: none.
 
-    skins: by interface, where a switch connects one of several; interface: the one it is at.
-    tell: told why the skin has no reading, which a client learns as a failure inside the meter.
-    report: takes what clients of the ports do wrong.
+    skins: by interface, for a switch; interface: the connected one. tell: reports why the skin has
+    no reading, which a client sees as a failure inside the meter. report: takes faults of clients.
     """
 
     bench: MeasurementSetup
@@ -75,31 +74,31 @@ class Instrument:
 
     @property
     def identity(self) -> str:
-        """The answer to `*IDN?`."""
+        """Answer to `*IDN?`."""
         return f"HIOKI,{self.model},{self.serial},V1.00"
 
     async def trigger(self) -> None:
-        """`*TRG`: start a measurement. Raises ExecutionError where the trigger is internal."""
+        """`*TRG`: start a measurement. Raises ExecutionError with internal trigger."""
         if self.settings.trigger != "EXTERNAL":
             raise ExecutionError("*TRG")
         self.pending = self._begun(self.now + self._seconds())
 
     async def measure(self) -> str:
-        """`:MEASure?`: the latest measurement, which under internal trigger may be stale."""
+        """`:MEASure?`: the latest measurement, which may be stale with internal trigger."""
         if self.settings.trigger == "INTERNAL" and self.now >= self.fresh_from:
             self.pending = self._begun(self.now)
         await self.settle()
         return written(self.latest, self.settings)
 
     async def wait(self) -> None:
-        """`*WAI`: until what is under way is done, under internal trigger a whole new reading."""
+        """`*WAI`: wait for running actions; with internal trigger, for a new reading."""
         if self.settings.trigger == "INTERNAL":
             await asyncio.sleep(max(0.0, self.fresh_from - self.now))
         await self.settle()
         await self.corrections.finished()
 
     async def settle(self) -> None:
-        """Finish the measurement under way, if there is one, and keep what it gave."""
+        """Finish the running measurement, if there is one, and keep its result."""
         pending = self.pending
         if pending is None:
             return
@@ -120,29 +119,29 @@ class Instrument:
             self.pending = None
 
     def connect(self, interface: str) -> None:
-        """Have the switch connect one of `skins`."""
+        """Connect one of `skins` by the switch."""
         self.interface, self.bench = interface, replace(self.bench, skin=self.skins[interface])
         self.changed()
 
     def changed(self) -> None:
-        """Something that a reading depends on was set: the next one needs its whole time."""
+        """Note a change that affects readings: the next one needs its whole time."""
         self.fresh_from = self.now + self._seconds()
 
     def reset(self) -> None:
-        """`*RST`: factory settings; corrections and readings are gone."""
+        """`*RST`: factory settings, without corrections and readings."""
         self.corrections.stop()
         self.settings, self.corrections = Settings(), Corrections()
         self.latest, self.pending = NOTHING, None
         self.changed()
 
     def restart(self) -> None:
-        """A power cut: a reset, and a power-on event."""
+        """Simulate a power cut: a reset, and a power-on event."""
         self.reset()
         self.registers = Registers()
 
     @property
     def now(self) -> float:
-        """Seconds of the loop's clock."""
+        """Time of the loop's clock, s."""
         return asyncio.get_running_loop().time()
 
     def _keep(self, result: MeasurementResult) -> None:

@@ -1,4 +1,4 @@
-"""What the virtual meter answers to a line: each of its messages carried out in turn."""
+"""Interpreter of the virtual meter: executes the messages of a line and answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .meter_state import Standard
 
 
 async def answer(meter: Instrument, line: str) -> str:
-    """What the meter answers to a line, empty where it stays silent."""
+    """Answer of the meter to a line; empty if there is none."""
     answers: list[str] = []
     if meter.faults.take("forget"):
         meter.restart()

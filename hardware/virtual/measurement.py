@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Skin = Specimen | RecordedSkin
 
 Readout = Callable[[complex, ReadingConditions], complex]
-"""What the meter makes of an impedance in ohm, with its errors of the session and the reading."""
+"""Displayed impedance for a true one, ohm, with the errors of the session and the reading."""
 NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW = 0, 1, 2, 7, -7
 WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
 ITEMS = (
@@ -32,7 +32,7 @@ DECIMALS = {"PHASE": 3, "Q": 3, "D": 6}
 
 @dataclass(frozen=True)
 class MeasurementResult:
-    """What one measurement gave. Z: ohm, as measured. conditions: with the range that was used."""
+    """Result of a measurement. Z: as measured, ohm. conditions: with the range that was used."""
 
     status: int
     Z: complex
@@ -44,16 +44,16 @@ NOTHING = MeasurementResult(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
 
 @dataclass(frozen=True)
 class MeasurementSetup:
-    """All that a measurement needs from outside: the skin, the readout, the table of accuracy."""
+    """Inputs of a measurement: the skin, the readout and the accuracy table."""
 
     skin: Skin
     readout: Readout
     accuracy: AccuracyTable
 
     def measure(self, press: Any, settings: Settings) -> MeasurementResult:
-        """A reading under a press, as the skin's `momentary` has it.
+        """Measure under a press, given as the skin's `momentary` does.
 
-        Raises what the skin raises; ValueError where Z is none.
+        Raises the skin's errors; ValueError if Z is not finite.
         """
         Z = self.skin.impedance(press, settings.frequency)
         if not cmath.isfinite(Z):
@@ -74,7 +74,7 @@ class MeasurementSetup:
 
 
 def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingConditions:
-    """What the settings mean for a measurement of Z in ohm, in one range."""
+    """Conditions of a measurement of Z in ohm, by the settings and a range."""
     kept = settings.each_range[range_number]
     drive = GeneratorLevel.of(vars(settings))
     return ReadingConditions(
@@ -88,7 +88,7 @@ def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingCond
 
 
 def written(result: MeasurementResult, settings: Settings) -> str:
-    """The answer to `:MEASure?`: as `:MEASure:VALid` and `:MEASure:ITEM` have it."""
+    """Answer to `:MEASure?` in the form that `:MEASure:VALid` and `:MEASure:ITEM` set."""
     parts = [str(result.status)] if settings.valid & 16 else []
     if settings.valid & 2:
         parts += [_value(result, name) for name in requested_quantities(settings)]
@@ -98,7 +98,7 @@ def written(result: MeasurementResult, settings: Settings) -> str:
 
 
 def requested_quantities(settings: Settings) -> list[str]:
-    """Names in the order of the registers; the displayed pair where both registers are 0."""
+    """Names in the order of the registers; the displayed pair if both registers are 0."""
     if settings.items == (0, 0):
         return [name for name in settings.parameters if name != "OFF"]
     return [
@@ -120,7 +120,7 @@ def _value(result: MeasurementResult, name: str) -> str:
 
 
 def quantity(name: str, Z: complex, frequency: float) -> float:
-    """A quantity by its name from Z in ohm, at a frequency in Hz; infinite where it has no end."""
+    """Quantity by name from Z in ohm at a frequency in Hz; infinite at a division by zero."""
     omega = 2 * math.pi * frequency
     formulas = {
         "Z": lambda: abs(Z),

@@ -1,4 +1,4 @@
-"""The virtual meter on TCP: one port that speaks the meter's language, one that steers it."""
+"""Virtual meter on TCP: one port for the meter's language, one control port."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
 
 @dataclass(frozen=True)
 class Ports:
-    """Where a virtual meter listens."""
+    """Ports of a virtual meter."""
 
     host: str
     meter: int
@@ -38,10 +38,10 @@ class Ports:
 async def listening(
     instrument: Instrument, control: ControlPort, host: str, port: int, control_port: int
 ) -> AsyncIterator[Ports]:
-    """Both ports, open while the block runs; port 0 takes any that is free.
+    """Open both ports while the block runs. Port 0 takes any free port.
 
-    The control port is on the loopback interface whatever the host. Its token is kept for the
-    user's own commands while it listens. Raises InputError where a port cannot be had.
+    The control port is always on the loopback. Its token is stored for the user's own commands
+    while it listens. Raises InputError if a port is not available.
     """
 
     async def serve(client: Client) -> None:
@@ -70,7 +70,7 @@ def running(
     port: int = 0,
     control_port: int = 0,
 ) -> Iterator[Ports]:
-    """The virtual meter in a thread of its own while the block runs. Raises as `listening`."""
+    """Run the virtual meter in a thread while the block runs. Raises the errors of `listening`."""
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     entered = stack.enter_async_context(
         listening(instrument, control or ControlPort(instrument), host, port, control_port)

@@ -1,4 +1,4 @@
-"""What a meter is set to, and its event registers."""
+"""Settings and event registers of the virtual meter."""
 
 from __future__ import annotations
 
@@ -43,28 +43,28 @@ class Registers:
     request_mask: int = 0
 
     def note(self, event: Standard | Measuring) -> None:
-        """Remember an event."""
+        """Set the bit of an event."""
         if isinstance(event, Standard):
             self.standard |= event
         else:
             self.measuring |= event
 
     def take_standard(self) -> int:
-        """The standard register; reading clears it."""
+        """Read and clear the standard register."""
         taken, self.standard = int(self.standard), 0
         return taken
 
     def take_measuring(self) -> int:
-        """The measuring register; reading clears it."""
+        """Read and clear the measuring register."""
         taken, self.measuring = int(self.measuring), 0
         return taken
 
     def clear(self) -> None:
-        """`*CLS`: forget the events, keep the masks."""
+        """`*CLS`: clear the events, keep the masks."""
         self.standard = self.measuring = 0
 
     def status_byte(self, waiting: bool) -> int:
-        """ESB 32, ESB0 1, MAV 16 where an answer waits, MSS 64 where the mask asks for service."""
+        """Status byte: ESB 32, ESB0 1, MAV 16 with a waiting answer, MSS 64 by the mask."""
         byte = (
             32 * bool(self.standard & self.standard_mask)
             | 16 * waiting
@@ -78,7 +78,7 @@ SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 
 @dataclass(frozen=True)
 class PerRange:
-    """What is kept for each range by itself. delay: s."""
+    """Settings that each range has by itself. delay: s."""
 
     speed: str = "MEDIUM"
     averaging: int = 1
@@ -91,9 +91,9 @@ def _each_range() -> dict[int, PerRange]:
 
 @dataclass
 class Settings:
-    """frequency: Hz. voltages: V. current: A. cable: m. items: the two registers of what to send.
+    """Settings. frequency: Hz. voltages: V. current: A. cable: m. items: registers of quantities.
 
-    valid: the register of what a reading holds. The range is the last one set or chosen.
+    valid: register of the parts of a reading. The range is the last one set or chosen.
     """
 
     header: bool = False

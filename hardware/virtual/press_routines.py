@@ -1,4 +1,4 @@
-"""Presses that come by themselves: from a script with times, or at random."""
+"""Automatic presses: from a script with times, or at random."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Routine = Callable[[ControlPort], Coroutine[Any, Any, None]]
 
 
 def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
-    """(seconds from the start, press) from lines `SECONDS PRESS`; `#` begins a remark.
+    """(seconds from the start, press) from lines `SECONDS PRESS`; `#` begins a comment.
 
-    Raises InputError naming the file and the line: no such form, times that do not ascend, or a
-    press that is none on the skin.
+    Raises InputError with the file and the line for another form, times that do not ascend, or a
+    press that the skin does not have.
     """
     lines = inputs.text(path, inputs.SETTINGS).splitlines()
     steps: list[tuple[float, str]] = []
@@ -43,7 +43,7 @@ def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
 
 
 def scripted(steps: list[tuple[float, str]]) -> Routine:
-    """Presses at their times, the last one held."""
+    """Press at these times; the last press stays."""
 
     async def routine(control: ControlPort) -> None:
         begun = control.instrument.now
@@ -55,7 +55,7 @@ def scripted(steps: list[tuple[float, str]]) -> Routine:
 
 
 def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator) -> Routine:
-    """Every so many seconds a pixel drawn from these, or nothing pressed."""
+    """Press a random one of these pixels, or none, every `seconds`."""
     if not 0 < seconds <= 3600:
         raise InputError(f"`random` must be in (0, 3600] s, got {seconds:g}")
 
@@ -68,7 +68,7 @@ def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator
 
 
 async def _pressed(control: ControlPort, press: str) -> None:
-    """Press the skin; one that cannot be is told of, and the press before stays."""
+    """Press the skin. An impossible press is reported, and the press before stays."""
     try:
         await control.press(press)
     except (InputError, ToleranceError) as error:

@@ -1,4 +1,4 @@
-"""A skin that was recorded: sweeps played back instead of a simulation."""
+"""A recorded skin: its sweeps are played back instead of a simulation."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class RecordedSkin:
-    """Plays the sweeps of one interface; each time a press is checked, its next repetition."""
+    """Plays the sweeps of one interface; each check of a press takes its next repetition."""
 
     def __init__(self, sweeps: xr.Dataset, interface: str | None = None) -> None:
-        """interface: without it the first. Raises InputError where there is none of that name."""
+        """interface: default the first. Raises InputError if the sweeps lack it."""
         names = [str(name) for name in sweeps["interface"].values]
         if interface is not None and interface not in names:
             raise InputError(f"`interface` must be one of {', '.join(names)}, got {interface!r}")
@@ -35,9 +35,9 @@ class RecordedSkin:
         self._played: Counter[str] = Counter()
 
     def check(self, press: str) -> str:
-        """The recorded press and which repetition of it is next, as `PRESS #N`.
+        """The recorded press with its next repetition, as `PRESS #N`.
 
-        press: as recorded, ROW,COLUMN, or `none`. Raises InputError where it was not recorded.
+        press: as recorded, ROW,COLUMN, or `none`. Raises InputError if it was not recorded.
         """
         text = "".join(press.split())
         found = [
@@ -47,7 +47,7 @@ class RecordedSkin:
         ]
         if not found:
             raise InputError(
-                f"press {press!r} was not recorded; there are "
+                f"press {press!r} was not recorded; recorded are "
                 f"{', '.join(dict.fromkeys(self._presses))}"
             )
         number = found[self._played[text] % len(found)]
@@ -55,15 +55,15 @@ class RecordedSkin:
         return f"{self._presses[number]} #{number}"
 
     def hold(self, press: str, now: float) -> str:
-        """As `check`: what the foam did is in the recording."""
+        """Same as `check`: the recording contains the foam's creep."""
         return self.check(press)
 
     def momentary(self, press: str, at: float) -> str:
-        """The same press at any time."""
+        """The press: it does not depend on time."""
         return press
 
     def impedance(self, press: str, frequency: float) -> complex:
-        """Z in ohm; between frequencies |Z| and phase follow the logarithm of the frequency.
+        """Z in ohm; |Z| and phase are interpolated over the logarithm of the frequency.
 
         press: as `check` gave it. frequency: Hz. Raises InputError outside the recorded ones.
         """
@@ -76,10 +76,10 @@ class RecordedSkin:
         return complex(np.exp(size + 1j * phase))
 
     def depths(self, press: str) -> str:
-        """Nothing: what forces were recorded is told by the press."""
+        """Empty: the press states the recorded forces."""
         return ""
 
 
 def exact(Z: complex, conditions: ReadingConditions) -> complex:
-    """A readout without error of its own: the recording has the meter's."""
+    """Readout without further errors: the recording contains the meter's."""
     return Z

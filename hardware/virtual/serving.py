@@ -1,4 +1,4 @@
-"""Serving a virtual meter until it is told to stop."""
+"""Serving of a virtual meter until a signal ends it."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ServedSkin:
-    """A skin at its interfaces, the first of which is connected, and what the meter makes of it.
+    """A served skin at its interfaces, the first of which is connected, and the meter's readout.
 
-    rows, columns: of pixels. frequency: Hz, at which it is warmed. scene: as the meter reads it,
-    where the skin is simulated.
+    rows, columns: of pixels. frequency: Hz, of the first reading, which compiles and fills caches.
+    scene: with the measured readings, if the skin is simulated.
     """
 
     skins: Mapping[str, Skin]
@@ -48,12 +48,12 @@ class ServedSkin:
 
     @property
     def skin(self) -> Skin:
-        """At its first interface, which is connected in the beginning."""
+        """The skin at its first interface, which is connected at the start."""
         return next(iter(self.skins.values()))
 
     @property
     def pixels(self) -> list[str]:
-        """All that can be pressed."""
+        """All pixels that can be pressed."""
         every = product(range(1, self.rows + 1), range(1, self.columns + 1))
         return [f"{row},{column}" for row, column in every if self._takes(f"{row},{column}")]
 
@@ -66,9 +66,9 @@ class ServedSkin:
 
 
 def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> ServedSkin:
-    """The skin of a scene at interfaces or all, with the errors that a session of this seed has.
+    """Simulated skin of a scene at these or all interfaces, with the errors of a session.
 
-    Raises InputError at other interfaces, or where the virtual meter lacks a frequency of them.
+    Raises InputError for other interfaces, or if the virtual meter lacks one of their frequencies.
     """
     from ...simulator.measure.specimen import SessionErrors, Specimen
     from ...simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
@@ -89,7 +89,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
 
 
 def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin:
-    """A recorded skin, shown as it was read, at interfaces or all. Raises InputError at others."""
+    """Recorded skin at these or all interfaces. Raises InputError for others."""
     rows, columns = (max(1, int(sweeps[name].max())) for name in ("row", "column"))
     first = float(sweeps["frequency"][0])
     names = interfaces or [str(name) for name in sweeps["interface"].values]
@@ -100,9 +100,9 @@ def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin
 def instrument(
     exhibit: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE
 ) -> Instrument:
-    """A virtual meter on an exhibit at rest, warm: its first reading takes no longer than others.
+    """Virtual meter of an unpressed skin, with filled caches: all readings take the same time.
 
-    pace: how long measurements take, 1 as long as a meter's, 0 no time.
+    pace: factor on measuring times; 1: as a real meter, 0: none.
     """
     if not 0 <= pace <= 100:
         raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
@@ -120,7 +120,7 @@ def instrument(
 def routines(
     exhibit: ServedSkin, script: Path | None, random: float | None, seed: int
 ) -> tuple[Routine, ...]:
-    """What presses the skin by itself: a script's file, or a pixel at random every so many s."""
+    """Automatic presses: by a script's file, or at random every `random` s."""
     if script and random is not None:
         raise InputError("`script` and `random` cannot both press the skin")
     if script:
@@ -151,9 +151,9 @@ def serve(
     control_port: int = 3501,
     paging: PageOptions | None = None,
 ) -> None:
-    """Serve until the process is interrupted or told to end. tell: called when it listens.
+    """Serve until a signal ends the process. tell: called when the ports are open.
 
-    Raises InputError where a port cannot be had.
+    Raises InputError if a port is not available.
     """
 
     async def open_(stack: AsyncExitStack) -> None:
@@ -168,7 +168,7 @@ def serve(
 
 @asynccontextmanager
 async def paged(control: ControlPort, paging: PageOptions) -> AsyncIterator[PageAddress]:
-    """The skin's page, while the block runs. Raises InputError where the port cannot be had."""
+    """Serve the skin's page while the block runs. Raises InputError if the port is taken."""
     from ..page.latest_state import LatestState
     from ..page.page_server import PageServer
     from ..page.state_watch import keep_updated, post_if_changed
@@ -191,7 +191,7 @@ async def paged(control: ControlPort, paging: PageOptions) -> AsyncIterator[Page
 def _on_signal(
     number: signal.Signals, loop: asyncio.AbstractEventLoop, call: Callable[[], None]
 ) -> None:
-    """Call that in the loop when the signal comes, also where loops take no signals (Windows)."""
+    """Call a function in the loop at a signal, also on Windows, where loops take no signals."""
     try:
         loop.add_signal_handler(number, call)
     except NotImplementedError:

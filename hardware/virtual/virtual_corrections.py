@@ -1,4 +1,4 @@
-"""Open and short correction: acquiring takes time, ends in an event, and may fail."""
+"""Open and short correction of the virtual meter: takes time, ends in an event, may fail."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SETTINGS = {"OPEN": "open_correction", "SHORT": "short_correction"}
 
 
 class Corrected(Protocol):
-    """What correcting touches of a meter."""
+    """The parts of a meter that a correction uses."""
 
     pace: float
     settings: Settings
@@ -25,13 +25,13 @@ class Corrected(Protocol):
 
 @dataclass
 class Corrections:
-    """What is being acquired, and how the last acquisition of each kind ended (0 is well)."""
+    """Running acquisitions, and the error code of the last one of each kind (0: success)."""
 
     under_way: dict[str, asyncio.Task] = field(default_factory=dict)
     errors: dict[str, int] = field(default_factory=lambda: {"OPEN": 0, "SHORT": 0})
 
     def start(self, meter: Corrected, kind: str, extent: str) -> None:
-        """Acquire a correction. Raises ExecutionError under internal trigger, or if one runs."""
+        """Acquire a correction. Raises ExecutionError with internal trigger, or if one runs."""
         if meter.settings.trigger != "EXTERNAL" or self.busy:
             raise ExecutionError(kind)
         self.under_way[kind] = asyncio.get_running_loop().create_task(
@@ -39,23 +39,23 @@ class Corrections:
         )
 
     def cancel(self, kind: str) -> None:
-        """Stop acquiring; what was in use before stays in use."""
+        """Stop acquiring; the correction before stays in use."""
         task = self.under_way.pop(kind, None)
         if task:
             task.cancel()
 
     def stop(self) -> None:
-        """Stop acquiring anything."""
+        """Stop all acquisitions."""
         for kind in tuple(self.under_way):
             self.cancel(kind)
 
     @property
     def busy(self) -> bool:
-        """Whether one is being acquired."""
+        """True while an acquisition runs."""
         return bool(self.under_way)
 
     async def finished(self) -> None:
-        """Wait until nothing is being acquired."""
+        """Wait until no acquisition runs."""
         while self.busy:
             await asyncio.wait(self.under_way.values())
 

@@ -1,4 +1,4 @@
-"""What computes beside the virtual meter's conversation, and never holds up its end."""
+"""Background thread for the virtual meter's computations; it never delays the process's end."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 PARTING = 0.3
-"""Seconds that a call may take to end by itself."""
+"""Time for a running call to end, s."""
 
 
 class Worker(Executor):
-    """One thread that does one thing after the other; the process ends without waiting for it."""
+    """One thread that executes calls in order. The process ends without waiting for it."""
 
     def __init__(self) -> None:
         self._tasks: SimpleQueue[tuple[Future, Callable[[], Any]] | None] = SimpleQueue()
@@ -22,13 +22,13 @@ class Worker(Executor):
         self._thread.start()
 
     def submit(self, fn: Callable[..., Result], /, *args: Any, **kwargs: Any) -> Future[Result]:
-        """The result of a call that is to come."""
+        """Queue a call, and return its future."""
         future: Future[Result] = Future()
         self._tasks.put((future, lambda: fn(*args, **kwargs)))
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Take no further call; wait: until those before are done."""
+        """Accept no further call. wait: True to wait for those before."""
         if cancel_futures:
             while not self._tasks.empty():
                 task = self._tasks.get()
@@ -39,7 +39,7 @@ class Worker(Executor):
             self._thread.join()
 
     def end(self) -> None:
-        """Take no further call, and be gone where nothing is being done."""
+        """Accept no further call, and wait shortly for the running one."""
         self.shutdown(wait=False, cancel_futures=True)
         self._thread.join(PARTING)
 

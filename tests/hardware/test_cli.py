@@ -137,7 +137,7 @@ def test_a_person_is_led_through_the_presses(by_hand, order, tmp_path):
     assert "1/3  Release the skin, then Enter" in result.output
     assert "left  Press row 2, column 1 and hold it, then Enter" in result.output
     assert "left  Press 1,1+2,2 and hold it, then Enter" in result.output
-    assert "press 2,1: done; against rest Rs" in result.output
+    assert "press 2,1: done; against the unpressed skin Rs" in result.output
     last = f"3 sweeps x 3 frequencies -> {tmp_path / 'a.nc'}; 0 with remarks"
     assert result.output.splitlines()[-1] == last
     assert read(tmp_path / "a.nc").sizes["sweep"] == 3
@@ -146,7 +146,9 @@ def test_a_person_is_led_through_the_presses(by_hand, order, tmp_path):
 def test_an_untouched_skin_is_not_taken_for_a_press(by_hand, order, tmp_path):
     untouched, pressed = ("none", ""), ("2,1", "")
     result = by_hand(order("none", "2,1"), untouched, untouched, untouched, pressed)
-    assert result.output.count("no press is seen: the readings are those at rest") == 1
+    assert (
+        result.output.count("no press detected: the readings differ from the unpressed skin") == 1
+    )
     assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 1
     sweeps = read(tmp_path / "a.nc")
     assert sweeps["Cp"][1, 0, 0] / sweeps["Cp"][0, 0, 0] == pytest.approx(1.02, abs=1e-3)
@@ -157,7 +159,7 @@ def test_an_untouched_skin_is_accepted_where_the_person_wants_it(by_hand, order,
     result = by_hand(order("none", "2,1"), ("none", ""), ("none", ""), ("none", "x"), ("none", "a"))
     assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 2
     assert "1 with remarks" in result.output
-    assert "no press is seen" in read(tmp_path / "a.nc").attrs["remarks"]
+    assert "no press detected" in read(tmp_path / "a.nc").attrs["remarks"]
 
 
 def test_what_the_meter_flagged_is_counted_at_the_end(by_hand, order, instrument):
@@ -169,7 +171,7 @@ def test_what_the_meter_flagged_is_counted_at_the_end(by_hand, order, instrument
 def test_a_person_decides_whether_a_bad_sweep_is_repeated(by_hand, order):
     moves = [("none", ""), *(("2,1", keys) for keys in ("", "r", "", "a"))]
     result = by_hand(order("none", "none"), *moves, more=["--drift", 1e-3])
-    assert result.output.count("the skin at rest has drifted") == 2
+    assert result.output.count("the unpressed skin has drifted") == 2
     assert result.output.count("Enter: redo, a: accept anyway, q: quit") == 2
     assert "2 sweeps x 3 frequencies" in result.output and "1 with remarks" in result.output
 
@@ -189,7 +191,7 @@ def test_a_recording_that_was_quit_goes_on_later(by_hand, order, tmp_path, last)
     result = by_hand(presses, ("none", ""), ("2,1", ""), *last)
     assert result.exit_code != 0 and not (tmp_path / "a.nc").exists()
     folder = tmp_path / "a.nc.sweeps"
-    told = f"2 of 3 sweeps are kept in {folder}; the same command goes on after them"
+    told = f"2 of 3 sweeps are kept in {folder}; the same command continues after them"
     assert result.output.splitlines()[-1].endswith(told)
     again = by_hand(presses, ("none", ""))
     assert "3/3  Release the skin" in again.output and again.exit_code == 0
@@ -201,7 +203,7 @@ def test_a_recording_that_was_quit_goes_on_later(by_hand, order, tmp_path, last)
     [
         (["-o", "a.xlsx"], "must end in .nc or .csv"),
         (["-o", "absent/a.nc"], "the folder absent does not exist"),
-        (["-o", "a.nc", "--unattended"], "pressed by --control or --press-with"),
+        (["-o", "a.nc", "--unattended"], "needs --control or --press-with"),
         (["-o", "a.nc", "--control", "a:1", "--press-with", "b"], "cannot both press"),
         (["-o", "a.nc", "--level", "W"], "`level` must be one of V, CV, CC, got W"),
         (["-o", "a.nc", "--interface", "up"], "`interface` must be one of left, got 'up'"),
@@ -265,7 +267,7 @@ def test_played_sweeps_come_in_turn_and_between_their_frequencies(recording):
     assert abs(skin.impedance(first, 4e3)) < between < abs(skin.impedance(first, 1e3))
     with pytest.raises(InputError, match="frequency must be in"):
         skin.impedance(first, 5e4)
-    with pytest.raises(InputError, match="press '9,9' was not recorded; there are none, 1,1"):
+    with pytest.raises(InputError, match="press '9,9' was not recorded; recorded are none, 1,1"):
         skin.check("9,9")
     with pytest.raises(InputError, match=re.escape("`interface` must be one of left, got 'up'")):
         RecordedSkin(sweeps, "up")

@@ -1,1 +1,1 @@
-"""The commands that the virtual meter knows."""
+"""Command language of the virtual meter."""

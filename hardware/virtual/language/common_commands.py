@@ -1,4 +1,4 @@
-"""Common commands `*XXX`, and the registers of measuring events."""
+"""Common commands `*XXX`, and registers of measuring events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands of measuring: what a reading holds, the reading itself, and corrections."""
+"""Measuring commands: contents of a reading, the reading, and corrections."""
 
 from __future__ import annotations
 

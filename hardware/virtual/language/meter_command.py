@@ -1,4 +1,4 @@
-"""A command: its header in short and long form, what telling it does, what asking it answers."""
+"""Commands of the virtual meter: header in short and long form, set and query."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def short(word: str) -> str:
 
 
 def forms(header: str) -> set[tuple[str, ...]]:
-    """Every way to write a header such as `:RANGe:AUTO` in capitals, word by word."""
+    """All forms of a header such as `:RANGe:AUTO`, in capitals, word by word."""
     words = header.lstrip(":").split(":")
     return set(product(*({short(word), word.upper()} for word in words)))
 
 
 def chosen(text: str, words: Iterable[str]) -> str | None:
-    """The one of `words` that the text writes in short or long form, in its long form."""
+    """Word that the text writes in short or long form, in its long form; None if there is none."""
     given = text.upper()
     return next((word.upper() for word in words if given in (short(word), word.upper())), None)
 
@@ -34,9 +34,9 @@ Act = Callable[..., Any]
 class MeterCommand:
     """A header in its documented form, whose capitals are the short form.
 
-    tell, ask: called with the meter and the arguments; None where the form does not exist. takes:
-    how many arguments to tell, asks: to ask. named: whether answers may carry a header.
-    siblings_only: the IM3523 knows it in compatibility mode only.
+    tell, ask: set and query, called with the meter and the arguments; None if the form does not
+    exist. takes, asks: their numbers of arguments. named: True if answers may have a header.
+    siblings_only: True if the IM3523 knows it in compatibility mode only.
     """
 
     header: str
@@ -48,5 +48,5 @@ class MeterCommand:
     siblings_only: bool = False
 
     def fits(self, message: Message) -> bool:
-        """Whether the message brings as many arguments as the form takes."""
+        """True if the message has the right number of arguments."""
         return len(message.arguments) == (self.asks if message.query else self.takes)

@@ -1,4 +1,4 @@
-"""A line taken apart into its messages; `;` keeps the path of words, a leading `:` resets it."""
+"""Parser of lines into messages; `;` keeps the path of words, a leading `:` resets it."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ HEADER = re.compile(rf"(\*[A-Za-z]+|:?{WORDS})(\?)?", re.ASCII)
 
 
 class CommandError(Exception):
-    """A message that is no command: sets CME, and the rest of the line is discarded."""
+    """The message is no command: CME is set, and the rest of the line is discarded."""
 
 
 class ExecutionError(Exception):
-    """A command that cannot be done now or with this value: sets EXE."""
+    """The command is impossible now or with this value: EXE is set."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class Message:
 
 
 def messages(line: str) -> Iterator[Message]:
-    """The messages of a line, one by one, so that those before an error are done.
+    """Messages of a line, one by one, so that those before an error are executed.
 
-    Raises CommandError at the first that is malformed.
+    Raises CommandError at the first malformed message.
     """
     path: tuple[str, ...] = ()
     for text in line.split(";"):

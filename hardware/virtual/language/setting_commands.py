@@ -1,4 +1,4 @@
-"""Commands that keep a setting: how its argument is read, and how it is shown again."""
+"""Commands of settings: how an argument is read, and how the value is written."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
 def _each_range(
     header: str, sibling: str, name: str, read: Read, show: Format
 ) -> list[MeterCommand]:
-    """The command of the IM3523 that names a range, and that of its siblings that does not."""
+    """The IM3523's command with a range, and its siblings' command without."""
 
     def kept(meter: Instrument, n: int) -> str:
         return show(getattr(meter.settings.each_range[n], name))

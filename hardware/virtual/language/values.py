@@ -1,4 +1,4 @@
-"""Numbers as the meter writes and reads them."""
+"""Numbers in the meter's language."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OVER, UNDER = " 999999E+28", "-999999E+28"
 
 
 def engineering(value: float, digits: int) -> str:
-    """So many significant digits and an exponent that is a multiple of 3, as `49.9299E+03`."""
+    """Engineering notation with so many significant digits, such as `49.9299E+03`."""
     mantissa, exponent = f"{value:.{digits - 1}E}".split("E")
     shift = int(exponent) % 3
     moved = Decimal(mantissa).scaleb(shift)
@@ -21,9 +21,9 @@ def engineering(value: float, digits: int) -> str:
 
 
 def measured(value: float, decimals: int | None = None) -> str:
-    """A measured value behind a space or a minus: six digits, or so many decimals (phase, Q, D).
+    """A measured value after a space or a minus: six digits, or `decimals` (phase, Q, D).
 
-    What is beyond any display is written as overflow.
+    A value beyond any display is written as overflow.
     """
     if not (math.isfinite(value) and abs(value) < 1e30):
         return OVER
@@ -34,9 +34,9 @@ def measured(value: float, decimals: int | None = None) -> str:
 
 
 def number(text: str, low: float, high: float) -> float:
-    """The number written in an argument.
+    """Number in an argument.
 
-    Raises CommandError where it is none, ExecutionError where it is out of range.
+    Raises CommandError if it is none, ExecutionError if it is out of range.
     """
     if NUMBER.fullmatch(text) is None:
         raise CommandError(text)
@@ -46,7 +46,7 @@ def number(text: str, low: float, high: float) -> float:
 
 
 def whole(text: str, low: int, high: int) -> int:
-    """The number in an argument, rounded to a whole one as a meter does; raises as `number`."""
+    """Number in an argument, rounded to a whole one as a meter does. Raises as `number`."""
     value = number(text, -math.inf, math.inf)
     if not low - 0.5 <= value < high + 0.5:
         raise ExecutionError(text)

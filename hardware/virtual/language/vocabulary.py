@@ -1,4 +1,4 @@
-"""All commands, and the one that words write."""
+"""All commands of the virtual meter, found by their words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .meter_command import MeterCommand, forms
 
 
 def find(words: tuple[str, ...], model: str, compatible: bool) -> MeterCommand | None:
-    """The command that these words write in full or short form, on this model."""
+    """Command that these words write in long or short form, on this model; None if unknown."""
     command = _commands().get(words)
     if command and command.siblings_only and model == VIRTUAL_MODEL and not compatible:
         return None

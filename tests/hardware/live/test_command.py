@@ -66,7 +66,7 @@ def test_in_a_pipe_each_answer_is_a_line(start, ports):
     for when, _, probability, latency in lines:
         assert datetime.fromisoformat(when)
         assert 0 <= float(probability) <= 1 and 0 < float(latency) < 20e3
-    assert "leave the skin untouched: sweep 1 of 3 at rest" in err
+    assert "leave the skin untouched: unpressed sweep 1 of 3" in err
 
 
 def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp_path):
@@ -106,7 +106,7 @@ def test_an_unplugged_meter_is_given_up_with_code_1(start, instrument):
     assert process.returncode == 1
     assert "trying again in" in err and "Traceback" not in err
     last = err.splitlines()[-1]
-    assert last.startswith("rcskin: given up after 0.3 s without the meter; at last: TCPIP0")
+    assert last.startswith("rcskin: the meter gave no sweep for 0.3 s; the last failure: TCPIP0")
 
 
 def test_a_terminal_shows_the_grid_and_is_left_clean(start, terminal, instrument):
@@ -144,7 +144,7 @@ def test_plain_on_a_terminal_has_no_control_codes(start, terminal):
 def test_an_absent_meter_is_given_up_in_one_line(live):
     error = live("--patience", 0.1, "--resource", "TCPIP0::127.0.0.1::1::SOCKET").exception
     assert isinstance(error, NoConnectionError)
-    assert "given up after 0.1 s" in str(error) and "\n" not in str(error)
+    assert "gave no sweep for 0.1 s" in str(error) and "\n" not in str(error)
 
 
 def test_the_log_holds_sweeps_answers_and_the_rest(live, tmp_path):
@@ -187,7 +187,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--model", "two.skops"], "the interfaces left, bottom are measured in turn, which"),
+        (["--model", "two.skops"], "the interfaces left, bottom need a switch that works"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
         (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),

@@ -130,7 +130,7 @@ def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument)
         (Fault("slow", seconds=0.3), "instead of interface left, position left"),
         (Fault("drop"), "check"),
         (Fault("status"), "status 7: overflow"),
-        (Fault("forget"), "the meter was switched on anew"),
+        (Fault("forget"), "the meter was switched off and on"),
     ],
 )
 def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrument, fault, told):
@@ -183,7 +183,7 @@ def test_a_switch_that_fails_is_no_reason_to_let_the_meter_go(session, instrumen
 def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
     stuck = Fault("stuck", times=10**6)
     live = session({1: lambda: instrument.faults.add(stuck)}, awaited=0.01, patience=0.2)
-    with pytest.raises(NoSwitchError, match="given up after 0.2 s without the switch") as raised:
+    with pytest.raises(NoSwitchError, match="the switch gave no sweep for 0.2 s") as raised:
         live.run(3)
     assert "\n" not in str(raised.value)
 

@@ -38,7 +38,7 @@ def test_what_was_cut_off_is_not_written_over(answered, live, gather, tmp_path):
     log = tmp_path / "run.nc"
     answered(log, 1)
     kept = len(RecordingJournal(log).entries(RecordingJournal(log).header()))
-    with pytest.raises(InputError, match="holds a session that was cut off; `rcskin meter gather"):
+    with pytest.raises(InputError, match="holds an interrupted session; `rcskin meter gather"):
         raise live("--sweeps", 1, "--log", log).exception
     assert len(RecordingJournal(log).entries(RecordingJournal(log).header())) == kept
     assert live("--sweeps", 1, "--rest", 1, "--log", log, "--overwrite-measured").exit_code == 0
@@ -54,7 +54,7 @@ def test_the_meter_is_put_back_by_the_next_session_of_that_log(
     assert live("--sweeps", 1, "--log", log, "--overwrite-measured").exit_code == 0
     assert instrument.settings == before
     (told,) = (each.getMessage() for each in caplog.records)
-    assert "put back to what it was at first: header = False" in told
+    assert "the original ones at its end: header = False" in told
 
 
 def test_a_log_is_not_written_over_another_file(live, tmp_path):

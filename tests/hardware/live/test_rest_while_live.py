@@ -24,7 +24,7 @@ def test_a_skin_that_is_touched_while_at_rest_is_asked_for_anew(session, press, 
     live.show.no_answer = no_answer
     live.run(1)
     assert any(
-        "was the skin touched? the skin at rest has drifted by 2." in n for n in live.show.notes
+        "was the skin touched? the unpressed skin has drifted by 2." in n for n in live.show.notes
     )
     assert live.show.labels == ["nothing pressed"]
 
@@ -32,7 +32,7 @@ def test_a_skin_that_is_touched_while_at_rest_is_asked_for_anew(session, press, 
 def test_a_skin_that_never_comes_to_rest_is_an_error(session):
     typed = iter([""] * 20)
     live = session(rest=2, drift=-1.0, key=lambda: next(typed, END_KEY))
-    with pytest.raises(MeterError, match="does not come to rest in 5 trials"):
+    with pytest.raises(MeterError, match="is not stable in 5 trials"):
         live.run(1)
 
 
@@ -66,7 +66,7 @@ def test_drift_since_the_beginning_is_told(session, instrument):
     live = session(rest=2, drift=0.01)
     live.run(50)
     assert live.show.moments[0].remarks == ()
-    assert "the skin at rest has drifted by" in live.show.moments[-1].remarks[-1]
+    assert "the unpressed skin has drifted by" in live.show.moments[-1].remarks[-1]
 
 
 def test_rest_is_not_renewed_under_a_press(session, press):

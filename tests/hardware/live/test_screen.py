@@ -175,7 +175,7 @@ def test_labels_are_told_in_words(target, label, words):
 
 def test_an_answer_of_no_number_is_refused():
     for wrong in ({"probability": float("nan")}, {"pixels": np.full(SHAPE, np.nan)}):
-        with pytest.raises(ValueError, match="numbers that are none"):
+        with pytest.raises(ValueError, match="numbers that are not finite"):
             TouchAnswer("column 1", **wrong)
 
 

@@ -30,8 +30,8 @@ def test_presses_are_answered_at_their_columns(session, press):
 def test_it_asks_to_leave_the_skin_untouched_first(session):
     live = session(rest=3)
     live.run(1)
-    leave = [f"leave the skin untouched: sweep {n} of 3 at rest" for n in (1, 2, 3)]
-    assert live.show.told == [*leave, "rest is known: the skin may be touched"]
+    leave = [f"leave the skin untouched: unpressed sweep {n} of 3" for n in (1, 2, 3)]
+    assert live.show.told == [*leave, "ready: the skin may be touched"]
     assert len(live.rest.sweeps) == 3
 
 
@@ -53,7 +53,7 @@ def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
         (Fault("half"), "no whole answer within 0.2 s"),
         (Fault("status"), "status 7: overflow"),
         (Fault("status", times=2, status=9), "status 9: sampling error"),
-        (Fault("forget"), "the meter was switched on anew"),
+        (Fault("forget"), "the meter was switched off and on"),
     ],
 )
 def test_a_fault_costs_its_sweep_and_is_told(session, press, instrument, fault, told):
@@ -89,7 +89,7 @@ def test_another_meter_is_told_and_never_answered(session, instrument):
         instrument.faults.add(Fault("drop"))
 
     live = session({1: exchange}, patience=0.3)
-    with pytest.raises(NoConnectionError, match=r"given up after 0.3 s.*now HIOKI,IM3523,1111"):
+    with pytest.raises(NoConnectionError, match=r"gave no sweep for 0.3 s.*now HIOKI,IM3523,1111"):
         live.run(3)
     assert len(live.show.moments) == 1
 
@@ -105,7 +105,7 @@ def test_a_lost_correction_cannot_be_set_again(session, instrument):
 def test_a_meter_that_stays_silent_is_given_up_in_one_line(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("drop", times=10**6))}, patience=0.3)
     begun = time.monotonic()
-    with pytest.raises(NoConnectionError, match="given up after 0.3 s without the meter") as raised:
+    with pytest.raises(NoConnectionError, match="the meter gave no sweep for 0.3 s") as raised:
         live.run(3)
     assert 0.3 <= time.monotonic() - begun < 3
     assert "\n" not in str(raised.value)

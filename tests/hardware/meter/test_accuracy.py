@@ -100,7 +100,7 @@ def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
         ("full_scale = 1e6", "full_scale = 'a'", "`range.0.full_scale`: Input should be"),
         ("[[0.7, 0.03], ", "[", "`range` does not fit"),
         ("SLOW = 1.5", "SLO = 1.5", "`coefficients.speed` does not fit"),
-        ("[coefficients]", "[coefficients", "cannot be read as a table"),
+        ("[coefficients]", "[coefficients", "is no accuracy table"),
     ],
 )
 def test_a_bad_table_is_told_with_file_and_key(tmp_path, old, new, told):

@@ -180,7 +180,7 @@ def test_a_correction_tells_how_long_it_has_taken(instrument, meter):
 
 def test_a_correction_that_never_ends_is_cancelled_with_advice(instrument, meter):
     instrument.pace = 10.0
-    with pytest.raises(CorrectionError, match="did not end.*leads are held apart"):
+    with pytest.raises(CorrectionError, match="did not end.*leads are apart"):
         correct(meter, "open", interval=0.001, patience=0.02)
     instrument.pace = 0.0
     correct(meter, "open", interval=0.001)
@@ -242,7 +242,7 @@ def test_nothing_behind_an_address_is_told_with_what_to_check():
 @pytest.mark.parametrize(
     ("resource", "error", "told"),
     [
-        ("nonsense", InputError, "'nonsense' is no VISA resource; such are TCPIP0"),
+        ("nonsense", InputError, "'nonsense' is no VISA resource; examples: TCPIP0"),
         ("TCPIP0::127.0.0.1::1::SOCKET", NoConnectionError, "check"),
         ("ASRL/dev/absent::INSTR", NoConnectionError, "cannot be opened .* check the address"),
     ],

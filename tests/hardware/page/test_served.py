@@ -267,7 +267,7 @@ def test_a_port_in_use_is_told(served):
         async with PageServer(None, LatestState()).served(page.address.port):
             raise AssertionError("the port was had twice")
 
-    with pytest.raises(InputError, match=r"port \d+ of 127\.0\.0\.1 cannot be had"):
+    with pytest.raises(InputError, match=r"port \d+ of 127\.0\.0\.1 is not available"):
         served(act)
 
 

@@ -28,7 +28,7 @@ def test_repeated_rest_is_no_press(seed, rests):
     random = np.random.default_rng(seed)
     *before, now = (sweep_of(LINE, random) for _ in range(rests + 1))
     (told,) = undetected_press(now, before)
-    assert told.startswith("no press is seen: the readings are those at rest, to 0.")
+    assert told.startswith("no press detected: the readings differ from the unpressed skin by 0.")
 
 
 def test_a_single_rest_tells_nearly_all_that_is_no_press():

@@ -61,7 +61,7 @@ def test_a_range_whose_error_is_not_known_is_told():
     Z[3] *= 0.3
     remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
     assert remarks
-    told = "as far as it is known: 3522-50-derived tells none of 1e+07, 1e+08 ohm"
+    told = "(estimated: 3522-50-derived has no range of 1e+07, 1e+08 ohm)"
     assert all(told in remark for remark in remarks)
 
 
@@ -88,7 +88,10 @@ def test_each_interface_is_judged_by_its_own_and_named():
 
 @pytest.mark.parametrize(
     ("at_rest", "told"),
-    [(False, "differs from earlier repetitions by 8"), (True, "the skin at rest has drifted by 8")],
+    [
+        (False, "differs from earlier repetitions by 8"),
+        (True, "the unpressed skin has drifted by 8"),
+    ],
 )
 def test_departures_are_measured_in_Z(at_rest, told):
     earlier = [sweep_of(LINE), sweep_of(LINE)]

@@ -194,12 +194,14 @@ def test_a_person_is_asked_to_connect(recorded, ports, instrument, rig_skins, mo
     assert impedance(sweeps) == pytest.approx(exact(sweeps, rig_skins), rel=1e-5)
     connected = [q for q in asked if "Keep the press, connect interface" in q]
     assert [q.split("interface ")[1][:4] for q in connected] == ["left", "bott", "left", "bott"]
-    assert "press 2,1, interface bottom: done; against rest Rs" in recorded.output
+    assert "press 2,1, interface bottom: done; against the unpressed skin Rs" in recorded.output
 
 
 @pytest.mark.parametrize("more", [(), ("--unattended",), ("--settle", 0.1)])
 def test_no_interface_is_left_out_without_a_word(recorded, control, more):
-    with pytest.raises(InputError, match=r"left, bottom.*--switch.*--interface left that one"):
+    with pytest.raises(
+        InputError, match=r"left, bottom.*--switch.*--interface left measures that one"
+    ):
         recorded(*control, *more)
     assert list(recorded(*control, "--interface", "bottom")["interface"].values) == ["bottom"]
 
@@ -212,7 +214,7 @@ def test_one_interface_may_be_switched_to(recorded, control, switch, rig_skins):
 
 def test_two_interfaces_unattended_take_a_switch(recorded, control):
     both = [word for name in BOTH for word in ("--interface", name)]
-    with pytest.raises(InputError, match="which takes a switch that needs nobody"):
+    with pytest.raises(InputError, match="need a switch that works without a person"):
         recorded(*control, *both)
 
 

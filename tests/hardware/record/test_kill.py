@@ -47,7 +47,7 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     assert process.returncode == 0
     earth, put_back = err.splitlines()
     assert "nothing is said of earth" in earth
-    assert re.fullmatch(rf"{folder}: .* put back to what it was at first: header = .*", put_back)
+    assert re.fullmatch(rf"{folder}: .* the original ones at its end: header = .*", put_back)
     sweeps = read(output)
     assert not folder.exists()
     first = sorted(kept)
@@ -125,5 +125,7 @@ def test_ctrl_c_ends_a_recording_that_awaits_the_meter_and_says_how_to_go_on(
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=SOON)
     kept = len(finished(folder))
-    told = f"rcskin: {kept} of 500 sweeps are kept in {folder}; the same command goes on after them"
+    told = (
+        f"rcskin: {kept} of 500 sweeps are kept in {folder}; the same command continues after them"
+    )
     assert told in err and "Traceback" not in err and process.returncode != 0

@@ -108,13 +108,17 @@ def test_after_a_kill_the_same_command_puts_back_what_was_at_first(
     found = tmp_path / "run.nc.sweeps" / METER_FILE
     kept = found.read_text()
     found.write_text("{}")
-    assert command(*recording(6)).exception.args[0].startswith(f"{found}: tells not how")
+    assert (
+        command(*recording(6))
+        .exception.args[0]
+        .startswith(f"{found}: does not hold a meter's original settings")
+    )
     found.write_text(kept)
     assert command("gather", tmp_path / "run.nc", "-o", tmp_path / "part.nc").exit_code == 0
     done = command(*recording(6))
     assert done.exit_code == 0
     told = [each.getMessage() for each in caplog.records]
-    assert len(told) == 2 and all("at first: header = True" in each for each in told)
+    assert len(told) == 2 and all("header = True" in each for each in told)
     assert instrument.settings == as_found
     assert [path.name for path in tmp_path.glob("run*")] == ["run.nc"]
 

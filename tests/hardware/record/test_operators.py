@@ -54,13 +54,15 @@ REST = MeasuredSweep(
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
     text = shown(True, [], rest=REST)
     assert "Rs (% of rest)" in text and "-50.00" in text
-    assert "done; against rest Rs █▁ -50 to +0 %, Cp █▁ -50 to +0 %" in text
+    assert "done; against the unpressed skin Rs █▁ -50 to +0 %, Cp █▁ -50 to +0 %" in text
 
 
 def test_plain_text_tells_the_span_of_the_curve_without_a_control_code(shown):
     text = shown(False, ["check"], plain=True, rest=REST)
     first, second = text.splitlines()
-    assert first == "1/9  press 2,1: done; against rest Rs -50 to +0 %, Cp -50 to +0 %"
+    assert (
+        first == "1/9  press 2,1: done; against the unpressed skin Rs -50 to +0 %, Cp -50 to +0 %"
+    )
     assert second == "1/9  press 2,1: check" and "\x1b" not in text
 
 

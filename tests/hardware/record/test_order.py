@@ -51,10 +51,10 @@ def test_a_file_gives_its_own_order(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("1,1\n3,1\n", "line 2: press '3,1': pixels are 1,1 to 2,2"),
+        ("1,1\n3,1\n", "line 2: press '3,1': pixels must be in 1,1 to 2,2"),
         ("0,1\n", "line 1: press '0,1': rows and columns count from 1"),
         ("middle\n", "line 1: press 'middle': must be ROW,COLUMN"),
-        ("# nothing\n", "holds no press"),
+        ("# nothing\n", "has no press; write one per line"),
     ],
 )
 def test_a_bad_order_is_told_by_file_and_line(tmp_path, text, told):

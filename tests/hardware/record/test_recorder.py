@@ -255,7 +255,9 @@ def test_a_file_in_the_wrong_place_is_named(task, operator):
     record(task, operator)
     folder = RecordingJournal(task.output).folder
     (folder / "000003.json").replace(folder / "000004.json")
-    with pytest.raises(InputError, match="000004.json: holds press 1,1, the order has 1,2 here"):
+    with pytest.raises(
+        InputError, match="000004.json: holds press 1,1, but the order has 1,2 here"
+    ):
         record(task, operator)
 
 
@@ -302,6 +304,6 @@ def test_a_machine_that_does_not_press_is_asked_again_and_ends(task, operator, s
     operator.retries, by, order = 3, operator.press_skin, [UNPRESSED_STEP, parse_step("2,2", 2, 2)]
     operator.press_skin = lambda step: None if by_hand else by(step)
     _, entries = record(asking(task, order=order), operator)
-    seen = [remark for remark in show.remarks if "no press is seen" in remark]
+    seen = [remark for remark in show.remarks if "no press detected" in remark]
     assert len(seen) == (left and left + 1)
     assert entries[0].remarks == () and len(entries[1].remarks) == (1 if by_hand else 0)

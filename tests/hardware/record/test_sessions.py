@@ -76,7 +76,7 @@ def test_overwriting_has_to_be_asked_for(record, tmp_path):
 
 def test_two_recorders_do_not_share_an_output(record, tmp_path):
     with RecordingJournal(tmp_path / "a.nc").lock():
-        with pytest.raises(InputError, match="another recorder is at work on it"):
+        with pytest.raises(InputError, match="another recorder uses it"):
             raise record().exception
     assert record().exit_code == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "order.txt"]

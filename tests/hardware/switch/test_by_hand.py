@@ -61,7 +61,9 @@ def test_a_command_gets_the_name_as_one_word_without_a_shell(tmp_path):
     ],
 )
 def test_a_command_that_cannot_be_filled_in_is_refused(command):
-    with pytest.raises(InputError, match="`switch-with` must be a command with {interface}"):
+    with pytest.raises(
+        InputError, match="`switch-with` must be a command with the placeholder {interface}"
+    ):
         commanded(command or " ")
 
 
@@ -163,8 +165,8 @@ def test_the_settle_time_is_the_tables_unless_asked_for(table):
 @pytest.mark.parametrize(
     ("name", "command", "settle", "told"),
     [
-        (None, None, None, "the interfaces left, bottom are measured in turn, which takes a swit"),
-        ("ask", None, None, "which takes a switch that needs nobody"),
+        (None, None, None, "the interfaces left, bottom need a switch that works without a person"),
+        ("ask", None, None, "need a switch that works without a person"),
         ("a.toml", "turn {interface}", None, "`switch` and `switch-with` cannot both"),
         ("nowhere.toml", None, None, "nowhere.toml: no such file"),
         ("anything", None, None, "`switch` must be TABLE.toml, HOST:PORT or ask, got 'anything'"),
@@ -179,5 +181,5 @@ def test_what_cannot_be_is_bad_input(name, command, settle, told):
 
 
 def test_a_table_without_an_interface_of_the_scene_is_bad_input(table):
-    with pytest.raises(InputError, match="has no interface bottom, only left, top"):
+    with pytest.raises(InputError, match="lacks the interface bottom; it has left, top"):
         switch_from_options(table, None, None, BOTH)

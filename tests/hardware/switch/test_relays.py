@@ -118,8 +118,8 @@ def test_a_late_relay_is_awaited(switch, board):
     ("mood", "error", "told"),
     [
         ("silent", SilentSwitchError, r"no answer within 0.3 s; check the board's power"),
-        ("garbage", GarbledSwitchError, "is no whole answer of such a board; check `kind`"),
-        ("half", GarbledSwitchError, "is no whole answer of such a board"),
+        ("garbage", GarbledSwitchError, "is no complete answer of such a board; check `kind`"),
+        ("half", GarbledSwitchError, "is no complete answer of such a board"),
         ("stuck", StuckSwitchError, r"instead of interface left, position \(1, 2\); check its p"),
     ],
 )
@@ -198,7 +198,7 @@ def test_relays_above_nine_are_letters(described):
         ("[3]", "[2, 1]", "`interface`: .*two interfaces have the same relays"),
         ("[3]", '["a"]', "`interface.bottom.0`: .* valid integer"),
         ("left = [1, 2]\nbottom = [3]", "", "`interface`: .* at least 1 item"),
-        ("[interface]", "[interface", "cannot be read as a table of a switch"),
+        ("[interface]", "[interface", "is no table of a switch"),
     ],
 )
 def test_a_table_that_is_wrong_is_one_line_with_the_key(described, old, new, told):

@@ -25,7 +25,7 @@ from rcskin.simulator.sweeps import InputError
         (Fault("silent"), NoAnswerError, "no whole answer within 0.5 s; check"),
         (Fault("half"), NoAnswerError, "no whole answer within 0.5 s; check"),
         (Fault("garbage"), GarbledError, "no line of text; check the baud rate"),
-        (Fault("late", seconds=0.7), NoAnswerError, "slow measurement has time enough"),
+        (Fault("late", seconds=0.7), NoAnswerError, "the time-out is long enough"),
         (Fault("status"), FailedReadingError, "status 7: overflow: check the leads"),
         (Fault("status", status=-7), FailedReadingError, "status -7: underflow"),
         (Fault("status", status=1), FailedReadingError, "status 1: nothing was measured"),
@@ -92,7 +92,7 @@ def test_faults_are_asked_for_through_the_side_door(ports, meter):
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"kind": "sing"}, "misbehaves by drop, late"),
+        ({"kind": "sing"}, "`kind` must be one of drop, late"),
         ({"kind": "late", "seconds": -1}, "`seconds` must be in"),
         ({"kind": "drop", "times": 0}, "`times` must be a whole number in"),
         ({"kind": "drop", "times": 1.5}, "`times` must be a whole number in 1..1000000, got 1.5"),

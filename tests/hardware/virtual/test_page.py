@@ -66,7 +66,7 @@ def test_bad_input_is_told(command, arguments, told):
 def test_a_port_in_use_is_told(command):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(InputError, match=f"port {port} of 127.0.0.1 cannot be had"):
+        with pytest.raises(InputError, match=f"port {port} of 127.0.0.1 is not available"):
             raise command("serve", *ANYWHERE, "--page", "--page-port", port).exception
 
 

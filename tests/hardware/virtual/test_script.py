@@ -122,8 +122,8 @@ def test_a_report_cannot_be_set(script):
         (16, RefusedError, "out of range"),
         (8, RefusedError, "failed inside the meter"),
         (4, RefusedError, "answer was lost"),
-        (128, RestartedError, "switched on anew"),
-        (128 | 16, RestartedError, "switched on anew"),
+        (128, RestartedError, "switched off and on"),
+        (128 | 16, RestartedError, "switched off and on"),
     ],
 )
 def test_every_event_of_failure_is_told(script, register, error, told):
