@@ -155,7 +155,7 @@ def test_what_a_line_does_not_tell_is_said(scene, twin):
 
 def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):
     mapped = scene.with_({"skin.foam.map": map_of(scene, TRUE).model_dump()})
-    with pytest.raises(InputError, match="without `skin.foam.map` alone"):
+    with pytest.raises(InputError, match="only to foam without `skin.foam.map`"):
         calibrate(mapped, twin, UNEVEN)
     with pytest.raises(InputError, match="foam_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("foam_x",)))
