@@ -10,7 +10,7 @@ from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_f
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.skin import VACUUM_PERMITTIVITY
 from .claim import Claim, listed, near
-from .derived_quantities import STATED_SHEET_RESISTANCE, capacitance_changes, totals
+from .paper_quantities import STATED_SHEET_RESISTANCE, capacitance_changes, totals
 
 THICKNESS = 4e-3
 SILICONE, POROSITY = 2.8, 0.67

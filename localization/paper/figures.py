@@ -17,7 +17,7 @@ from ...simulator.press.press import every_press
 from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
 from ..evaluation.confusion_chart import draw_confusion
-from .derived_quantities import paper_frequencies, totals
+from .paper_quantities import paper_frequencies, totals
 from .simulated_experiment import SimulatedExperiment
 from .studies import crossed_cap
 

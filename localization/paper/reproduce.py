@@ -25,7 +25,7 @@ from ..model.training import train
 from . import figures
 from .claim import Claim
 from .claims import all_claims
-from .derived_quantities import open_line_frequencies, paper_frequencies
+from .paper_quantities import open_line_frequencies, paper_frequencies
 from .report import write_report
 from .results import Results
 from .simulated_experiment import (

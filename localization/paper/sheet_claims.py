@@ -19,13 +19,13 @@ from .claim import (
     noise_of,
     share,
 )
-from .derived_quantities import (
+from .paper_quantities import (
     capacitance_changes,
     paper_frequencies,
-    resistance_at_rest,
     row_contrast,
     separation_peaks,
     totals,
+    unpressed_resistance,
 )
 from .results import Results
 from .simulated_experiment import SHEETS, SimulatedExperiment
@@ -177,7 +177,7 @@ def _contacts(study: xr.DataArray, noise: str) -> Claim:
 
 def _rows(sheet: SimulatedExperiment) -> Claim:
     floating = load_scene("sheet-5x5-two-interfaces")
-    plain, shunted = (resistance_at_rest(scene) / 1e3 for scene in (sheet.scene, floating))
+    plain, shunted = (unpressed_resistance(scene) / 1e3 for scene in (sheet.scene, floating))
     contrast = [100 * row_contrast(scene) for scene in (sheet.scene, floating)]
     noise = 100 * sheet.scene.readout.magnitude_noise
     return Claim(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..evaluation.confusion import Confusion
 from .claim import ENOUGH, Claim, listed, mean_share, near, noise_of, same_proportion, share
-from .derived_quantities import (
+from .paper_quantities import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from ..models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
 from ..scene.scene import Scene
-from .derived_quantities import products
 from .fit import Fit
 from .identifiability import Information
 from .likelihood.distributions import Distributions
 from .likelihood.profile_distribution import CONFIDENCE, cut_normal
+from .physical_quantities import products
 from .sheet_intervals import (
     COMMON,
     MISMATCH,
@@ -202,7 +202,7 @@ def _factor(
     )
 
 
-def changed(name: str, step: float) -> str:
+def change_text(name: str, step: float) -> str:
     """Text of a change of a parameter."""
     if name in FACTORS:
         return f"{name} times {math.exp(step):.3g}"
@@ -259,7 +259,7 @@ def _direction(fit: Fit, information: Information, direction: NDArray[np.float64
             kind = "product" if first * second < 0 else "ratio"
             return f"{names}: the data identify only their {kind}"
     size = 0.1 / max(abs(step) / _unit(fit, name) for name, step in steps.items())
-    undone = ", ".join(changed(name, size * step) for name, step in steps.items())
+    undone = ", ".join(change_text(name, size * step) for name, step in steps.items())
     return f"{names}: not identified separately; {undone} together leaves the sweeps unchanged"
 
 

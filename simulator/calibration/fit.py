@@ -30,7 +30,7 @@ NEAR = 0.1
 its limit. NEAR: retraining this close to the center of the model does not improve it."""
 SHARE_OF_NOISE = 0.03
 """Model tolerance over the meter's noise."""
-SMALL_BESIDE_NOISE = 0.2
+SMALL_AGAINST_NOISE = 0.2
 """Largest certified error of the model at the solution, over the meter's noise."""
 CERTIFIED_PRESSES = 8
 EXPLAINED = 2.0
@@ -212,7 +212,7 @@ def trained_nearby(fit: Fit) -> bool:
 def certificate_limit(spec: FitSpec) -> float:
     """Largest allowed error of the model for Rs and Cp."""
     noise = min(spec.readout.magnitude_noise, spec.readout.phase_noise)
-    return SMALL_BESIDE_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
+    return SMALL_AGAINST_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
 
 
 def largest_certificate(fit: Fit) -> float:

@@ -40,7 +40,7 @@ NEAR_EDGE = 3.0
 
 
 @dataclass(frozen=True)
-class MeasuredSweep:
+class SessionSweep:
     """Sweep of one press in one session, or the mean of all baseline sweeps of a session.
 
     Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: number of the meter's
@@ -71,7 +71,7 @@ class Measurements:
     """
 
     scene: Scene
-    sweeps: tuple[MeasuredSweep, ...]
+    sweeps: tuple[SessionSweep, ...]
     left_out: tuple[str, ...] = ()
 
     @cached_property
@@ -224,7 +224,7 @@ def _readings(
     fixed: NDArray[np.int64],
     presses: Sequence[Press | None],
     sessions: Sequence[int],
-) -> Iterator[MeasuredSweep]:
+) -> Iterator[SessionSweep]:
     at_rest: dict[int, list[int]] = {}
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and not press.touches:
@@ -233,12 +233,12 @@ def _readings(
         yield _averaged(Z[members], fixed[members], session)
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and press.touches:
-            yield MeasuredSweep(press, session, Z[k], fixed[k])
+            yield SessionSweep(press, session, Z[k], fixed[k])
 
 
-def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> MeasuredSweep:
+def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> SessionSweep:
     """Mean baseline sweep, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
     own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], UNKNOWN_RANGE)
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))
     deviation = observed(Z / mean).std(axis=0, ddof=1) if len(Z) > 1 else None
-    return MeasuredSweep(Press(), session, mean.astype(np.complex128), own, len(Z), deviation)
+    return SessionSweep(Press(), session, mean.astype(np.complex128), own, len(Z), deviation)

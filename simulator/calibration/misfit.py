@@ -17,7 +17,7 @@ from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .centered_model import CenteredModel, Model, checked_model, model_of
-from .estimates import changed
+from .estimates import change_text
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
 from .fit_options import Options, candidates
 from .measurements import measurements_of
@@ -119,10 +119,10 @@ def gap_by_parameter(
             )
 
 
-Found = TypeVar("Found", ParameterEffect, JointEffect)
+Effect = TypeVar("Found", ParameterEffect, JointEffect)
 
 
-def _ordered(found: Sequence[Found]) -> tuple[Found, ...]:
+def _ordered(found: Sequence[Effect]) -> tuple[Effect, ...]:
     return tuple(sorted(found, key=lambda each: each.after))
 
 
@@ -163,7 +163,7 @@ def _text_of(spec: FitSpec, name: str, value: float) -> str:
     """Text of the change of a parameter, or of the value of one of EFFECTS."""
     if name in EFFECTS:
         return effect_text(spec.measurements.scene, name, value)
-    return changed(name, value - spec.fixed[name])
+    return change_text(name, value - spec.fixed[name])
 
 
 def _alone(
@@ -175,13 +175,13 @@ def _alone(
     return ParameterEffect(name, value, before, fit.chi_squared, _text_of(spec, name, value))
 
 
-IDEAL = {"phase_exponent": 1.0, "loss_tangent": 0.0}
+IDEAL_CAPACITANCE = {"phase_exponent": 1.0, "loss_tangent": 0.0}
 LOW_END = 6
 """The low end of a sweep is its number of frequencies over this."""
 
 
 @dataclass(frozen=True)
-class Comparison:
+class IdealComparison:
     """Comparison of a fit with the best one of an ideal capacitance, also in sentences."""
 
     ideal: Fit = field(repr=False)
@@ -190,14 +190,16 @@ class Comparison:
     sentences: tuple[str, ...]
 
 
-def compared(fit: Fit, progress: ProgressCallback) -> Comparison:
+def compare_with_ideal(fit: Fit, progress: ProgressCallback) -> IdealComparison:
     """Compares a fit with one whose exponent is fixed at 1 and whose loss is 0."""
-    fixed = {**fit.spec.fixed, **IDEAL}
-    others = {name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL}
+    fixed = {**fit.spec.fixed, **IDEAL_CAPACITANCE}
+    others = {
+        name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL_CAPACITANCE
+    }
     spec = replace(fit.spec, fitted=others, fixed=fixed)
     ideal = best_fit(spec, fit.problem.model, progress=progress)
     sentences = _comparison_sentences(fit, ideal)
-    return Comparison(ideal, fit.rms_error, ideal.rms_error, sentences)
+    return IdealComparison(ideal, fit.rms_error, ideal.rms_error, sentences)
 
 
 def _comparison_sentences(fit: Fit, ideal: Fit) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from .centered_model import CenteredModel
 from .likelihood.qr_reduction import ReducedSystem, ResidualBlock, reduced_system
-from .measurements import MeasuredSweep, Measurements
+from .measurements import Measurements, SessionSweep
 from .prior import Prior
 
 MIN_RISE = -0.9
@@ -217,7 +217,7 @@ class LeastSquaresProblem:
         )
 
     def _columns(
-        self, group: NDArray[np.int64], readings: Sequence[MeasuredSweep]
+        self, group: NDArray[np.int64], readings: Sequence[SessionSweep]
     ) -> NDArray[np.int64]:
         """Unknowns that each sweep depends on: its touches, parameters, errors of its session."""
         spec, count = self.spec, self._errors.shape[2]
@@ -245,7 +245,7 @@ class LeastSquaresProblem:
         return found.reshape(len(which), 2 * which.shape[1], -1)
 
 
-def deviation_of(spec: FitSpec, reading: MeasuredSweep) -> NDArray[np.float64]:
+def deviation_of(spec: FitSpec, reading: SessionSweep) -> NDArray[np.float64]:
     """Standard deviation of each number of a sweep by the noise, shape (2 * Z.size,).
 
     Infinite where nothing was read or the meter's range is unknown: such a number has no weight.

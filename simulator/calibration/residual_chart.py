@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
 from ..sweeps import parallel_capacitance
 from .fit import Fit
-from .measurements import MeasuredSweep
+from .measurements import SessionSweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,7 +77,7 @@ def _draw(
     axes: Axes,
     frequency: NDArray[np.float64],
     values: NDArray[np.float64],
-    readings: tuple[MeasuredSweep, ...],
+    readings: tuple[SessionSweep, ...],
 ) -> None:
     """Draws baseline sweeps black and presses in colours, each as a line while they are few.
 
@@ -94,7 +94,7 @@ def _draw(
         axes.plot(kHz, group.mean(axis=0), marker=".", linewidth=1, color=colour, label=label)
 
 
-def _label_and_colour(reading: MeasuredSweep, few: bool) -> tuple[str, str]:
+def _label_and_colour(reading: SessionSweep, few: bool) -> tuple[str, str]:
     """Label and colour of a sweep, or of all sweeps that are drawn together."""
     if not reading.press.touches:
         return "unpressed", UNPRESSED_COLOUR

@@ -29,7 +29,7 @@ from .identifiability import Information, information, with_all_unknown
 from .initial_values import capacitance_offset
 from .likelihood.distributions import Distributions
 from .measurements import Measurements, measurements_of
-from .misfit import Comparison, compared
+from .misfit import IdealComparison, compare_with_ideal
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import FitSpec
 from .sheet_intervals import MISMATCH
@@ -67,7 +67,7 @@ class Calibration(Tabular):
     unclear: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     not_fitted: tuple[str, ...] = ()
-    ideal: Comparison | None = None
+    ideal: IdealComparison | None = None
 
     @property
     def chi_squared(self) -> float:
@@ -131,7 +131,7 @@ def calibrate(
         unclear=tuple(weakly_identified(scene, unknown, info)),
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *gained])),
         not_fitted=tuple(job.not_fitted),
-        ideal=compared(fit, progress) if beaten else None,
+        ideal=compare_with_ideal(fit, progress) if beaten else None,
     )
 
 

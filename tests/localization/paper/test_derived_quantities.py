@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.paper.derived_quantities import (
+from rcskin.localization.paper.paper_quantities import (
     capacitance_changes,
     low_frequency_resistances,
     open_line_frequencies,
     paper_frequencies,
-    resistance_at_rest,
     row_contrast,
     separation_peaks,
     totals,
+    unpressed_resistance,
 )
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -50,7 +50,7 @@ def test_columns_separate_best_above_the_interrogation_frequencies():
 
 def test_floating_foils_of_the_other_edge_lower_the_resistance_and_tell_rows_apart():
     plain, floating = load_scene("sheet-5x5"), load_scene("sheet-5x5-two-interfaces")
-    assert resistance_at_rest(plain) == pytest.approx(100e3 / 3, rel=1e-9)
-    assert resistance_at_rest(floating) == pytest.approx(20.9e3, rel=2e-3)
+    assert unpressed_resistance(plain) == pytest.approx(100e3 / 3, rel=1e-9)
+    assert unpressed_resistance(floating) == pytest.approx(20.9e3, rel=2e-3)
     assert row_contrast(plain) < 1e-10
     assert row_contrast(floating) > 0.02

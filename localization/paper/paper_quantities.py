@@ -45,7 +45,7 @@ def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
     return np.array(Cp[1:]) / Cp[0] - 1
 
 
-def resistance_at_rest(scene: Scene) -> float:
+def unpressed_resistance(scene: Scene) -> float:
     """Rs in ohm of the first interface of the unpressed skin, in the limit of zero frequency."""
     answer = Solver(scene).solve(Press(), NEARLY_ZERO)
     return float(answer.Z[0, 0].real)
