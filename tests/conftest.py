@@ -275,13 +275,13 @@ def short_studies(monkeypatch):
 def undrawn(monkeypatch):
     """Tables and summaries without their charts, which take half of the time."""
     for name in ("draw_maps", "draw_distances"):
-        monkeypatch.setattr(f"rcskin.simulator.limits.findings.{name}", lambda *given: None)
+        monkeypatch.setattr(f"rcskin.simulator.limits.survey_results.{name}", lambda *given: None)
 
 
 @pytest.fixture
 def coarse(monkeypatch):
     """Limits are of readings told to a percent, by models that are soon trained."""
-    monkeypatch.setattr("rcskin.simulator.bounds.readings.RTOL", 1e-2)
+    monkeypatch.setattr("rcskin.simulator.bounds.touch_readings.RTOL", 1e-2)
 
 
 @pytest.fixture

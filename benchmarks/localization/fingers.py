@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import Hypothesis, TouchReadings, hypotheses, kinds
+from rcskin.simulator.bounds.touch_readings import Hypothesis, TouchReadings, hypotheses, kinds
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.randomisation import Fixed, Normal
 from rcskin.simulator.scene.scene import Scene

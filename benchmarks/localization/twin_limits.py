@@ -18,8 +18,8 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.places import place_limits
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials
 from rcskin.localization.inputs.baselines import RECENT
-from rcskin.simulator.bounds.readings import hypotheses
-from rcskin.simulator.limits.hand import Hand, accuracy_of_hand
+from rcskin.simulator.bounds.touch_readings import hypotheses
+from rcskin.simulator.limits.random_presses import Hand, accuracy_of_hand
 from rcskin.simulator.scene.randomisation import Normal
 
 SAMPLES, FEW_SAMPLES = (1000, 4000), (50, 100)

@@ -12,7 +12,7 @@ from .arguments import checked, scene_of, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.bounds.readings import Target
+    from ...simulator.bounds.touch_readings import Target
     from ...simulator.calibration.prior import Kind
     from ...simulator.calibration.run import Calibration
     from ...simulator.limits.limit import Limit

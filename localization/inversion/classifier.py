@@ -35,7 +35,7 @@ def simulated(text: str, *asked: Any, **options: Any) -> Mapping[str, NDArray]:
     Further arguments as of `templates`. Raises InputError as it does, and for a text without a
     scene.
     """
-    from ...simulator.inversion.tables import templates
+    from ...simulator.inversion.touch_templates import templates
 
     scene = carried_scene(text, "the model's scene")
     if scene is None:

@@ -28,8 +28,8 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .posterior import Templates, axes_of, posterior, starts_of
-from .readings import Hypothesis, TouchReadings
-from .tiles import in_tiles, posterior_of_tiles
+from .template_tiles import in_tiles, posterior_of_tiles
+from .touch_readings import Hypothesis, TouchReadings
 
 STEP = 1.5
 FIRST_LOOK = 9

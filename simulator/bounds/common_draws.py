@@ -21,7 +21,7 @@ from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Array, Draws, DrawScores
-from .readings import hypotheses
+from .touch_readings import hypotheses
 
 NODES = 6
 """Number of strengths of each touch, the same for all skins. Interpolation between them has an

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.touches.errors import off_the_solver
+from ..bounds.touches.rasterization_errors import off_the_solver
 from ..fem.error_estimate import relative_difference
 from ..fem.safety_factors import SAMPLED
 from ..measure.creeping_sweeps import reading_moments

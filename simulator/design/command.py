@@ -93,7 +93,7 @@ def design(
 
     Run the same command again to continue an interrupted search.
     """
-    from ..bounds.sets import own_band
+    from ..bounds.frequency_sets import own_band
     from ..models.uniform import folded
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene

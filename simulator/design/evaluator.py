@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 
-from ..bounds.sets import candidates_in, own_band
+from ..bounds.frequency_sets import candidates_in, own_band
 from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.scene import Scene

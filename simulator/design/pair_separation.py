@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.readings import Hypothesis
+from ..bounds.touch_readings import Hypothesis
 from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
 from ..scene.scene import Scene

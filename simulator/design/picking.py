@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.readings import hypotheses
+from ..bounds.touch_readings import hypotheses
 from ..measure.readout import ErrorModel
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design

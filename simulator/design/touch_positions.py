@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.fields import TouchSize
-from ..bounds.fields.reduced import ReducedFields
-from ..bounds.position import WANTED, Slopes, chosen_touch, places_on, position_slopes
-from ..bounds.touches.cells import CellGrid, Place
+from ..bounds.fields.reduced_fields import ReducedFields
+from ..bounds.position_bound import WANTED, Slopes, chosen_touch, places_on, position_slopes
+from ..bounds.touches.area_rasterizer import CellGrid, Place
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.scene import Scene

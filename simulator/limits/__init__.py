@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..bounds.position import PositionBounds
+    from ..bounds.position_bound import PositionBounds
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
-    from .hand import LimitInterval
+    from .random_presses import LimitInterval
 from ..progress import ProgressCallback, silent
 
 
@@ -32,7 +32,7 @@ def bayes_accuracy(
     target, a meter without noise, or one with too little noise.
     """
     from ..bounds.bayes import bayes
-    from ..bounds.readings import TouchReadings, hypotheses
+    from ..bounds.touch_readings import TouchReadings, hypotheses
     from ..measure.experiment import own_presses
 
     among = hypotheses(scene, target)
@@ -60,10 +60,10 @@ def hand_accuracy(
     to `error`; more samples make the interval smaller. Raises InputError as `bayes_accuracy` does,
     and for an offset out of range.
     """
-    from ..bounds.readings import hypotheses
+    from ..bounds.touch_readings import hypotheses
     from ..measure.experiment import own_presses
     from ..sweeps import InputError
-    from .hand import Hand, accuracy_of_hand
+    from .random_presses import Hand, accuracy_of_hand
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
@@ -91,9 +91,9 @@ def hand_distance(
     `bayes_accuracy`. samples: touches that represent the posterior; with few of them the distance
     is too large. Raises InputError for a size out of range or a meter without noise.
     """
-    from ..bounds.position import chosen_touch
+    from ..bounds.position_bound import chosen_touch
     from ..measure.experiment import own_presses
-    from .hand import Hand, distance_of_hand
+    from .random_presses import Hand, distance_of_hand
 
     touch = chosen_touch(scene, size)
     hand = Hand(
@@ -125,7 +125,7 @@ def position_bound(
     without noise.
     """
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-    from ..bounds.position import chosen_touch, places_on, position_slopes
+    from ..bounds.position_bound import chosen_touch, places_on, position_slopes
 
     touch = chosen_touch(scene, size, factor)
     fields = fields_of(scene, float(scene.frequencies[-1]), touch)

@@ -21,7 +21,7 @@ from ..safe_text import say
 if TYPE_CHECKING:
     from ..progress import ProgressCallback
     from ..scene.scene import Scene
-    from .identity import Sampling
+    from .touch_identity import Sampling
 
 FOLDER = Path("limits")
 
@@ -76,14 +76,12 @@ def limits(
     With --accuracy: the largest number of pixels for it, by target, for grids
     in the proportion of the scene's rows and columns.
     """
-    from ..bounds.position import chosen_touch
+    from ..bounds.position_bound import chosen_touch
     from ..chart_style import checked_ending
     from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..sweeps import checked_folder, made_folder
-    from .findings import WRITTEN, SurveyResults
-    from .identity import Sampling, identity
     from .survey import (
         SurveyOptions,
         errors_of_survey,
@@ -93,6 +91,8 @@ def limits(
         with_interfaces,
         with_sheets,
     )
+    from .survey_results import WRITTEN, SurveyResults
+    from .touch_identity import Sampling, identity
 
     plain = foldable(with_finger(requested_scene(scene), finger), "a limit")
     side = None if size is None else 1e-3 * size
@@ -129,7 +129,7 @@ def _listed(text: str | None) -> list[float]:
 def _print_counts(
     scene: Scene, accuracy: float, sampling: Sampling, progress: ProgressCallback
 ) -> None:
-    from .identity import FEWEST, MOST, counts, shape_of
+    from .touch_identity import FEWEST, MOST, counts, shape_of
 
     for target in ("column", "pixel"):
         found = list(counts(scene, target, accuracy, sampling, progress))

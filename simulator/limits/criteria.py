@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.fields import AnyFields, TouchSize
-from ..bounds.information import (
+from ..bounds.fisher_information import (
     error_model,
     in_noise,
     pixel_maps,
@@ -24,11 +24,11 @@ from ..bounds.information import (
     summed,
     variances,
 )
-from ..bounds.position import Slopes, chosen_touch
-from ..bounds.readings import Hypothesis, hypotheses
-from ..bounds.touches.about_pixels import middles
-from ..bounds.touches.cells import RasterizedTouch
-from ..bounds.touches.deep import touches_on
+from ..bounds.position_bound import Slopes, chosen_touch
+from ..bounds.touch_readings import Hypothesis, hypotheses
+from ..bounds.touches.area_rasterizer import RasterizedTouch
+from ..bounds.touches.depth_rasterizer import touches_on
+from ..bounds.touches.pixel_touches import middles
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indented.draws import felt_beside
 from ..models.response import Response

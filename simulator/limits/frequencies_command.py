@@ -19,7 +19,7 @@ from ..safe_text import say, terminal
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from .design import FrequencyDesign
+    from .frequency_design import FrequencyDesign
 
 
 def frequencies(
@@ -61,13 +61,13 @@ def frequencies(
     error.
     """
 
-    from ..bounds.position import chosen_touch
-    from ..bounds.sets import chosen_band, frequencies_among
+    from ..bounds.frequency_sets import chosen_band, frequencies_among
+    from ..bounds.position_bound import chosen_touch
     from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from .criteria import checked_criterion
-    from .design import check_design, design
+    from .frequency_design import check_design, design
     from .survey import with_interfaces
 
     plain = foldable(requested_scene(scene), "a limit")

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-from ..bounds.position import (
+from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, own_band
+from ..bounds.position_bound import (
     PositionBounds,
     Slopes,
     TouchSize,
@@ -17,15 +18,14 @@ from ..bounds.position import (
     places_on,
     position_slopes,
 )
-from ..bounds.sets import OPTIMAL, candidates_of, compared, own_band
-from ..bounds.touches.errors import RasterizationErrors
+from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
 from ..scene.changed_readings import restricted_to_interfaces
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
 from .criteria import position_criterion
-from .design import GRID, best_set, some_places
+from .frequency_design import GRID, best_set, some_places
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 FLOATING = "floating"

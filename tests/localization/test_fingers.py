@@ -7,7 +7,7 @@ from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.dataset.skin_model import nominal_skin, reduced
-from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.inversion.touch_templates import templates
 from rcskin.simulator.measure.streams import PRESSES, stream
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press

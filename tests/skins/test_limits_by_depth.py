@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize, fields_of
-from rcskin.simulator.bounds.information import error_model, in_noise, session_errors
-from rcskin.simulator.bounds.position import chosen_touch, errors_of_places, position_slopes
-from rcskin.simulator.bounds.readings import TouchReadings
-from rcskin.simulator.bounds.touches import errors
-from rcskin.simulator.bounds.touches.about_pixels import DepthPixelTouches
-from rcskin.simulator.bounds.touches.cells import CellGrid
-from rcskin.simulator.bounds.touches.deep import Deep
-from rcskin.simulator.bounds.touches.shared import shared_by_cells
+from rcskin.simulator.bounds.fisher_information import error_model, in_noise, session_errors
+from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, position_slopes
+from rcskin.simulator.bounds.touch_readings import TouchReadings
+from rcskin.simulator.bounds.touches import rasterization_errors as errors
+from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
+from rcskin.simulator.bounds.touches.depth_rasterizer import Deep
+from rcskin.simulator.bounds.touches.node_sharing import shared_by_cells
+from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import own_presses

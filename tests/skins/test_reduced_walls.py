@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
-from rcskin.simulator.bounds.touches.cells import CellGrid
+from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.limits.hand import Hand
+from rcskin.simulator.limits.random_presses import Hand
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from rcskin.localization.study.point import EvaluationSettings
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position import chosen_touch, places_on
-from rcskin.simulator.bounds.readings import hypotheses
+from rcskin.simulator.bounds.position_bound import chosen_touch, places_on
+from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.inversion.tables import templates
+from rcskin.simulator.inversion.touch_templates import templates
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out

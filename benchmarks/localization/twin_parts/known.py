@@ -7,8 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.simulator.bounds.readings import Hypothesis, hypotheses
-from rcskin.simulator.limits.hand import Hand, LimitInterval, accuracy_of_hand, distance_of_hand
+from rcskin.simulator.bounds.touch_readings import Hypothesis, hypotheses
+from rcskin.simulator.limits.random_presses import (
+    Hand,
+    LimitInterval,
+    accuracy_of_hand,
+    distance_of_hand,
+)
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
-from rcskin.simulator.limits.identity import upper_bound
+from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
+from rcskin.simulator.limits.touch_identity import upper_bound
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.solver import Solver

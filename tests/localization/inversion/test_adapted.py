@@ -226,7 +226,7 @@ def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_tell(tables
 
 
 def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, tmp_path, monkeypatch):
-    monkeypatch.setattr("rcskin.simulator.inversion.tables.templates", tables)
+    monkeypatch.setattr("rcskin.simulator.inversion.touch_templates.templates", tables)
     inner = ModelBased(SCENE, "column", rest_sweeps=REST)
     adapted = AdaptedClassifier(inner).fit(np.zeros((1, 2 * NUMBERS)))
     X = rows([1, 3], [0.2, 0.2])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, BayesAccuracy
 from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
-from rcskin.simulator.bounds.readings import Hypothesis
+from rcskin.simulator.bounds.touch_readings import Hypothesis
 from rcskin.simulator.measure.experiment import strengths, together
 from rcskin.simulator.press.batch import PressBatch
 

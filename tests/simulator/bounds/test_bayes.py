@@ -2,9 +2,9 @@
 
 import pytest
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
+from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.limits import bayes_accuracy
-from rcskin.simulator.limits.identity import distances, upper_bound
+from rcskin.simulator.limits.touch_identity import distances, upper_bound
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.sweeps import InputError
 from scipy.special import ndtr

@@ -5,10 +5,10 @@ import pytest
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
-from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
 from rcskin.simulator.bounds.posterior import posterior
-from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
-from rcskin.simulator.bounds.tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
+from rcskin.simulator.bounds.template_tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
+from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal

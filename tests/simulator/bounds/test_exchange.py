@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.exchange import best_choice
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
 
 

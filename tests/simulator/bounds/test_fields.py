@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
-from rcskin.simulator.bounds.fields.reduced import ReducedFields
-from rcskin.simulator.bounds.touches.cells import CellGrid, covered_about
+from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
+from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid, covered_about
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import scene_with

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position import position_slopes
+from rcskin.simulator.bounds.position_bound import position_slopes
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
 from rcskin.simulator.design.reading_pool import terminals
 from rcskin.simulator.design.search_journal import SearchJournal

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.readings import hypotheses
-from rcskin.simulator.bounds.sets import equation_6
+from rcskin.simulator.bounds.frequency_sets import equation_6
+from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
 from rcskin.simulator.design.pair_separation import NEAREST, SAME, _nearest
 from rcskin.simulator.design.reading_pool import terminals

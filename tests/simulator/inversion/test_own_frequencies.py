@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.inversion.tables import _unknown_skin, templates
+from rcskin.simulator.inversion.touch_templates import _unknown_skin, templates
 from rcskin.simulator.scene.scene_files import load_scene
 
 READOUT = {

@@ -5,7 +5,7 @@ import json
 
 import pytest
 from matplotlib.image import imread
-from rcskin.simulator.limits import findings
+from rcskin.simulator.limits import survey_results as findings
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--draws", "50", "-n", "2")

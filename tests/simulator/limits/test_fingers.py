@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position import chosen_touch
-from rcskin.simulator.bounds.touches.cells import CellGrid
+from rcskin.simulator.bounds.position_bound import chosen_touch
+from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
 from rcskin.simulator.design.touch_positions import TouchPositions
-from rcskin.simulator.limits.identity import Sampling, identity
 from rcskin.simulator.limits.survey import with_finger
+from rcskin.simulator.limits.touch_identity import Sampling, identity
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle

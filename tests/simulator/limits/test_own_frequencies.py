@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import fields_of
-from rcskin.simulator.bounds.position import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits.survey import SurveyOptions, survey, with_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 

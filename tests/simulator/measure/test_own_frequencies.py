@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from rcskin.simulator.bounds.common_draws import CommonDraws
-from rcskin.simulator.bounds.readings import RTOL
+from rcskin.simulator.bounds.touch_readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.measure.readout import ErrorModel, read_out
 from rcskin.simulator.measure.simulate import resimulated, simulate

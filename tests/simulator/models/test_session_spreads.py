@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.information import error_model
-from rcskin.simulator.bounds.position import SkinUnknowns
+from rcskin.simulator.bounds.fisher_information import error_model
+from rcskin.simulator.bounds.position_bound import SkinUnknowns
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin

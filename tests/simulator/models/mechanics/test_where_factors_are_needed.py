@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.inversion.tables import strength_prior
+from rcskin.simulator.inversion.touch_templates import strength_prior
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..bounds.bayes import BayesAccuracy
-from ..bounds.readings import Hypothesis, by_rod, hypotheses, kinds, touched_alone
+from ..bounds.touch_readings import Hypothesis, by_rod, hypotheses, kinds, touched_alone
 from ..scene.scene import Scene
 
 OTHERS = {"pressed by a rod": by_rod, "touched by a finger without a press": touched_alone}

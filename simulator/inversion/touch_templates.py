@@ -22,9 +22,9 @@ from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of
 from ..scene.scene import Scene
-from .covering import covered
-from .fingers import Way, fingers_of, require_rods
-from .places import cells_per_pixel, place_tables
+from .finger_prior import Way, fingers_of, require_rods
+from .normal_mixture import covered
+from .position_tables import cells_per_pixel, place_tables
 from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.exchange import best_choice
-from rcskin.simulator.bounds.position import chosen_touch
-from rcskin.simulator.bounds.sets import (
+from rcskin.simulator.bounds.frequency_sets import (
     DISTINCT,
     LOGARITHMIC,
     allowed,
@@ -12,7 +11,8 @@ from rcskin.simulator.bounds.sets import (
     own_band,
     too_near,
 )
-from rcskin.simulator.limits.design import design
+from rcskin.simulator.bounds.position_bound import chosen_touch
+from rcskin.simulator.limits.frequency_design import design
 from rcskin.simulator.limits.survey import SurveyOptions, survey
 from rcskin.simulator.sweeps import InputError
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from matplotlib.colors import same_color
 from matplotlib.figure import Figure
-from rcskin.simulator.bounds.position import PositionBounds
+from rcskin.simulator.bounds.position_bound import PositionBounds
 from rcskin.simulator.chart_style import FOIL_COLOURS
-from rcskin.simulator.limits import figure as figures
-from rcskin.simulator.limits.figure import draw_maps, draw_sheet
+from rcskin.simulator.limits import limit_charts as figures
+from rcskin.simulator.limits.limit_charts import draw_maps, draw_sheet
 from rcskin.simulator.limits.survey import Variant
 from rcskin.simulator.scene.scene_files import load_scene
 

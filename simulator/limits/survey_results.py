@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..bounds.touches.errors import RasterizationErrors
+from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.symmetry import repeated_told
 from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
 from ..safe_text import say, terminal
 from ..scene.scene import Scene
 from ..sweeps.accuracy_text import bound_text
-from .figure import draw_distances, draw_maps
-from .identity import IdentityBounds
+from .limit_charts import draw_distances, draw_maps
 from .report import summary, write_distances, write_places
 from .survey import SurveyOptions, Variant
+from .touch_identity import IdentityBounds
 
 MOST_ROWS = 14
 """Largest number of rows of the table on the terminal; all rows are in limits.json."""

@@ -15,14 +15,14 @@ from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
 from ..bounds.bayes import BayesAccuracy, bayes
-from ..bounds.readings import Hypothesis, TouchReadings, hypotheses
-from ..bounds.touches.errors import RasterizationErrors
+from ..bounds.touch_readings import Hypothesis, TouchReadings, hypotheses
+from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.experiment import own_presses, quantiles, together
 from ..progress import ProgressCallback, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .ways import Ways, by_finger, digits, numbers, percent, ways
+from .touch_kinds import Ways, by_finger, digits, numbers, percent, ways
 
 STRENGTHS = 16
 """Number of equally likely strengths of a hypothesis."""

@@ -15,7 +15,7 @@ from ..press.finger import finger_capacitance
 from ..press.touch import Touch
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .covering import covered
+from .normal_mixture import covered
 
 COUNT = 6
 """Number of capacitances, where they are drawn."""

@@ -12,7 +12,7 @@ from ...models.parameters import of_parts
 from ...models.reduced.indented.draws import felt_beside
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
-from .edges import Edges
+from .edge_walls import Edges
 
 Array = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from ...models.mechanics.lattice.relaxed_presses import (
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
-from .cells import Array, CellGrid, Place, RasterizedTouch, TouchSize
-from .shared import shared_by_cells
+from .area_rasterizer import Array, CellGrid, Place, RasterizedTouch, TouchSize
+from .node_sharing import shared_by_cells
 
 STRIDE = 1
 """Steps of the lattice for central differences by position: whole steps keep a touch's position

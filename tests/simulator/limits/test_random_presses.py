@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.readings import hypotheses
+from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.limits import bayes_accuracy, hand_accuracy, hand_distance
-from rcskin.simulator.limits.hand import CELLS, Hand, _middle
+from rcskin.simulator.limits.random_presses import CELLS, Hand, _middle
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.information import (
+from rcskin.simulator.bounds.fisher_information import (
     covariances,
     error_model,
     session_errors,

@@ -29,14 +29,14 @@ from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
-from .touches.about_pixels import (
+from .touches.pixel_touches import (
     DepthPixelTouches,
     PixelTouches,
     about_pixels,
     laid_with_fingers,
     middles,
 )
-from .touches.errors import RasterizationErrors, laid_errors, some
+from .touches.rasterization_errors import RasterizationErrors, laid_errors, some
 
 Target = Literal["column", "row", "pixel", "pair", "touches"]
 TARGETS: tuple[str, ...] = get_args(Target)

@@ -9,9 +9,9 @@ from ...models.network.terminals import many
 from ...models.reduced.indented.draws import felt_beside
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
-from ..touches.cells import TouchSize
-from .full import CELLS_PER_PIXEL, FullFields
-from .reduced import ReducedFields, trained
+from ..touches.area_rasterizer import TouchSize
+from .full_fields import CELLS_PER_PIXEL, FullFields
+from .reduced_fields import ReducedFields, trained
 
 AnyFields = FullFields | ReducedFields
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 from rcskin.simulator.bounds.bayes import bayes
-from rcskin.simulator.bounds.readings import TouchReadings, hypotheses
-from rcskin.simulator.limits.identity import (
+from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
+from rcskin.simulator.limits.touch_identity import (
     Sampling,
     counts,
     distances,

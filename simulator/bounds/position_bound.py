@@ -25,7 +25,7 @@ from ..progress import ProgressCallback, silent, tracked
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fields import AnyFields, TouchSize
-from .information import (
+from .fisher_information import (
     covariances,
     error_model,
     in_noise,
@@ -33,9 +33,9 @@ from .information import (
     session_errors,
     summed,
 )
-from .touches.cells import CellGrid, Place
-from .touches.deep import Deep, touches_on
-from .touches.errors import RasterizationErrors, laid_errors, some
+from .touches.area_rasterizer import CellGrid, Place
+from .touches.depth_rasterizer import Deep, touches_on
+from .touches.rasterization_errors import RasterizationErrors, laid_errors, some
 
 WANTED = ("x", "y", "strength")
 WHOLE = 1 - 1e-6

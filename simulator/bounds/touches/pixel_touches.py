@@ -22,8 +22,8 @@ from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from .cells import Array, Place
-from .deep import Deep, around
+from .area_rasterizer import Array, Place
+from .depth_rasterizer import Deep, around
 
 COUNTS = (5, 129)
 """First and largest number of Chebyshev nodes of depth."""

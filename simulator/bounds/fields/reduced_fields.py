@@ -24,11 +24,11 @@ from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Leads
 from ...scene.scene import Scene
-from ..touches.cells import CellGrid, TouchSize
-from .full import CELLS_PER_PIXEL, Maps
-from .full import RTOL as MESH_RTOL
-from .laying import PartMaps
-from .pressed import Potentials, PressedSkin
+from ..touches.area_rasterizer import CellGrid, TouchSize
+from .full_fields import CELLS_PER_PIXEL, Maps
+from .full_fields import RTOL as MESH_RTOL
+from .part_maps import PartMaps
+from .pressed_skin import Potentials, PressedSkin
 
 RTOL = 4e-4
 

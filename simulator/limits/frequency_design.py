@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-from ..bounds.position import Slopes, TouchSize, places_on, position_slopes
-from ..bounds.sets import OPTIMAL, allowed, candidates_of, compared, too_near
+from ..bounds.frequency_sets import OPTIMAL, allowed, candidates_of, compared, too_near
+from ..bounds.position_bound import Slopes, TouchSize, places_on, position_slopes
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError

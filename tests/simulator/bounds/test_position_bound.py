@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.information import error_model
-from rcskin.simulator.bounds.position import Slopes, chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.fisher_information import error_model
+from rcskin.simulator.bounds.position_bound import Slopes, chosen_touch, places_on, position_slopes
 from rcskin.simulator.limits import position_bound
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.line import Line

@@ -31,7 +31,7 @@ from ...models.response import Response, at_meter
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
-from .laying import PartMaps
+from .part_maps import PartMaps
 
 Maps = Mapping[str, NDArray[np.float64]]
 """Maps of c over the unpressed c, or of its changes, by name."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.inversion import places as templates_places
-from rcskin.simulator.inversion.covering import covered
-from rcskin.simulator.inversion.tables import STRENGTHS, strength_prior, templates
+from rcskin.simulator.inversion import position_tables as templates_places
+from rcskin.simulator.inversion.normal_mixture import covered
+from rcskin.simulator.inversion.touch_templates import STRENGTHS, strength_prior, templates
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.position import PositionBounds
+from ..bounds.position_bound import PositionBounds
 from ..chart_style import COLOURS, LINE_STYLES, chart, plain_numbers
 from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
 from ..scene.scene import Scene

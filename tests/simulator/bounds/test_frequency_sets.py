@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.sets import chosen_band, equation_6, logarithmic
+from rcskin.simulator.bounds.frequency_sets import chosen_band, equation_6, logarithmic
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
-from ..bounds.readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
+from ..bounds.touch_readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
 from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
