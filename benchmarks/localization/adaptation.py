@@ -35,7 +35,7 @@ from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate

@@ -35,7 +35,7 @@ from rcskin.benchmarks.localization.twin_parts.training import (
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
 from rcskin.localization.model.localizer_model import Model
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene_files import scene_text
 
 SKINS, CALIBRATED, PROCESSES = 20, 10, 2

@@ -31,7 +31,7 @@ from rcskin.benchmarks.localization.design_parts.goals import FIRST, GOALS, SHOW
 from rcskin.benchmarks.localization.design_parts.kept import Kept
 from rcskin.benchmarks.localization.design_parts.known import nominal, of_twin, whole
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 
 SKINS = 20
 COLUMNS = ["who", "skins", "10 %", "median", "90 %", "mean", "answered"]

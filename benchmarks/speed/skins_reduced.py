@@ -18,8 +18,8 @@ from rcskin.benchmarks.speed.skins_scenes import SIDE, mapped, scene_of
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.models.reduced.skin import KRYLOV_SHARE
+from rcskin.simulator.models.reduced.reduced_model import Reduced
+from rcskin.simulator.models.reduced.reduced_skin import KRYLOV_SHARE
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.scene import Scene
 

@@ -12,7 +12,7 @@ from .arguments import checked, path_of, refuse, scene_of, sweeps_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.models.reduced.model import Reduced
+    from ...simulator.models.reduced.reduced_model import Reduced
     from ...simulator.models.solver import ModelName
     from ...simulator.press.press import Press
     from ...simulator.scene.scene import Scene

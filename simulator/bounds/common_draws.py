@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of, observed
 from ..method_cache import cached_method
-from ..models.reduced.skin import ReducedSkin
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import AnyDistribution
 from ..scene.reading_setup import ReadingSetup

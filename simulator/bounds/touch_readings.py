@@ -15,8 +15,8 @@ from ..measure.readout import errors_of, observed
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.indented.draws import felt_beside
-from ..models.reduced.model import Reduced
+from ..models.reduced.indentation.indentation_draws import felt_beside
+from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance

@@ -11,7 +11,7 @@ from ..fem.safety_factors import SAMPLED
 from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import FoamState
 from ..measure.streams import CELLS, stream
-from ..models.reduced.indented.draws import spreading
+from ..models.reduced.indentation.indentation_draws import spreading
 from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.scene import Scene

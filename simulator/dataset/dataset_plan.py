@@ -13,8 +13,8 @@ import numpy as np
 
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.deformation import check_plane
-from ..models.reduced.indented.applicators import deepest
-from ..models.reduced.indented.draws import spreading
+from ..models.reduced.indentation.applicators import deepest
+from ..models.reduced.indentation.indentation_draws import spreading
 from ..scene.scene import Scene
 from ..scene.scene_files import parse_scene, scene_text
 from ..sweeps import InputError

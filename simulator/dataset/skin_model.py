@@ -15,8 +15,8 @@ from ..measure.skins import drawn_skin
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
-from ..models.reduced.file import load, save
-from ..models.reduced.model import Reduced
+from ..models.reduced.model_file import load, save
+from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.randomisation import Session

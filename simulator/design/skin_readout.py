@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ..measure.readout import observed
 from ..measure.skins import DrawnSkin
 from ..models.network.network_skin import NetworkSkin
-from ..models.reduced.model import Reduced
-from ..models.reduced.skin import ReducedSkin
+from ..models.reduced.reduced_model import Reduced
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable

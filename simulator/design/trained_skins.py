@@ -13,7 +13,7 @@ from ..measure.skins import DrawnSkin, drawn_skin
 from ..models.network.terminals import read, require_no_spread, trained
 from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.model import Reduced
+from ..models.reduced.reduced_model import Reduced
 from ..progress import ProgressCallback, silent
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design

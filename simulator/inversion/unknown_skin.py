@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..measure.readout import errors_of, observed, observed_slope
 from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values, session_spreads
-from ..models.reduced.families.resolving import family_on
+from ..models.reduced.families.family_meshes import family_on
 from ..models.reduced.forward import Forward
 from ..press.batch import NOTHING
 from ..press.pixels import cell_centres

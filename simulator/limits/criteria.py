@@ -30,7 +30,7 @@ from ..bounds.touches.area_rasterizer import RasterizedTouch
 from ..bounds.touches.depth_rasterizer import touches_on
 from ..bounds.touches.pixel_touches import middles
 from ..measure.readout import ErrorModel, observed
-from ..models.reduced.indented.draws import felt_beside
+from ..models.reduced.indentation.indentation_draws import felt_beside
 from ..models.response import Response
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.scene import Scene

@@ -16,8 +16,8 @@ from ..bounds.touch_readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothe
 from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
-from ..models.reduced.model import Reduced
-from ..models.reduced.skin import ReducedSkin
+from ..models.reduced.reduced_model import Reduced
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls

@@ -37,8 +37,8 @@ from .uniform import equivalent_press, equivalent_scene, require_plain
 
 if TYPE_CHECKING:
     from .mechanics.deformation import Deformation
-    from .reduced.indented.applied import Applied
-    from .reduced.rung import OfPixels
+    from .reduced.factor_press_model import OfPixels
+    from .reduced.indentation.indentation_press_model import Applied
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -212,7 +212,7 @@ class Solver:
     def _applicators_reduce(self, press: Press) -> bool:
         if self.model != "reduced" or not press.indented:
             return False
-        from .reduced.indented.draws import spreads
+        from .reduced.indentation.indentation_draws import spreads
 
         return spreads(self.scene)
 
@@ -225,7 +225,7 @@ class Solver:
 
     @cached_property
     def _applied(self) -> Applied:
-        from .reduced.indented.applied import Applied
+        from .reduced.indentation.indentation_press_model import Applied
 
         return Applied(self.scene, self.rtol, self.frequency)
 
@@ -326,7 +326,7 @@ class Solver:
 
     @cached_property
     def _of_pixels(self) -> OfPixels:
-        from .reduced.rung import OfPixels
+        from .reduced.factor_press_model import OfPixels
 
         return OfPixels(self._even, self.rtol, self.frequency)
 

@@ -28,7 +28,7 @@ def page(
     believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
     is for looking at one press in space instead.
     """
-    from ..models.reduced.indented.draws import felt_beside
+    from ..models.reduced.indentation.indentation_draws import felt_beside
     from ..models.uniform import uniformly_pressed
     from ..progress import on_terminal
     from ..requests.console import note, report_written

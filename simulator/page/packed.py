@@ -17,7 +17,7 @@ from ..models.heterogeneous.mesh_choice import circuit_of
 from ..models.parameters import Variation
 from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.greedy import reduce
-from ..models.reduced.model import Reduced
+from ..models.reduced.reduced_model import Reduced
 from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch

@@ -14,7 +14,7 @@ from ..models.heterogeneous.materials import gauged
 from ..models.parameters import foam_parts
 from ..models.reduced.families.family import resistive
 from ..models.reduced.projection import Projection
-from ..models.reduced.skin import ReducedSkin
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.parts import Parts
 from .base64_arrays import exactly
 

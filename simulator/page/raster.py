@@ -14,9 +14,9 @@ from ..fem.assembly import quadrilateral
 from ..fem.quadrature import rule_at
 from ..models.heterogeneous.elements import triangles
 from ..models.heterogeneous.materials import Materials
-from ..models.reduced.families.even import EvenFamily
 from ..models.reduced.families.family import Family, Triangulation
-from ..models.reduced.skin import ReducedSkin
+from ..models.reduced.families.uniform_family import EvenFamily
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..scene.scene import Scene
 from .locating import located
 

@@ -16,9 +16,9 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.reduced.cases import pixel_touches
-from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.press.batch import PressBatch

@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
-from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING
 from rcskin.simulator.press.press import Press, parse_press

@@ -10,9 +10,9 @@ from rcskin.simulator.models.cosine_modes.foam_modes import check_uniform_foam
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with
-from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.reduced.slopes import sensitivity
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch

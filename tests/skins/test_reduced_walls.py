@@ -14,9 +14,9 @@ from rcskin.simulator.limits.random_presses import Hand
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with
-from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.reduced.slopes import sensitivities, sensitivity
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch

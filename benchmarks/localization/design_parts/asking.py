@@ -17,7 +17,7 @@ from rcskin.benchmarks.localization.twin_parts.skin import Drift, Twin
 from rcskin.benchmarks.localization.twin_parts.training import SEED
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.model.model_file import load as load_model
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene_files import scene_text
 
 NONE = Drift(capacitance=0.0, resistance=0.0, step=0.0)

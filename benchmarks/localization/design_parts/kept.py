@@ -14,8 +14,8 @@ from rcskin.benchmarks.localization.design_parts.searching import command, searc
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.training import BY_CHANGE, CHANGE, SEED, WHOLE
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.models.reduced.file import load, save
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.model_file import load, save
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

@@ -11,7 +11,7 @@ from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits import hand_accuracy, hand_distance
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 
 
 def whole(kept: Kept) -> dict[str, object]:

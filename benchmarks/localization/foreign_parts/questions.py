@@ -32,8 +32,8 @@ from rcskin.benchmarks.localization.twin_parts.training import RTOL, SEED
 from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, Trial, every_pixel
 from rcskin.localization.model.localizer_model import Model
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.models.reduced.file import load, save
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.model_file import load, save
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read, write

@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
-from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.models.reduced.skin import ReducedSkin
+from rcskin.simulator.models.reduced.reduced_model import Reduced
+from rcskin.simulator.models.reduced.reduced_skin import ReducedSkin
 from rcskin.simulator.press.capacitance import touched_box, touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import AnyTouch, Rectangle

@@ -15,8 +15,8 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training
-from rcskin.simulator.models.reduced.file import load, save
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.model_file import load, save
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene import Scene
 
 SEED = 2026

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.bench import best_time, timed
 from rcskin.benchmarks.speed.answers_parts.question import Answer
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press

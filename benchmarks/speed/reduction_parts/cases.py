@@ -16,8 +16,8 @@ from rcskin.benchmarks.bench import best_time
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.models.reduced.model import Reduced
-from rcskin.simulator.models.reduced.skin import ReducedSkin
+from rcskin.simulator.models.reduced.reduced_model import Reduced
+from rcskin.simulator.models.reduced.reduced_skin import ReducedSkin
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch, TouchedCells
 from rcskin.simulator.press.press import Press

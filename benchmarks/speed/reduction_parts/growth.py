@@ -18,7 +18,7 @@ from rcskin.benchmarks.speed.reduction_parts.cases import (
     sharpened,
     worst,
 )
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.solver import Solver
 
 SHEET = "sheet-5x5"

@@ -19,7 +19,7 @@ from rcskin.benchmarks.speed.reduction_parts.cases import (
     true_impedance,
     worst,
 )
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 
 FEW_PRESSES = 4
 CERTIFIED = 100

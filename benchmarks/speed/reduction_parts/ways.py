@@ -29,7 +29,7 @@ from rcskin.benchmarks.speed.reduction_parts.cases import (
 )
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.greedy import MESH_DRAWS
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.solver import Solver
 
 PRESSES, FEW_PRESSES, SPICE_PRESSES = 30, 4, 1

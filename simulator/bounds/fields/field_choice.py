@@ -6,7 +6,7 @@ import math
 
 from ...models.heterogeneous.materials import gauged
 from ...models.network.terminals import many
-from ...models.reduced.indented.draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import felt_beside
 from ...scene.scene import Scene
 from ...sweeps import InputError, ToleranceError
 from ..touches.area_rasterizer import TouchSize

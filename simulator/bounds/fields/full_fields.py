@@ -26,7 +26,7 @@ from ...models.heterogeneous.materials import gauge_slopes, gauged
 from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
-from ...models.reduced.families.resolving import unreduced
+from ...models.reduced.families.family_meshes import unreduced
 from ...models.response import Response, at_meter
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene

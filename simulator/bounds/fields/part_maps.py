@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.parameters import of_parts
-from ...models.reduced.indented.draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import felt_beside
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
 from .edge_walls import Edges

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...fem.excitation import Combination
 from ...models.network.network_skin import wiring_of
 from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
-from ...models.reduced.skin import ReducedSkin
+from ...models.reduced.reduced_skin import ReducedSkin
 
 
 @dataclass(frozen=True)

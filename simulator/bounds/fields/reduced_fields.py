@@ -15,9 +15,9 @@ from ...fem.factors import one_blas_thread
 from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
-from ...models.reduced.families.resolving import unreduced
+from ...models.reduced.families.family_meshes import unreduced
 from ...models.reduced.greedy import Basis
-from ...models.reduced.skin import ReducedSkin
+from ...models.reduced.reduced_skin import ReducedSkin
 from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
 from ...progress import silent

@@ -25,7 +25,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
     window,
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
-from ...models.reduced.indented.draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import felt_beside
 from ...scene.scene import Scene
 from .area_rasterizer import Array, CellGrid, Place, RasterizedTouch, TouchSize
 from .node_sharing import shared_by_cells

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.reduced.indented.draws import spreading
+from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.batch import PressBatch
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...mesh.pixel_coverage import pixel_coverage
-from ...models.reduced.indented.draws import spreading
+from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
 from ...scene.skin import covers

@@ -14,7 +14,7 @@ from ...press.batch import PressBatch
 from ...scene.contacts import Interface
 from ...sweeps import InputError
 from ..heterogeneous.materials import gauged
-from ..reduced.skin import ReducedSkin
+from ..reduced.reduced_skin import ReducedSkin
 from .admittance_kernel import Wiring, admittances, impedances
 from .terminals import read
 from .woodbury_kernel import UnpressedNetwork, unpressed_network

@@ -23,9 +23,9 @@ from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw
 from ..reduced.greedy import reduce
-from ..reduced.indented.draws import spreading
-from ..reduced.model import Reduced
+from ..reduced.indentation.indentation_draws import spreading
 from ..reduced.projection import Projection
+from ..reduced.reduced_model import Reduced
 
 Model = TypeVar("Model", bound=Projection)
 

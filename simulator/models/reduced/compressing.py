@@ -12,8 +12,8 @@ from ...fem.error_estimate import relative_difference
 from ...press.parts import parts_of
 from .cases import Case
 from .families.masses import thinned
-from .model import Reduced
-from .skin import ReducedSkin
+from .reduced_model import Reduced
+from .reduced_skin import ReducedSkin
 
 COMPRESSED_SHARE = 0.01
 """Factors of lower rank may change Rs and Cp by this share of the tolerance."""

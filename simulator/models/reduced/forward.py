@@ -37,12 +37,12 @@ from ..parameters import (
 )
 from ..response import Response, at_meter
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
+from .cosine_modes.model_with_modes import Waved
 from .greedy import reduce
-from .indented.draws import require_whole_pixels
-from .model import Reduced
-from .skin import ReducedSkin
+from .indentation.indentation_draws import require_whole_pixels
+from .reduced_model import Reduced
+from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
-from .waved.model import Waved
 
 REACH = 3.0
 PIXEL_FACTORS = (0.5, 3.0)

@@ -34,12 +34,12 @@ from ..uniform import equivalent_scene
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
-from .families.resolving import resolved, weights_of_case
-from .indented.draws import apart, spreading
-from .indented.family import IndentedFamily
-from .indented.model import indented
-from .indented.resolving import resolved as resolved_under_applicators
-from .model import Reduced
+from .families.family_meshes import resolved, weights_of_case
+from .indentation.applicator_meshes import resolved as resolved_under_applicators
+from .indentation.indentation_draws import apart, spreading
+from .indentation.indentation_family import IndentedFamily
+from .indentation.indentation_model import indented
+from .reduced_model import Reduced
 
 IDLE_DRAWS = 50
 """Number of useless draws in a row after which the first sample is complete, see `covering`."""

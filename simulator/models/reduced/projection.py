@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...scene.scene import Scene
 from .families.family import Family, Mesh
-from .families.resolving import family_on
+from .families.family_meshes import family_on
 
 
 @dataclass(frozen=True, repr=False)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...press.parts import Parts
 from .dense import Rest, solved
-from .skin import ReducedSkin
+from .reduced_skin import ReducedSkin
 from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...press.walls import NO_WALL
-from .skin import ReducedSkin
+from .reduced_skin import ReducedSkin
 
 
 class TouchedWalls(NamedTuple):

@@ -9,9 +9,9 @@ from rcskin.simulator.fem.lanczos import Pencil, potentials, respond
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.dense import mass_of, widened
-from rcskin.simulator.models.reduced.file import load, save
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.kernel import swept
+from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.reduced.spanned import spanned
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch

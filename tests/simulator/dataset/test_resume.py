@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import pytest
 from rcskin.simulator.dataset.generation import generate
-from rcskin.simulator.models.reduced.file import load
+from rcskin.simulator.models.reduced.model_file import load
 from rcskin.simulator.sweeps import InputError, read
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]

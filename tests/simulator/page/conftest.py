@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from rcskin.simulator.models.reduced.model import Reduced
+from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import SITE
 from rcskin.simulator.page.packed import packed, reduced_for_page

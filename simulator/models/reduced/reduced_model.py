@@ -13,7 +13,7 @@ from ...safe_text import Tabular
 from ...scene.frequency import laplace_variable
 from ..parameters import Variation
 from .projection import Projection
-from .skin import ReducedSkin
+from .reduced_skin import ReducedSkin
 
 
 @dataclass(frozen=True, repr=False)

@@ -25,9 +25,9 @@ from ...heterogeneous.discretised import indicators, most
 from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...resolution import ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
-from .even import EvenFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
-from .uneven import UnevenFamily
+from .heterogeneous_family import UnevenFamily
+from .uniform_family import EvenFamily
 
 FamilyT = TypeVar("FamilyT", bound=Family)
 

@@ -19,9 +19,9 @@ from ....scene.scene import Scene
 from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
-from ..families.uneven import UnevenFamily
+from ..families.heterogeneous_family import UnevenFamily
 from .applicators import COARSEST, FACTOR_SHARE, Applicators
-from .fields import LEAST_RISE, Field, field_of, near
+from .rise_fields import LEAST_RISE, Field, field_of, near
 
 COUPLED = 0.1
 """Applicators are coupled if one raises c under another by more than this share of the

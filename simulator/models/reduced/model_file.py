@@ -20,9 +20,9 @@ from ...scene.scene_files import parse_scene, scene_text
 from ...sweeps import InputError, digests, inputs, kept_file
 from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation
-from .indented.file import arrays_of, beside_from, with_beside
-from .indented.model import Indented
-from .model import Reduced
+from .indentation.applicator_arrays import arrays_of, beside_from, with_beside
+from .indentation.indentation_model import Indented
+from .reduced_model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")

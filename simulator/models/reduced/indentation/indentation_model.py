@@ -21,13 +21,13 @@ from ...parameters import Variation
 from ..compressing import typical
 from ..dense import Rest
 from ..families.family import Family
-from ..model import Reduced
-from ..skin import KRYLOV_SHARE, ReducedSkin
+from ..reduced_model import Reduced
+from ..reduced_skin import KRYLOV_SHARE, ReducedSkin
+from .applicator_meshes import family_on, finer_families
+from .applicator_tables import Seen, Tables, tables
 from .applicators import Applicators
-from .family import IndentedFamily
-from .fields import LEAST_RISE
-from .resolving import family_on, finer_families
-from .tables import Seen, Tables, tables
+from .indentation_family import IndentedFamily
+from .rise_fields import LEAST_RISE
 
 TOUCHES_AT_ONCE = 4096
 

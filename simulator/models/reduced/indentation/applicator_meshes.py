@@ -17,9 +17,9 @@ from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...mechanics.deformation import Deformation
 from ..cases import Case
 from ..families.family import Mesh, Triangulation
-from ..families.resolving import alone, coarsest
+from ..families.family_meshes import alone, coarsest
 from .applicators import Applicators, applicators
-from .family import IndentedFamily
+from .indentation_family import IndentedFamily
 
 MOST_ALONE = 12
 TURNS = 2

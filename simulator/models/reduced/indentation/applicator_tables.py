@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .family import IndentedFamily, Together
+from .indentation_family import IndentedFamily, Together
 
 DROPPED = 5e-3
 """Combinations with less than this share of the tolerance times the first one's energy in an

@@ -21,7 +21,7 @@ from .cases import Case, touched
 from .certificate import certificate, least_conductance
 from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
 from .families.family import Family, changes, weights_under
-from .families.resolving import finer_families
+from .families.family_meshes import finer_families
 from .projection import Projection
 
 KRYLOV_SHARE = 0.03

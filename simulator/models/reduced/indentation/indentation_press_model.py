@@ -15,10 +15,10 @@ from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...solution import ModelResult
 from ..cases import pixel_touches
+from ..factor_press_model import check_finger, rung_of
 from ..greedy import reduce
-from ..rung import check_finger, rung_of
 from .applicators import deepest
-from .model import Indented, IndentedSkin
+from .indentation_model import Indented, IndentedSkin
 
 SHALLOW = 0.05
 """Smallest depth that a model is trained on, over the largest."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..families.family import Family
-from ..families.uneven import UnevenFamily
+from ..families.heterogeneous_family import UnevenFamily
 
 
 def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:

@@ -16,7 +16,7 @@ from ...sweeps import InputError
 from ..solution import ModelResult
 from .cases import pixel_touches, strongest_finger
 from .greedy import reduce
-from .skin import KRYLOV_SHARE, ReducedSkin
+from .reduced_skin import KRYLOV_SHARE, ReducedSkin
 
 TRAINED = (0.5, 3.0)
 """Range of capacitance factors that a model is trained on."""

@@ -20,9 +20,9 @@ from ...heterogeneous.forms import add_foam, add_sheet
 from ...heterogeneous.materials import Materials, gauged
 from ...heterogeneous.pressed_system import PressedSystem, film_of, pressed_system
 from ...parameters import mode_values
-from .around import around
 from .family import Checking, Family, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
+from .surroundings_parts import around
 
 NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
 """M of a part that does not exist."""

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...mechanics.depth_series import DepthSeries
-from ..model import Reduced
+from ..reduced_model import Reduced
+from .applicator_tables import Tables
 from .applicators import Applicators
-from .model import Indented
-from .tables import Tables
+from .indentation_model import Indented
 
 OF_PIXELS = ("of_pixel", "turn", "shift", "far")
 OF_TABLES = tuple(each.name for each in fields(Tables))

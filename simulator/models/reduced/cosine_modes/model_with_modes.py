@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..compressing import typical
 from ..families.family import Family
-from ..model import Reduced
-from .family import family_with
+from ..reduced_model import Reduced
+from .family_with_modes import family_with
 
 
 @dataclass(frozen=True)
