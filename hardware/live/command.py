@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
     from .live_session import LiveSession, SessionDisplay
 
-MOST_REST = 1000
+MAX_BASELINES = 1000
 
 
 def live(
@@ -62,7 +62,7 @@ def live(
     timeout: Timeout = 2.0,
     baud: Baud = 9600,
     accuracy: Accuracy = None,
-    anyway: Annotated[
+    force: Annotated[
         bool, typer.Option("--anyway", help="Accept unpressed sweeps of another skin.")
     ] = False,
     filtered: Annotated[
@@ -110,7 +110,7 @@ def live(
     from .session_log import SessionLog
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
-    journal = _journal(log) if log else None
+    journal = _session_journal(log) if log else None
     touching = TouchDynamics(touch_lasts, touch_every, touch_speed) if filtered else None
     localizer = localizer_of(model, touching, adaptive, certain, within)
     _check_interface(localizer.model, interface)
@@ -124,13 +124,13 @@ def live(
         switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
         journal=journal,
     )
-    at_rest = _rest(localizer, rest, rest_file, anyway)
+    at_rest = _baseline(localizer, rest, rest_file, force)
     kept = SessionLog(journal)
-    paged = _paged(localizer, port or 0) if page else nullcontext(())
+    paged = _serve_page(localizer, port or 0) if page else nullcontext(())
     try:
         with orderly_termination() as tell, journal.lock() if journal else nullcontext():
             link = connect(tell=tell)
-            with paged as others, _showing(localizer, plain, others) as (show, key):
+            with paged as others, _session_display(localizer, plain, others) as (show, key):
                 _run(LiveSession(localizer, link, at_rest, show, kept, key), sweeps)
     finally:
         if kept.summary:
@@ -162,7 +162,7 @@ def _check_options(
         raise InputError("--port needs --page")
 
 
-def _journal(log: Path) -> RecordingJournal:
+def _session_journal(log: Path) -> RecordingJournal:
     """Journal of the log. Raises InputError if it holds sweeps that would be lost."""
     from ...simulator.sweeps import InputError, checked_output
     from ...simulator.sweeps.writing import write_context
@@ -181,12 +181,12 @@ def _run(session: LiveSession, answers: int | None) -> None:
     try:
         session.run(answers)
     finally:
-        session.link.leave()
+        session.link.release()
         session.log.write(session.link.header)
 
 
 @contextmanager
-def _paged(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisplay]]:
+def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisplay]]:
     """Serve a page of the localizer's skin. Raises InputError if the scene has none."""
     from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
     from ..event_counter import counted_events
@@ -208,12 +208,12 @@ def _paged(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisp
 
 
 @contextmanager
-def _showing(
+def _session_display(
     localizer: LiveLocalizer, plain: bool, others: Sequence[SessionDisplay]
 ) -> Iterator[tuple[SessionDisplay, Callable[[], str]]]:
     import sys
 
-    from .key_input import keys
+    from .key_input import key_reader
     from .line_output import LineOutput
     from .live_screen import LiveScreen
     from .page_display import CombinedDisplay
@@ -222,22 +222,22 @@ def _showing(
     if plain or not console.is_terminal:
         yield CombinedDisplay((LineOutput(sys.stdout, sys.stderr), *others)), lambda: ""
         return
-    with keys() as key, LiveScreen(console, localizer) as screen:
+    with key_reader() as key, LiveScreen(console, localizer) as screen:
         yield CombinedDisplay((screen, *others)), key
 
 
-def _rest(
-    localizer: LiveLocalizer, wanted: int, files: list[Path] | None, anyway: bool
+def _baseline(
+    localizer: LiveLocalizer, wanted: int, files: list[Path] | None, force: bool
 ) -> LiveBaseline:
     from ...simulator.sweeps import InputError
     from .live_baseline import LiveBaseline
-    from .session_log import read_rest
+    from .session_log import read_baselines
 
-    if not 1 <= wanted <= MOST_REST:
-        raise InputError(f"`rest` must be in 1..{MOST_REST}, got {wanted}")
-    rest = LiveBaseline(wanted if localizer.needs_rest else 0)
+    if not 1 <= wanted <= MAX_BASELINES:
+        raise InputError(f"`rest` must be in 1..{MAX_BASELINES}, got {wanted}")
+    rest = LiveBaseline(wanted if localizer.uses_baseline else 0)
     if files:
-        rest.give(read_rest(files, localizer.model, force=anyway))
+        rest.give(read_baselines(files, localizer.model, force=force))
     return rest
 
 

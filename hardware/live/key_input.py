@@ -17,7 +17,7 @@ PREFIXES = ("\0", "\xe0")
 
 
 @contextmanager
-def keys() -> Iterator[Callable[[], str]]:
+def key_reader() -> Iterator[Callable[[], str]]:
     """Gives a function that returns the last key since its last call, or an empty string.
 
     The block's end restores the terminal. Without a terminal there is never a key.
@@ -29,7 +29,7 @@ def keys() -> Iterator[Callable[[], str]]:
         import termios
         import tty
     except ImportError:  # Windows
-        yield partial(_last_of_console, import_module("msvcrt"))
+        yield partial(_last_console_key, import_module("msvcrt"))
         return
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
@@ -37,13 +37,13 @@ def keys() -> Iterator[Callable[[], str]]:
     atexit.register(restore)  # in case the process ends without leaving the block
     try:
         tty.setcbreak(terminal)
-        yield lambda: _last(terminal)
+        yield lambda: _last_key(terminal)
     finally:
         restore()
         atexit.unregister(restore)
 
 
-def _last_of_console(msvcrt: Any) -> str:
+def _last_console_key(msvcrt: Any) -> str:
     """Last key on Windows, where a key without a letter is a prefix and a code."""
     last = ""
     while msvcrt.kbhit():
@@ -53,7 +53,7 @@ def _last_of_console(msvcrt: Any) -> str:
     return "" if last in PREFIXES else last.lower()
 
 
-def _last(terminal: int) -> str:
+def _last_key(terminal: int) -> str:
     if not select.select([terminal], [], [], 0)[0]:
         return ""
     return os.read(terminal, 1024).decode(errors="replace")[-1:].lower()

@@ -20,7 +20,7 @@ class LineOutput:
 
     answers: TextIO
     notes: TextIO
-    _told: str = field(default="", init=False)
+    _last_note: str = field(default="", init=False)
     _remarks: tuple[str, ...] = field(default=(), init=False)
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
@@ -48,7 +48,7 @@ class LineOutput:
 
     def note(self, text: str) -> None:
         """Write the note unless it repeats the one before."""
-        if text != self._told:
-            self._told = text
+        if text != self._last_note:
+            self._last_note = text
             self.notes.write(f"rcskin: {escaped(text)}\n")
             self.notes.flush()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
     from ...simulator.scene.scene import Scene
 
-CHANGED = "the touch changed in mid-sweep"
+TOUCH_CHANGED = "the touch changed in mid-sweep"
 
 
 def localizer_of(
@@ -55,10 +55,10 @@ class LiveLocalizer:
     model: Model
     scene: Scene
     follower: Follower | None = None
-    asker: AdaptivePolicy | None = None
+    policy: AdaptivePolicy | None = None
 
     @property
-    def needs_rest(self) -> bool:
+    def uses_baseline(self) -> bool:
         """True if the model compares with the unpressed skin."""
         return needs_baseline(self.model.quantities) or self.model.guards_use_changes
 
@@ -71,9 +71,9 @@ class LiveLocalizer:
 
     def adaptive_sweep(self, rest: xr.Dataset | None, gap: float) -> AdaptiveSweep | None:
         """Adaptive sweep, gap s after the sweep before; None if sweeps are to be whole."""
-        if self.asker is None or rest is None:
+        if self.policy is None or rest is None:
             return None
-        return self.asker.begin(rest, gap)
+        return self.policy.begin(rest, gap)
 
     def answer(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
@@ -85,34 +85,34 @@ class LiveLocalizer:
         duration, s.
         """
         if self.follower is not None:
-            return self.worded(self.follower.follow(sweep, rest, gap, during))
+            return self.described(self.follower.follow(sweep, rest, gap, during))
         found = self.model.answers(sweep, rest)
         label, probability = str(found.labels[0]), float(found.probability[0])
         if self.model.target != "position":
-            return self._of_classes(label, found.chances[0])
+            return self._class_answer(label, found.chances[0])
         if label == "1":
             region = self.model.regions(sweep, rest)[0]
-            return _place(*self.model.positions(sweep, rest), region)
-        return _no_place(label, probability)
+            return _position_answer(*self.model.positions(sweep, rest), region)
+        return _answer_without_position(label, probability)
 
-    def worded(self, followed: Followed) -> TouchAnswer:
+    def described(self, followed: Followed) -> TouchAnswer:
         """Answer for a filtered or adaptive result."""
         if self.model.target != "position":
-            answer = self._of_classes(followed.label, followed.probabilities)
+            answer = self._class_answer(followed.label, followed.probabilities)
         elif followed.coordinates:
             x, y, across, up = followed.coordinates
             words, shade = f"x {x:.0f} mm, y {y:.0f} mm", followed.region and followed.region.shade
             answer = TouchAnswer(words, followed.probability, None, (x, y), (across, up), shade)
         else:
-            answer = _no_place(followed.label, followed.probability)
-        return replace(answer, remark=CHANGED if followed.changed > MIDWAY else "")
+            answer = _answer_without_position(followed.label, followed.probability)
+        return replace(answer, remark=TOUCH_CHANGED if followed.changed > MIDWAY else "")
 
-    def _of_classes(self, label: str, chances: NDArray) -> TouchAnswer:
+    def _class_answer(self, label: str, chances: NDArray) -> TouchAnswer:
         names = [str(each) for each in self.model.classes]
         return answer_of_classes(self.model.target, label, names, chances, self.scene.pixels.shape)
 
 
-def _place(found: NDArray, deviations: NDArray, region: Region | None) -> TouchAnswer:
+def _position_answer(found: NDArray, deviations: NDArray, region: Region | None) -> TouchAnswer:
     x, y, strength = found[0].tolist()
     across, up = deviations[0, :2].tolist()
     words = f"x {x:.0f} mm, y {y:.0f} mm, strength {strength:.2g}"
@@ -120,5 +120,5 @@ def _place(found: NDArray, deviations: NDArray, region: Region | None) -> TouchA
     return TouchAnswer(words, position=(x, y), deviation=(across, up), region=shade)
 
 
-def _no_place(label: str, probability: float) -> TouchAnswer:
+def _answer_without_position(label: str, probability: float) -> TouchAnswer:
     return TouchAnswer(NOTHING_PRESSED, probability) if label == "0" else TouchAnswer(CANNOT_TELL)

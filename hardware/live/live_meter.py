@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
-LOOKED_AT = 1.0
+CHECK_INTERVAL = 1.0
 
 
 class LiveMeter:
@@ -51,7 +51,7 @@ class LiveMeter:
         limits: SweepLimits,
         patience: float,
         switch: Switch | None = None,
-        tell: Callable[[str], None] = lambda text: None,
+        report: Callable[[str], None] = lambda text: None,
         clock: Callable[[], float] = time.perf_counter,
         journal: RecordingJournal | None = None,
     ) -> None:
@@ -59,11 +59,14 @@ class LiveMeter:
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
-        self._station, self._patience = ManagedMeter(connect, tell=tell, journal=journal), patience
+        self._station, self._patience = (
+            ManagedMeter(connect, tell=report, journal=journal),
+            patience,
+        )
         self.turns = TimedSwitch(switch, clock) if switch else None
         self._failing_since: float | None = None
-        self._wait, self._looked = FIRST_WAIT, 0.0
-        self.judge: SweepChecker | None = None
+        self._wait, self._checked_at = FIRST_WAIT, 0.0
+        self.checker: SweepChecker | None = None
 
     @property
     def header(self) -> RecordingHeader | None:
@@ -90,7 +93,7 @@ class LiveMeter:
             watch,
             of_each=model.own_frequencies,
         )
-        self._look()
+        self._check_settings()
         return sweep
 
     def readings(self, watch: Watch, requests: Iterable[tuple[str, float]]) -> MeasuredSweep:
@@ -99,8 +102,8 @@ class LiveMeter:
         The settings are checked once in LOOKED_AT seconds.
         """
         sweep = measure_readings(self._meter, requests, self.turns, watch)
-        if time.monotonic() - self._looked > LOOKED_AT:
-            self._look()
+        if time.monotonic() - self._checked_at > CHECK_INTERVAL:
+            self._check_settings()
         self._recovered()
         return sweep
 
@@ -110,13 +113,13 @@ class LiveMeter:
         assert meter is not None
         return meter
 
-    def _look(self) -> None:
+    def _check_settings(self) -> None:
         assert self.header is not None
         require_settings(self._meter, self.header.settings)
-        self._looked = time.monotonic()
+        self._checked_at = time.monotonic()
         self._recovered()
 
-    def failed(self, failure: MeterError) -> float:
+    def wait_after_failure(self, failure: MeterError) -> float:
         """Time to wait before the next sweep, s; longer after each successive failure.
 
         Raises NoConnectionError or NoSwitchError when patience is over. A reading that failed by
@@ -140,7 +143,7 @@ class LiveMeter:
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
-    def leave(self) -> None:
+    def release(self) -> None:
         """Restore the meter and the switch, as far as they answer, and close them."""
         with shielded():
             self._station.release()
@@ -169,7 +172,7 @@ class LiveMeter:
             of_each=dict(model.own_frequencies),
         )
         frequency = np.array(model.frequencies)
-        self.judge = SweepChecker(
+        self.checker = SweepChecker(
             frequency, self._table, settings, self._limits, model.own_frequencies
         )
 

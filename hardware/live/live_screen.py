@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Self
 
 from ..meter.meter_reading import MeterReading
 from .live_session import END_KEY, REST_KEY, TimedAnswer
-from .pixel_grid import fitting
-from .touch_answer import readings_of
+from .pixel_grid import fitted_grid
+from .touch_answer import reading_count
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -30,7 +30,7 @@ class LiveScreen:
         from rich.live import Live
 
         self._localizer, self._console = localizer, console
-        self._readings = readings_of(localizer.model)
+        self._readings = reading_count(localizer.model)
         self._moment: TimedAnswer | None = None
         self._why, self._done, self._frequency = "connecting", 0, 0.0
         self._notes = deque[str](maxlen=NOTES)
@@ -78,7 +78,9 @@ class LiveScreen:
         localizer, skin = self._localizer, self._localizer.scene.skin
         width = min(self._console.width, WIDEST)
         room = width - 4, self._console.height - BESIDE_GRID
-        grid = fitting(*localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room)
+        grid = fitted_grid(
+            *localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room
+        )
         current = None if self._why or not self._moment else self._moment.answer
         parts = [grid.draw(current), self._words(), *self._figures(), self._beside()]
         title = Text(f"rcskin live: {localizer.model.target}")
@@ -112,7 +114,9 @@ class LiveScreen:
         from rich.text import Text
 
         keys = f"{END_KEY}: end" + (
-            f" {REST_KEY}: measure the unpressed skin again" if self._localizer.needs_rest else ""
+            f" {REST_KEY}: measure the unpressed skin again"
+            if self._localizer.uses_baseline
+            else ""
         )
         sweep = f"sweep: {self._done} of {self._readings} readings"
         now = f", {self._frequency / 1e3:.4g} kHz" if self._done else ""

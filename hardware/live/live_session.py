@@ -16,7 +16,7 @@ from ..record.press_order import UNKNOWN
 from .adaptive_reading import PartialSweep, ReadingTimes, measure_adaptively
 from .live_baseline import LiveBaseline, says_unpressed
 from .live_meter import LiveMeter
-from .session_log import BaselineDataset, SessionLog, as_dataset
+from .session_log import BaselineDataset, SessionLog, model_dataset
 from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ class LiveSession:
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
-        wait = self.link.failed(failure)
+        wait = self.link.wait_after_failure(failure)
         self.show.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
         time.sleep(wait)
 
@@ -197,8 +197,8 @@ class LiveSession:
 
     def _localized(self, measured: TimedSweep) -> TouchAnswer:
         if measured.part is not None:
-            return self.localizer.worded(measured.part.questions.answer(measured.during))
-        sweep = as_dataset([measured.sweep], self.localizer.model)
+            return self.localizer.described(measured.part.questions.answer(measured.during))
+        sweep = model_dataset([measured.sweep], self.localizer.model)
         return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
 
     def _answer(self, measured: TimedSweep) -> None:
@@ -265,7 +265,7 @@ class LiveSession:
             self.show.no_answer(f"leave the skin untouched: unpressed sweep {done + 1} of {wanted}")
 
     def _remarks(self, measured: TimedSweep, first: MeasuredSweep | None = None) -> list[str]:
-        judge = self.link.judge
+        judge = self.link.checker
         assert judge is not None
         if measured.part is None:
             return judge.remarks(measured.sweep, [first] if first else [], at_rest=True)

@@ -13,7 +13,7 @@ import numpy as np
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep
 from .live_session import AnswerSource, SessionDisplay, TimedAnswer
-from .touch_answer import TouchAnswer, readings_of
+from .touch_answer import TouchAnswer, reading_count
 
 if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
@@ -110,7 +110,7 @@ class PageDisplay:
 
     def _post_state(self, frequency: float | None = None) -> None:
         self._posted = time.monotonic()
-        whole = readings_of(self.model)
+        whole = reading_count(self.model)
         progress = {"done": self._done, "of": whole, "frequency": frequency}
         self.post({**self._state, "notes": list(self._notes), "progress": progress})
 

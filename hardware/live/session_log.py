@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
 
 
-def as_dataset(
+def model_dataset(
     sweeps: Sequence[MeasuredSweep], model: Model, press: Sequence[str] | str = UNKNOWN
 ) -> xr.Dataset:
     """Dataset of sweeps at the model's interfaces and frequencies. press: of each, or of all."""
@@ -51,11 +51,11 @@ def as_dataset(
     )
 
 
-def rest_dataset(rest: LiveBaseline, model: Model) -> xr.Dataset:
+def baseline_dataset(rest: LiveBaseline, model: Model) -> xr.Dataset:
     """Dataset of the unpressed sweeps; the coordinate OPENING marks those of the opening."""
     both = [*rest.opening, *rest.sweeps]
     opening = [True] * len(rest.opening) + [False] * len(rest.sweeps)
-    return as_dataset(both, model, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
+    return model_dataset(both, model, UNPRESSED).assign_coords({OPENING: ("sweep", opening)})
 
 
 @dataclass
@@ -74,11 +74,13 @@ class BaselineDataset:
         """See `rest_dataset`."""
         counting = self.rest.opening, list(self.rest.sweeps)
         if self._made is None or counting != self._of:
-            self._of, self._made = counting, rest_dataset(self.rest, self.model)
+            self._of, self._made = counting, baseline_dataset(self.rest, self.model)
         return self._made
 
 
-def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> list[MeasuredSweep]:
+def read_baselines(
+    paths: Sequence[Path], model: Model, *, force: bool = False
+) -> list[MeasuredSweep]:
     """Unpressed sweeps of files.
 
     anyway: of another skin too. Raises InputError where there are none, or of another skin, other
@@ -99,7 +101,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> li
     if (
         not same
         or tuple(unpressed["interface"].values) != model.interfaces
-        or not np.array_equal(_taken(unpressed), taken)
+        or not np.array_equal(_measured_readings(unpressed), taken)
     ):
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
@@ -115,7 +117,7 @@ def read_rest(paths: Sequence[Path], model: Model, *, force: bool = False) -> li
     ]
 
 
-def _taken(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def _measured_readings(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     """Mask of the measured frequencies, shape (interface, frequency)."""
     every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
     own = taken_of(sweeps)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
 
 NOTHING_PRESSED = "nothing pressed"
-NAMED = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
+LABEL_TEXTS = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class TouchAnswer:
         return ", ".join(parts)
 
 
-def readings_of(model: Model) -> int:
+def reading_count(model: Model) -> int:
     """Number of readings in a sweep of this model."""
     return sum(len(model.own_frequencies.get(name, model.frequencies)) for name in model.interfaces)
 
@@ -85,13 +85,13 @@ def answer_of_classes(
     known = dict(zip(classes, probabilities.tolist(), strict=True))
     pixels = None
     if target != "touches":
-        pressed = np.array([_pressed(target, each, shape) for each in classes])
+        pressed = np.array([_pressed_pixels(target, each, shape) for each in classes])
         pixels = np.tensordot(probabilities, pressed, 1)
     shared = target if target in ("column", "row") else ""
-    return TouchAnswer(_in_words(target, label), known.get(label), pixels, shared=shared)
+    return TouchAnswer(_label_text(target, label), known.get(label), pixels, shared=shared)
 
 
-def _in_words(target: str, label: str) -> str:
+def _label_text(target: str, label: str) -> str:
     if label == CANNOT_TELL:
         return label
     pixels = named_pixels(label)
@@ -99,10 +99,10 @@ def _in_words(target: str, label: str) -> str:
         return NOTHING_PRESSED
     if pixels:
         return ("pixel " if len(pixels) == 1 else "pixels ") + label.replace("+", " and ")
-    return "1 touch" if (target, label) == ("touches", "1") else NAMED[target].format(label)
+    return "1 touch" if (target, label) == ("touches", "1") else LABEL_TEXTS[target].format(label)
 
 
-def _pressed(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.float64]:
+def _pressed_pixels(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.float64]:
     """Pixels that a class presses: 1, others 0; shape (row, column)."""
     pressed = np.zeros(shape)
     if target == "column" and int(label):

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 import pyvisa
 from rcskin.hardware.command_template import CommandTemplate
-from rcskin.hardware.live.key_input import keys
+from rcskin.hardware.live.key_input import key_reader
 from rcskin.hardware.meter.connection import connect
 from rcskin.hardware.meter.discovery import find_resources
 from rcskin.hardware.meter.errors import NoConnectionError
@@ -104,5 +104,5 @@ def test_keys_come_from_windows_console(windows, monkeypatch, typed, key):
     console = SimpleNamespace(kbhit=lambda: bool(waiting), getwch=lambda: waiting.pop(0))
     monkeypatch.setitem(sys.modules, "msvcrt", console)
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: True))
-    with keys() as last:
+    with key_reader() as last:
         assert last() == key

@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin import localize, train
-from rcskin.hardware.live.session_log import read_rest
+from rcskin.hardware.live.session_log import read_baselines
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, read, write
 
@@ -68,10 +68,10 @@ def test_a_model_in_memory_keeps_to_its_skin(model, files):
 
 
 def test_live_takes_rest_of_its_own_skin_only(model, files):
-    assert read_rest([files / "calibrated.nc"], model)
+    assert read_baselines([files / "calibrated.nc"], model)
     with pytest.raises(InputError, match="recorded for strip-1x4, but used for strip-1x3"):
-        read_rest([files / "other.nc"], model)
-    assert read_rest([files / "other.nc"], model, force=True)
+        read_baselines([files / "other.nc"], model)
+    assert read_baselines([files / "other.nc"], model, force=True)
 
 
 def test_a_gap_is_told_between_sweeps_of_one_skin(run, refused, files, tmp_path):

@@ -116,7 +116,7 @@ class Stage:
             try:
                 yield link
             finally:
-                link.leave()
+                link.release()
         meter.worker.end()
 
 

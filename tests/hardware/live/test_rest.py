@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcskin.hardware.live.live_baseline import RENEWED_AFTER, LiveBaseline
-from rcskin.hardware.live.session_log import rest_dataset
+from rcskin.hardware.live.session_log import baseline_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
@@ -35,7 +35,7 @@ def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_d
             rest.add(each)
             taken.append(k)
             continue
-        known.append((k, *mean_baselines(rest_dataset(rest, MODEL))))
+        known.append((k, *mean_baselines(baseline_dataset(rest, MODEL))))
         if rest.follow(each, answer):
             taken.append(next(j for j in range(k + 1) if sweeps[j] is rest.sweeps[-1]))
     row = np.isin(np.arange(150), taken).astype(int) ^ 1

@@ -10,7 +10,7 @@ import pytest
 from rcskin.hardware.live.line_output import LineOutput
 from rcskin.hardware.live.live_screen import LiveScreen
 from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
-from rcskin.hardware.live.pixel_grid import MARKER, PixelGrid, fitting
+from rcskin.hardware.live.pixel_grid import MARKER, PixelGrid, fitted_grid
 from rcskin.hardware.live.touch_answer import (
     CANNOT_TELL,
     NOTHING_PRESSED,
@@ -148,7 +148,7 @@ def test_without_an_answer_all_is_equally_dark(grid):
 
 @pytest.mark.parametrize(("rows", "columns"), [(1, 3), (5, 5), (16, 16), (32, 32)])
 def test_a_grid_fits_a_small_terminal_as_far_as_it_can(rows, columns):
-    grid = fitting(rows, columns, SIZE, (76, 32))
+    grid = fitted_grid(rows, columns, SIZE, (76, 32))
     lines = grid.draw(TouchAnswer("x", None, np.zeros((rows, columns)))).plain.splitlines()
     assert max(map(len, lines)) <= 76
     assert len(lines) <= max(33, rows + 1)
