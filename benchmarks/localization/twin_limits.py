@@ -19,7 +19,7 @@ from rcskin.benchmarks.localization.twin_parts.places import place_limits
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.bounds.touch_readings import hypotheses
-from rcskin.simulator.limits.random_presses import Hand, accuracy_of_hand
+from rcskin.simulator.limits.random_presses import RandomPresses, accuracy_of_presses
 from rcskin.simulator.scene.randomisation import Normal
 
 SAMPLES, FEW_SAMPLES = (1000, 4000), (50, 100)
@@ -31,8 +31,8 @@ SKINS = 20
 def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, object]]:
     """The limit of a trial's question: pixels hit whole, then by more and more samples."""
     presses = Normal(mean=2.0, deviation=trial.hand.strength)
-    whole = Hand.of_pixels(trial.believed, presses, against_rest=RECENT)
-    beside = whole.missing(trial.hand.offset)
+    whole = RandomPresses.of_pixels(trial.believed, presses, against_rest=RECENT)
+    beside = whole.with_offset(trial.hand.offset)
     return [
         _accuracy(trial, whole, 0.0, counts[-1], draws),
         *(_accuracy(trial, beside, trial.hand.offset, count, draws) for count in counts),
@@ -40,10 +40,10 @@ def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, 
 
 
 def _accuracy(
-    trial: Trial, hand: Hand, offset: float, samples: int, draws: int
+    trial: Trial, hand: RandomPresses, offset: float, samples: int, draws: int
 ) -> dict[str, object]:
     among = hypotheses(trial.believed, trial.target)
-    found = accuracy_of_hand(hand, among, draws=draws, samples=samples)
+    found = accuracy_of_presses(hand, among, draws=draws, samples=samples)
     least, most, error = (100 * value for value in found)
     return _row(trial, offset, samples, least, most, error, "% right")
 

@@ -41,7 +41,7 @@ def bayes_accuracy(
     return bayes(readings, among, factors, seed, draws, progress)
 
 
-def hand_accuracy(
+def off_centre_accuracy(
     scene: Scene,
     target: str = "column",
     presses: AnyDistribution | None = None,
@@ -63,18 +63,20 @@ def hand_accuracy(
     from ..bounds.touch_readings import hypotheses
     from ..measure.experiment import own_presses
     from ..sweeps import InputError
-    from .random_presses import Hand, accuracy_of_hand
+    from .random_presses import RandomPresses, accuracy_of_presses
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
-    hand = Hand.of_pixels(
+    hand = RandomPresses.of_pixels(
         scene, presses or own_presses(scene), offset=offset, against_rest=against_rest
     )
     among = hypotheses(scene, target)
-    return accuracy_of_hand(hand, among, seed=seed, draws=draws, samples=samples, progress=progress)
+    return accuracy_of_presses(
+        hand, among, seed=seed, draws=draws, samples=samples, progress=progress
+    )
 
 
-def hand_distance(
+def posterior_distance(
     scene: Scene,
     presses: AnyDistribution | None = None,
     *,
@@ -93,16 +95,16 @@ def hand_distance(
     """
     from ..bounds.position_bound import chosen_touch
     from ..measure.experiment import own_presses
-    from .random_presses import Hand, distance_of_hand
+    from .random_presses import RandomPresses, distance_of_presses
 
     touch = chosen_touch(scene, size)
-    hand = Hand(
+    hand = RandomPresses(
         scene,
         presses or own_presses(scene),
         size=(touch.width, touch.height),
         against_rest=against_rest,
     )
-    return distance_of_hand(hand, seed=seed, draws=draws, samples=samples)
+    return distance_of_presses(hand, seed=seed, draws=draws, samples=samples)
 
 
 def position_bound(
@@ -112,7 +114,7 @@ def position_bound(
     factor: float | None = None,
     against_rest: int = 0,
     unknown_skin: bool = False,
-    most: int | None = None,
+    max_places: int | None = None,
     progress: ProgressCallback = silent,
 ) -> PositionBounds:
     """Smallest standard deviations of x and y [m] and of the rise of capacitance, over the sheet.
@@ -131,7 +133,7 @@ def position_bound(
     fields = fields_of(scene, float(scene.frequencies[-1]), touch)
     slopes = position_slopes(
         fields,
-        places_on(scene, touch, CELLS_PER_PIXEL, most),
+        places_on(scene, touch, CELLS_PER_PIXEL, max_places),
         touch,
         scene.frequencies,
         against_rest=against_rest,

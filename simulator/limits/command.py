@@ -84,8 +84,8 @@ def limits(
     from ..sweeps import checked_folder, made_folder
     from .survey import (
         SurveyOptions,
-        errors_of_survey,
         survey,
+        survey_rasterization_errors,
         with_factor,
         with_finger,
         with_interfaces,
@@ -111,7 +111,7 @@ def limits(
             folder = checked_folder(made_folder(output or FOLDER), *WRITTEN)
             variants = survey(loaded, question, resistances, n, progress)
             told_apart = identity(loaded, sampling, progress)
-            laid = errors_of_survey(loaded, question)
+            laid = survey_rasterization_errors(loaded, question)
             found = SurveyResults(loaded, question, variants, told_apart, laid)
             found.write(folder, ending)
             found.show(folder)
@@ -129,22 +129,22 @@ def _listed(text: str | None) -> list[float]:
 def _print_counts(
     scene: Scene, accuracy: float, sampling: Sampling, progress: ProgressCallback
 ) -> None:
-    from .touch_identity import FEWEST, MOST, counts, shape_of
+    from .touch_identity import MAX_PIXELS, MIN_PIXELS, counts, grid_text
 
     for target in ("column", "pixel"):
         found = list(counts(scene, target, accuracy, sampling, progress))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
         told = (
-            f"at most {shape_of(scene, best.n)} pixels"
+            f"at most {grid_text(scene, best.n)} pixels"
             if best
-            else f"fewer than {shape_of(scene, FEWEST)} pixels"
+            else f"fewer than {grid_text(scene, MIN_PIXELS)} pixels"
         )
-        if best is not None and best.n == MOST:
-            told = f"{shape_of(scene, best.n)} pixels or more"
+        if best is not None and best.n == MAX_PIXELS:
+            told = f"{grid_text(scene, best.n)} pixels or more"
         rows, columns = scene.pixels.shape
         tried = "; ".join(
-            f"{shape_of(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
+            f"{grid_text(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
             f"± {100 * each.accuracy.error:.1f} %"
             for each in found
         )

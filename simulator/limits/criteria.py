@@ -37,7 +37,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 
 CRITERIA = ("position", "column", "pixel")
-TOLD_APART = 1.0
+MIN_SEPARATION = 1.0
 """Smallest separation, in the meter's errors, that all candidates together must reach."""
 NO_ROOM = 1e-30
 """m²: prior variance of a coordinate that is known."""
@@ -110,7 +110,7 @@ def identity_criterion(
     model = error_model(scene, len(frequency), against_rest)
     among = hypotheses(scene, target)
     touch = touch or chosen_touch(scene)
-    pixels = _pixels_pressed(fields, touch)
+    pixels = _pixel_touches(fields, touch)
     answers = [
         _pressed(fields, pixels, each, frequency) for each in tracked(among, "pixels", progress)
     ]
@@ -122,7 +122,7 @@ def identity_criterion(
     slopes, prior = _pair_slopes(scene, touch.rise, pairs, answers, model)
     information = summed(slopes)
     whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
-    told = whole < TOLD_APART**-2
+    told = whole < MIN_SEPARATION**-2
     if not told.any():
         raise InputError(f"{scene.name}: no frequencies distinguish any two {target}s")
 
@@ -133,7 +133,7 @@ def identity_criterion(
     return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
 
 
-def _pixels_pressed(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
+def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
     """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
     scene, whole = fields.scene, chosen_touch(fields.scene)
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)

@@ -105,7 +105,7 @@ def _table(found: FrequencyDesign) -> Table:
         [
             name,
             ", ".join(f"{frequency:.6g}" for frequency in chosen),
-            found.told(name),
+            found.figure_text(name),
             f"{found.ratio(name):.3g}",
         ]
         for name, chosen in found.sets.items()

@@ -19,7 +19,7 @@ from .criteria import Criterion, identity_criterion, position_criterion
 
 GRID = 60
 
-LEAST_GRID, LARGEST_GRID = 2, 400
+MIN_GRID, MAX_GRID = 2, 400
 
 DESIGN_PLACES = 64
 """Approximate number of positions for the choice of frequencies."""
@@ -52,7 +52,7 @@ class FrequencyDesign:
             return "median error"
         return f"nearest {self.criterion}s (meter's errors)"
 
-    def told(self, name: str) -> str:
+    def figure_text(self, name: str) -> str:
         """Text of the figure of a set."""
         if self.criterion == "position":
             return f"{1e3 * self.errors[name]:.4g} mm"
@@ -65,7 +65,7 @@ class FrequencyDesign:
 
     def comparison(self, name: str) -> str:
         """Text of a set: its figure, and its ratio to the best."""
-        figure = f"{self.told(name)}, {self.ratio(name):.3g} of the best"
+        figure = f"{self.figure_text(name)}, {self.ratio(name):.3g} of the best"
         return f"median error {figure} by the rms bound" if self.errors else figure
 
     def ratio(self, name: str) -> float:
@@ -114,7 +114,7 @@ def design(
 
 
 def best_set(
-    judged: Criterion,
+    criterion: Criterion,
     own: NDArray[np.int64],
     n: int,
     others: Iterable[NDArray[np.int64]],
@@ -125,22 +125,22 @@ def best_set(
 
     others: further sets from which exchanges begin. spaced: True if no two may be `too_near`.
     """
-    excludes = too_near(judged.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
+    excludes = too_near(criterion.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats
     starts = [np.searchsorted(own, k) for k in others if np.isin(k, own).all()]
     starts = [k for k in starts if allowed(k, excludes)]
-    return own[best_choice(lambda k: judged.score(own[k]), len(own), n, starts, excludes)]
+    return own[best_choice(lambda k: criterion.score(own[k]), len(own), n, starts, excludes)]
 
 
-def some_places(slopes: Slopes) -> Slopes:
+def sampled_positions(slopes: Slopes) -> Slopes:
     """About DESIGN_PLACES of the positions, evenly spread."""
     return slopes.some(max(1, len(slopes.places) // DESIGN_PLACES))
 
 
 def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
     """Raises InputError where n frequencies cannot be chosen."""
-    if not LEAST_GRID <= grid <= LARGEST_GRID:
-        raise InputError(f"--grid must be from {LEAST_GRID} to {LARGEST_GRID}, got {grid}")
+    if not MIN_GRID <= grid <= MAX_GRID:
+        raise InputError(f"--grid must be from {MIN_GRID} to {MAX_GRID}, got {grid}")
     if not (n >= 1 and (repeats or n <= candidates)):
         raise InputError(
             f"-n must be from 1 to {candidates}, the number of candidate frequencies, got {n}"
@@ -165,4 +165,4 @@ def _criterion(
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, progress=progress
     )
-    return position_criterion(some_places(slopes)), slopes
+    return position_criterion(sampled_positions(slopes)), slopes

@@ -27,11 +27,11 @@ QUANTITIES = {
     "y": (1e3, "Deviation\nof y (mm)"),
     "strength": (100.0, "Deviation of\nthe rise (% of C)"),
 }
-LONGER, LEAST_WIDE, LEAST_HIGH = 2.4, 1.5, 1.3
+LONGER, MIN_WIDTH, MIN_HEIGHT = 2.4, 1.5, 1.3
 """Inches of a map: its longer side, and its smallest width and height, for title and label."""
 BESIDE, BETWEEN, AROUND = 1.6, 0.45, 1.4
 """Inches: colour bar with label, space between maps, and space above and below all of them."""
-NOT_TOLD = "0.8"
+UNRESOLVED_COLOUR = "0.8"
 MARGIN = 0.08
 NOISE = 1.0
 LETTERS_PER_INCH = 11
@@ -67,7 +67,7 @@ def _size_of_map(scene: Scene) -> tuple[float, float]:
     """Width and height of each map in inches, both large enough for its texts."""
     longer = max(scene.skin.sides)
     wide, high = (LONGER * side / longer for side in scene.skin.sides)
-    return max(wide, LEAST_WIDE), max(high, LEAST_HIGH)
+    return max(wide, MIN_WIDTH), max(high, MIN_HEIGHT)
 
 
 def _draw_row(
@@ -148,7 +148,7 @@ def _draw_legend(figure: Figure) -> None:
     from matplotlib.patches import Patch
 
     foils, labels = figure.axes[0].get_legend_handles_labels()
-    handles, named = [*foils, Patch(color=NOT_TOLD)], [*labels, "not resolved"]
+    handles, named = [*foils, Patch(color=UNRESOLVED_COLOUR)], [*labels, "not resolved"]
     figure.legend(handles, named, loc="outside lower center", ncols=3)
 
 
@@ -173,7 +173,7 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
 
 
 def draw_distances(
-    apart: NDArray[np.float64], names: Sequence[str], title: str, path: Path
+    separation: NDArray[np.float64], names: Sequence[str], title: str, path: Path
 ) -> None:
     """Draws the distances between the sweeps of all pairs of pixels as a matrix."""
     from matplotlib.colors import LogNorm
@@ -182,10 +182,10 @@ def draw_distances(
     width = max(5.0, size + 0.8)
     with chart(path, width, max(4.4, size)) as figure:
         axes = figure.subplots()
-        shown = np.ma.masked_less(apart, NOISE / 10)
-        top = float(max(apart.max(), 10 * NOISE))
+        shown = np.ma.masked_less(separation, NOISE / 10)
+        top = float(max(separation.max(), 10 * NOISE))
         image = axes.imshow(shown, cmap="viridis", norm=LogNorm(NOISE / 10, top))
-        axes.set_facecolor(NOT_TOLD)
+        axes.set_facecolor(UNRESOLVED_COLOUR)
         axes.grid(False)
         ticks = list(range(0, len(names), max(1, math.ceil(len(names) / 36))))
         axes.set_xticks(ticks, [names[k] for k in ticks], rotation=90, fontsize=7)

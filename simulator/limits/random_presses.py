@@ -29,13 +29,13 @@ from ..sweeps import InputError
 
 RTOL = 1e-3
 
-MOST_TOUCHES = 2
+MAX_TOUCHES = 2
 AT_ONCE = 20_000
 
 Array = NDArray[np.float64]
 
 
-class Hand:
+class RandomPresses:
     """Random presses of rectangles on a skin, and the meter's readings of them.
 
     presses: factors of capacitance. size: sides of a touch along x and y, m. offset: standard
@@ -75,17 +75,19 @@ class Hand:
         size = skin.length / pixels.columns, skin.width / pixels.rows
         return cls(scene, presses, size=size, offset=offset, against_rest=against_rest)
 
-    def missing(self, offset: float) -> Self:
+    def with_offset(self, offset: float) -> Self:
         """A copy with another offset that shares the reduced model."""
         other = copy(self)
         other._offset, other._skin = offset, self._skin
         return other
 
-    def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> Array:
+    def pressed(self, hypothesis: Hypothesis, random: np.random.Generator, count: int) -> Array:
         """Whitened readings without noise of `count` presses of pixels, shape (press, number)."""
         pixels = self.scene.pixels
         pitch = self._extent / [pixels.columns, pixels.rows]
-        middles = np.array([(j + 0.5, i + 0.5) for i, j in meant.pixels]).reshape(-1, 2) * pitch
+        middles = (
+            np.array([(j + 0.5, i + 0.5) for i, j in hypothesis.pixels]).reshape(-1, 2) * pitch
+        )
         aside = truncated_normal(random.random((count, len(middles), 2)), CUT)
         return self.read(middles + self._offset * self._sides * aside, random)
 
@@ -128,7 +130,7 @@ class Hand:
         range_of = min(LEAST_FACTOR, low), max(LARGEST_FACTOR, high)
 
         def draw(random: np.random.Generator) -> Case:
-            touches = int(random.integers(1, MOST_TOUCHES, endpoint=True))
+            touches = int(random.integers(1, MAX_TOUCHES, endpoint=True))
             middles = random.random((1, touches, 2)) * self._extent
             return Case(
                 None, *self._rasterized(middles, random.uniform(*range_of, (1, touches))).one(0)
@@ -137,15 +139,15 @@ class Hand:
         return reduced_for(divided, RTOL, draw)
 
 
-NUMBERS = 16
+MAX_AXES = 16
 """Number of principal directions in which readings are compared; others have only noise."""
 
-LOOKED_AT = 100
+AXES_PRESSES = 100
 """Number of presses of each answer that determine these directions."""
 
 PAIRS_AT_ONCE = 2**23
 WEISZFELD_STEPS = 40
-CLOSEST = 1e-4
+MIN_DISTANCE = 1e-4
 """m: smallest distance in the iteration for the median of the posterior."""
 
 Single = NDArray[np.float32]
@@ -155,13 +157,13 @@ Single = NDArray[np.float32]
 class LimitInterval(NamedTuple):
     """Interval that contains a limit, up to a standard error."""
 
-    least: float
-    most: float
+    lower: float
+    upper: float
     error: float
 
 
-def accuracy_of_hand(
-    hand: Hand,
+def accuracy_of_presses(
+    presses: RandomPresses,
     among: Sequence[Hypothesis],
     *,
     seed: int = 1,
@@ -174,40 +176,42 @@ def accuracy_of_hand(
     among: hypotheses ordered by answer. samples: presses of each hypothesis.
     """
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
-    looked_at = np.concatenate([hand.pressed(each, known, LOOKED_AT) for each in among])
-    axes = axes_of(looked_at, most=NUMBERS)
+    looked_at = np.concatenate([presses.pressed(each, known, AXES_PRESSES) for each in among])
+    axes = axes_of(looked_at, most=MAX_AXES)
     which = np.sort(drawing.choice(len(among), draws, p=[each.chance for each in among]))
     pressed, counts = np.unique(which, return_counts=True)
     clean = np.concatenate(
-        [hand.pressed(among[k], drawing, int(n)) for k, n in zip(pressed, counts, strict=True)]
+        [presses.pressed(among[k], drawing, int(n)) for k, n in zip(pressed, counts, strict=True)]
     )
     measured = _single(axes.of(clean + drawing.standard_normal(clean.shape)))
     each = [
-        _single(axes.of(hand.pressed(own, known, samples)))
+        _single(axes.of(presses.pressed(own, known, samples)))
         for own in tracked(among, "presses", progress)
     ]
     chance = np.repeat([own.chance / samples for own in among], samples)
     starts = starts_of([own.answer for own in among], [samples] * len(among))
     found = posterior(Templates(np.concatenate(each), _single(chance), starts), measured)
-    return _judged(found, np.searchsorted(starts, samples * which, side="right") - 1)
+    return _accuracy_interval(found, np.searchsorted(starts, samples * which, side="right") - 1)
 
 
-def distance_of_hand(
-    hand: Hand, *, seed: int = 1, draws: int = 500, samples: int = 40_000
+def distance_of_presses(
+    presses: RandomPresses, *, seed: int = 1, draws: int = 500, samples: int = 40_000
 ) -> tuple[float, float]:
     """Median distance in m between a random touch and its posterior's median, with standard error.
 
     The median is the point of smallest mean distance. With few samples the result is too large.
     """
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
-    places, readings = hand.anywhere(known, samples)
-    axes = axes_of(readings[: LOOKED_AT * LOOKED_AT], most=NUMBERS)
+    places, readings = presses.anywhere(known, samples)
+    axes = axes_of(readings[: AXES_PRESSES * AXES_PRESSES], most=MAX_AXES)
     even = np.full(samples, 1 / samples, dtype=np.float32)
     templates = Templates(_single(axes.of(readings)), even, np.arange(samples))
-    truth, clean = hand.anywhere(drawing, draws)
+    truth, clean = presses.anywhere(drawing, draws)
     measured = _single(axes.of(clean + drawing.standard_normal(clean.shape)))
     parts = np.array_split(measured, max(1, draws * samples // PAIRS_AT_ONCE))
-    told = np.concatenate([_middle(posterior(templates, part), places) for part in parts])
+    told = np.concatenate(
+        [_geometric_medians(posterior(templates, part), places) for part in parts]
+    )
     away = np.hypot(*(told - truth).T)
     again = np.random.default_rng([seed, 2]).choice(away, (200, draws))
     return float(np.median(away)), float(np.median(again, axis=1).std(ddof=1))
@@ -217,23 +221,23 @@ def _single(values: Array) -> Single:
     return values.astype(np.float32)
 
 
-def _judged(told: Array, answer: NDArray[np.int64]) -> LimitInterval:
+def _accuracy_interval(probability: Array, answer: NDArray[np.int64]) -> LimitInterval:
     """Lower and upper estimates of the accuracy.
 
     told: probability of each answer, shape (reading, answer). answer: the correct one.
     """
-    best = told.max(axis=1, keepdims=True)
-    ties = told >= best * (1 - 1e-6)
-    right = ties[np.arange(len(told)), answer] / ties.sum(axis=1)
+    best = probability.max(axis=1, keepdims=True)
+    ties = probability >= best * (1 - 1e-6)
+    right = ties[np.arange(len(probability)), answer] / ties.sum(axis=1)
     error = max(right.std(ddof=1), best.std(ddof=1)) / math.sqrt(len(right))
     return LimitInterval(float(right.mean()), float(best.mean()), float(error))
 
 
-def _middle(share: Array, places: Array) -> Array:
+def _geometric_medians(share: Array, places: Array) -> Array:
     """Geometric medians of weighted positions by Weiszfeld's iteration, shape (reading, 2)."""
     middle = share @ places
     for _ in range(WEISZFELD_STEPS):
         away = np.hypot(*(middle[:, None] - places).transpose(2, 0, 1))
-        pull = share / np.maximum(away, CLOSEST)
+        pull = share / np.maximum(away, MIN_DISTANCE)
         middle = pull @ places / pull.sum(axis=1, keepdims=True)
     return middle

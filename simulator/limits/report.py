@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..report.files import write_rows
 from .survey import Variant
 
-NOT_TOLD = "not resolved"
+UNRESOLVED = "not resolved"
 HEADER = (
     "comparison",
     "variant",
@@ -26,9 +26,9 @@ HEADER = (
 )
 
 
-def told(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
+def rounded(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
     """A rounded number in other units, or NOT_TOLD where it is infinite."""
-    return float(f"{unit * value:.{digits}g}") if math.isfinite(value) else NOT_TOLD
+    return float(f"{unit * value:.{digits}g}") if math.isfinite(value) else UNRESOLVED
 
 
 def write_places(variants: Sequence[Variant], path: Path) -> None:
@@ -37,7 +37,12 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
         path,
         HEADER,
         (
-            [variant.comparison, variant.name, *(told(each, 1e3) for each in place), told(strength)]
+            [
+                variant.comparison,
+                variant.name,
+                *(rounded(each, 1e3) for each in place),
+                rounded(strength),
+            ]
             for variant in variants
             for *place, strength in np.column_stack(
                 [variant.bounds.places, variant.bounds.x, variant.bounds.y, variant.bounds.strength]
@@ -46,10 +51,10 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
     )
 
 
-def write_distances(apart: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
+def write_distances(separation: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
     """Writes the distance between the sweeps of each pair of pixels as a CSV line."""
     pairs = itertools.combinations(range(len(names)), 2)
-    rows = ([names[i], names[j], told(apart[i, j])] for i, j in pairs)
+    rows = ([names[i], names[j], rounded(separation[i, j])] for i, j in pairs)
     write_rows(path, ["pixel", "other", "distance_errors"], rows)
 
 
@@ -60,12 +65,12 @@ def summary(variant: Variant) -> dict[str, Any]:
         "comparison": variant.comparison,
         "variant": variant.name,
         "frequencies_Hz": variant.frequency.tolist(),
-        "median_deviation_x_mm": told(float(np.median(own.x)), 1e3),
-        "median_deviation_y_mm": told(float(np.median(own.y)), 1e3),
-        "median_deviation_strength": told(float(np.median(own.strength))),
-        "largest_deviation_x_mm": told(float(own.x.max()), 1e3),
-        "largest_deviation_y_mm": told(float(own.y.max()), 1e3),
+        "median_deviation_x_mm": rounded(float(np.median(own.x)), 1e3),
+        "median_deviation_y_mm": rounded(float(np.median(own.y)), 1e3),
+        "median_deviation_strength": rounded(float(np.median(own.strength))),
+        "largest_deviation_x_mm": rounded(float(own.x.max()), 1e3),
+        "largest_deviation_y_mm": rounded(float(own.y.max()), 1e3),
         "places_where_x_is_told": float(np.isfinite(own.x).mean()),
         "places_where_y_is_told": float(np.isfinite(own.y).mean()),
-        "median_error_mm": told(own.median_error(), 1e3),
+        "median_error_mm": rounded(own.median_error(), 1e3),
     }

@@ -25,7 +25,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
 from .criteria import position_criterion
-from .frequency_design import GRID, best_set, some_places
+from .frequency_design import GRID, best_set, sampled_positions
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 FLOATING = "floating"
@@ -58,7 +58,7 @@ class SurveyOptions:
     by_depth: bool = False
 
     @property
-    def told(self) -> str:
+    def assumptions(self) -> str:
         """Text of what the estimate of the bounds knows and what it does not."""
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
@@ -74,7 +74,7 @@ class SurveyOptions:
 
 def survey(
     scene: Scene,
-    question: SurveyOptions,
+    options: SurveyOptions,
     sheet_resistances: Sequence[float] = (),
     n: int | None = None,
     progress: ProgressCallback = silent,
@@ -86,7 +86,7 @@ def survey(
     of pixels from the driven edge.
     """
     n = n or _pixels_from_edge(scene)
-    slopes = _slopes(scene, question, candidates_of(scene, n, own_band(scene), GRID), progress)
+    slopes = _slopes(scene, options, candidates_of(scene, n, own_band(scene), GRID), progress)
     own = scene.frequencies
     told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
     everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
@@ -100,13 +100,15 @@ def survey(
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
-        of_sheets = _slopes(with_sheets(scene, resistance), question, own, progress)
+        of_sheets = _slopes(with_sheets(scene, resistance), options, own, progress)
         told, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
         variants.append(Variant(SHEETS, told, bounds, own))
     return variants
 
 
-def errors_of_survey(scene: Scene, question: SurveyOptions) -> RasterizationErrors | None:
+def survey_rasterization_errors(
+    scene: Scene, question: SurveyOptions
+) -> RasterizationErrors | None:
     """Errors of touches by depth rasterized on cells, for the scene's own variant."""
     if not question.by_depth:
         return None
@@ -165,18 +167,18 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 
 def _slopes(
     scene: Scene,
-    question: SurveyOptions,
+    options: SurveyOptions,
     frequency: NDArray[np.float64],
     progress: ProgressCallback,
 ) -> Slopes:
-    fields = fields_of(scene, float(frequency[-1]), question.touch)
+    fields = fields_of(scene, float(frequency[-1]), options.touch)
     return position_slopes(
         fields,
-        places_on(scene, question.touch, CELLS_PER_PIXEL),
-        question.touch,
+        places_on(scene, options.touch, CELLS_PER_PIXEL),
+        options.touch,
         frequency,
-        against_rest=question.against_rest,
-        unknown_skin=question.unknown_skin,
+        against_rest=options.against_rest,
+        unknown_skin=options.unknown_skin,
         progress=progress,
     )
 
@@ -189,7 +191,7 @@ def _pixels_from_edge(scene: Scene) -> int:
 def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:
     named = compared(scene, n, own_band(scene))
     try:
-        criterion = position_criterion(some_places(slopes))
+        criterion = position_criterion(sampled_positions(slopes))
     except InputError:  # no set resolves the position, so there is no best one
         return {f"{n}, {name}": f for name, f in named.items()}
     every, others = np.arange(len(slopes.frequency)), map(slopes.number, named.values())

@@ -18,7 +18,7 @@ from .report import summary, write_distances, write_places
 from .survey import SurveyOptions, Variant
 from .touch_identity import IdentityBounds
 
-MOST_ROWS = 14
+MAX_ROWS = 14
 """Largest number of rows of the table on the terminal; all rows are in limits.json."""
 WRITTEN = ("limits.csv", "limits.json", "pixels.*")
 """Name patterns of the written files."""
@@ -41,45 +41,49 @@ class SurveyResults(NamedTuple):
     """
 
     scene: Scene
-    question: SurveyOptions
+    options: SurveyOptions
     variants: Sequence[Variant]
-    told_apart: IdentityBounds
-    laid: RasterizationErrors | None
+    identity: IdentityBounds
+    rasterization: RasterizationErrors | None
 
     def write(self, folder: Path, ending: str) -> None:
         """Writes maps with this ending, tables and a summary."""
         content = {
             "scene": self.scene.name,
-            "position_asked": self.question.told,
-            **({} if self.laid is None else {"position_laid": self.laid.summary()}),
+            "position_asked": self.options.assumptions,
+            **(
+                {}
+                if self.rasterization is None
+                else {"position_laid": self.rasterization.summary()}
+            ),
             "median_error_of": ERROR,
             "position": [summary(variant) for variant in self.variants],
-            "accuracy": self.told_apart.summary(),
+            "accuracy": self.identity.summary(),
         }
         if each := self.scene.reading.own:
             content["frequencies_of_each_Hz"] = each
         with filled_at_once(folder) as made:
             self._draw(made, ending)
             write_places(self.variants, made / "limits.csv")
-            write_distances(self.told_apart.apart, self.told_apart.names, made / "pixels.csv")
+            write_distances(self.identity.separation, self.identity.names, made / "pixels.csv")
             write_json(made / "limits.json", content)
 
     def show(self, folder: Path) -> None:
         """Prints the first rows and the place of the others."""
-        shown = [(variant, summary(variant)) for variant in self.variants[:MOST_ROWS]]
+        shown = [(variant, summary(variant)) for variant in self.variants[:MAX_ROWS]]
         rows = (
             [variant.comparison, variant.name, *(str(numbers[key]) for key in COLUMNS.values())]
             for variant, numbers in shown
         )
-        say(f"bounds for a touch: {self.question.told}")
-        if self.laid is not None:
-            say(f"  {self.laid.told}")
+        say(f"bounds for a touch: {self.options.assumptions}")
+        if self.rasterization is not None:
+            say(f"  {self.rasterization.told}")
         terminal().print(table(["", "median deviation of", *COLUMNS], rows))
-        left = len(self.variants) - MOST_ROWS
+        left = len(self.variants) - MAX_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
         repeated = [f"  {line}" for line in repeated_told(self.scene)]
-        meaning = f"  {bound_text(self.question.against_rest, 'a known skin')}"
-        say(*more, f"  {ERROR}", *repeated, *self.told_apart.lines(), meaning)
+        meaning = f"  {bound_text(self.options.against_rest, 'a known skin')}"
+        say(*more, f"  {ERROR}", *repeated, *self.identity.lines(), meaning)
         say(f"maps and tables written to {folder}")
 
     def _draw(self, folder: Path, ending: str) -> None:
@@ -87,18 +91,18 @@ class SurveyResults(NamedTuple):
             chosen = [each for each in self.variants if each.comparison == comparison]
             draw_maps(self.scene, chosen, self._title(), folder / f"{comparison}{ending}")
         draw_distances(
-            self.told_apart.apart,
-            self.told_apart.names,
+            self.identity.separation,
+            self.identity.names,
             f"{self.scene.name}: distance between the sweeps of pixels, at their nearest factors; "
-            f"{self.told_apart.asked}",
+            f"{self.identity.assumptions}",
             folder / f"pixels{ending}",
         )
 
     def _title(self) -> str:
-        question = self.question
+        question = self.options
         count = question.against_rest
         baseline = f" minus the mean of {count} baseline sweeps" if count else ""
         return (
             f"{self.scene.name}: smallest standard deviation from one sweep{baseline}, at "
-            f"{1 + question.touch.rise:g} times the capacitance; {question.told}"
+            f"{1 + question.touch.rise:g} times the capacitance; {question.assumptions}"
         )

@@ -22,12 +22,12 @@ from ..progress import ProgressCallback, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .touch_kinds import Ways, by_finger, digits, numbers, percent, ways
+from .touch_kinds import KindAccuracies, by_finger, digits, kind_accuracies, numbers, percent
 
 STRENGTHS = 16
 """Number of equally likely strengths of a hypothesis."""
 
-LOOKED_AT = 41
+DISTANCE_STRENGTHS = 41
 """Number of strengths at which the distance of two pixels is evaluated."""
 
 
@@ -62,7 +62,9 @@ def distances(
     Each is the minimum over both strengths of the presses. With `spread`, the squared deviations of
     both strengths from their mean, over the squared spread, are added to the squared distance.
     """
-    factor = np.linspace(presses.low, presses.high, LOOKED_AT if presses.low < presses.high else 1)
+    factor = np.linspace(
+        presses.low, presses.high, DISTANCE_STRENGTHS if presses.low < presses.high else 1
+    )
     off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
     curves = [readings.of(each, np.tile(factor, (len(each.pixels), 1))) for each in among]
     apart = np.zeros((len(among), len(among)))
@@ -122,11 +124,11 @@ class IdentityBounds:
 
     accuracy: dict[str, BayesAccuracy]
     bound: dict[str, float]
-    apart: NDArray[np.float64]
+    separation: NDArray[np.float64]
     names: list[str]
-    asked: str
-    laid: RasterizationErrors | None = None
-    ways: Ways | None = None
+    assumptions: str
+    rasterization: RasterizationErrors | None = None
+    kinds: KindAccuracies | None = None
 
     def summary(self) -> dict[str, Any]:
         """Content of the file."""
@@ -134,19 +136,19 @@ class IdentityBounds:
             target: {**numbers(found), "pairwise_upper_bound": digits(self.bound[target], 6)}
             for target, found in self.accuracy.items()
         }
-        laid, ways = ({} if e is None else e.summary() for e in (self.laid, self.ways))
-        return {"asked": self.asked, **laid, **own, **ways}
+        laid, ways = ({} if e is None else e.summary() for e in (self.rasterization, self.kinds))
+        return {"asked": self.assumptions, **laid, **own, **ways}
 
     def lines(self) -> list[str]:
         """Lines for the terminal."""
-        laid = [] if self.laid is None else [f"  {self.laid.told}"]
+        laid = [] if self.rasterization is None else [f"  {self.rasterization.told}"]
         own = [
             f"  accuracy of {target}s: at most {percent(found)} "
             f"for any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
         ]
-        ways = [] if self.ways is None else self.ways.lines()
-        return [f"limits for a press: {self.asked}", *laid, *own, *ways]
+        ways = [] if self.kinds is None else self.kinds.lines()
+        return [f"limits for a press: {self.assumptions}", *laid, *own, *ways]
 
 
 def identity(
@@ -166,13 +168,13 @@ def identity(
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
-        _asked(scene, size),
+        _assumptions(scene, size),
         readings.laid_errors(presses),
-        ways(scene, among, size, accuracy),
+        kind_accuracies(scene, among, size, accuracy),
     )
 
 
-def _asked(scene: Scene, size: float | None) -> str:
+def _assumptions(scene: Scene, size: float | None) -> str:
     """Text of what the classifier of the bounds knows and what it does not."""
     press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
     where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
@@ -184,7 +186,7 @@ def _asked(scene: Scene, size: float | None) -> str:
     )
 
 
-FEWEST, MOST = 2, 12
+MIN_PIXELS, MAX_PIXELS = 2, 12
 
 DEVIATIONS = 2
 """Number of standard errors by which an accuracy may be below the required one."""
@@ -198,15 +200,15 @@ class Count:
     accuracy: BayesAccuracy
     bound: float
 
-    def reaches(self, asked: float) -> bool:
+    def reaches(self, required: float) -> bool:
         """True if this accuracy is possible within the standard error."""
-        return self.accuracy.share + DEVIATIONS * self.accuracy.error >= asked
+        return self.accuracy.share + DEVIATIONS * self.accuracy.error >= required
 
 
 def counts(
     scene: Scene,
     target: str,
-    asked: float,
+    accuracy: float,
     sampling: Sampling,
     progress: ProgressCallback = silent,
 ) -> Iterator[Count]:
@@ -214,12 +216,12 @@ def counts(
 
     Raises InputError where the accuracy is not between 0 and 1.
     """
-    if not 0 < asked < 1:
-        raise InputError(f"--accuracy must be > 0 and < 1, got {asked:g}")
-    for n in range(FEWEST, MOST + 1):
+    if not 0 < accuracy < 1:
+        raise InputError(f"--accuracy must be > 0 and < 1, got {accuracy:g}")
+    for n in range(MIN_PIXELS, MAX_PIXELS + 1):
         found = counted(scene, target, n, sampling, progress)
         yield found
-        if not found.reaches(asked):
+        if not found.reaches(accuracy):
             return
 
 
@@ -251,7 +253,7 @@ def with_pixels(scene: Scene, n: int) -> Scene:
     return scene.on_grid(1 if strip[0] else rows, 1 if strip[1] else columns)
 
 
-def shape_of(scene: Scene, n: int) -> str:
+def grid_text(scene: Scene, n: int) -> str:
     """The pixels of `with_pixels` as rows x columns."""
     pixels = with_pixels(scene, n).pixels
     return f"{pixels.rows}x{pixels.columns}"

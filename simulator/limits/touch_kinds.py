@@ -10,11 +10,11 @@ from ..bounds.bayes import BayesAccuracy
 from ..bounds.touch_readings import Hypothesis, by_rod, hypotheses, kinds, touched_alone
 from ..scene.scene import Scene
 
-OTHERS = {"pressed by a rod": by_rod, "touched by a finger without a press": touched_alone}
+OTHER_KINDS = {"pressed by a rod": by_rod, "touched by a finger without a press": touched_alone}
 
 
 @dataclass(frozen=True)
-class Ways:
+class KindAccuracies:
     """Accuracies for other kinds of touch.
 
     accuracy: by kind of touch, then by target. kinds: accuracy of the kind itself, among a rod, a
@@ -42,12 +42,12 @@ class Ways:
         return [*each, f"  accuracy of the kind ({names}): at most {percent(self.kinds)}"]
 
 
-def ways(
+def kind_accuracies(
     scene: Scene,
     among: Mapping[str, Sequence[Hypothesis]],
     size: float | None,
     accuracy: Callable[[Sequence[Hypothesis]], BayesAccuracy],
-) -> Ways | None:
+) -> KindAccuracies | None:
     """Accuracies of other kinds of touch; None for a scene pressed by a rod or not pressed.
 
     among: hypotheses by target. size: see `TouchReadings`. accuracy: function of hypotheses.
@@ -56,9 +56,9 @@ def ways(
         return None
     others = {
         name: {target: accuracy([*map(way, own)]) for target, own in among.items()}
-        for name, way in OTHERS.items()
+        for name, way in OTHER_KINDS.items()
     }
-    return Ways(others, accuracy(kinds(scene, size)))
+    return KindAccuracies(others, accuracy(kinds(scene, size)))
 
 
 def by_finger(scene: Scene, size: float | None) -> str:

@@ -10,7 +10,7 @@ from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.limits.random_presses import Hand
+from rcskin.simulator.limits.random_presses import RandomPresses
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with
@@ -235,7 +235,7 @@ REFUSED = {
         scene.with_({"dataset.press.offset": 0.1}), 20, 1, RTOL
     ),
     "cells of pixels": lambda scene: Forward(scene, 3),
-    "a hand that misses": lambda scene: Hand.of_pixels(
+    "a hand that misses": lambda scene: RandomPresses.of_pixels(
         scene, Uniform(low=1.5, high=2.5), offset=0.1
     ),
 }

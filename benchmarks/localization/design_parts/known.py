@@ -10,7 +10,7 @@ from rcskin.benchmarks.localization.twin_parts.scenes import PLACED_SIZE
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.design.touch_positions import TouchPositions
-from rcskin.simulator.limits import hand_accuracy, hand_distance
+from rcskin.simulator.limits import off_centre_accuracy, posterior_distance
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 
 
@@ -32,13 +32,13 @@ def nominal(kept: Kept, trial: Trial) -> dict[str, object]:
     scene = trial.believed
     if trial.placed:
         size = PLACED_SIZE.value
-        found = kept.once("bound", lambda: hand_distance(scene, size=size, **asked))
+        found = kept.once("bound", lambda: posterior_distance(scene, size=size, **asked))
         middle, error = (1e3 * each for each in found)
         told = {"skins": "a known skin, any answers", "median": f"{middle:.2f} ± {error:.2f}"}
     else:
         offset, target = trial.hand.offset, trial.target
         asked["offset"] = offset
-        least, most, error = kept.once("bound", lambda: hand_accuracy(scene, target, **asked))
+        least, most, error = kept.once("bound", lambda: off_centre_accuracy(scene, target, **asked))
         mean = f"{50 * (least + most):.1f} ± {100 * error:.1f}"
         told = {"skins": "a known skin, the twins' hand", "mean": mean}
     return {"who": "bound"} | told
@@ -54,4 +54,4 @@ def of_twin(goal: Goal, trial: Trial, family: Reduced, number: int) -> float:
         size = PLACED_SIZE.value
         return known_distance(trial.believed, twin, size=size, **asked)
     bound = known_accuracy(trial.believed, twin, trial.target, **asked)
-    return (bound.least + bound.most) / 2
+    return (bound.lower + bound.upper) / 2

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.simulator.bounds.touch_readings import Hypothesis, hypotheses
 from rcskin.simulator.limits.random_presses import (
-    Hand,
     LimitInterval,
-    accuracy_of_hand,
-    distance_of_hand,
+    RandomPresses,
+    accuracy_of_presses,
+    distance_of_presses,
 )
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
@@ -23,7 +23,7 @@ from rcskin.simulator.scene.randomisation import CUT, truncated_normal
 from rcskin.simulator.scene.scene import Scene
 
 
-class TwinsHand(Hand):
+class TwinsHand(RandomPresses):
     """The hand of a twin on the twin's own skin, as it was before it drifted."""
 
     def __init__(self, twin: Twin, against_rest: int, size: float = 0.0) -> None:
@@ -80,7 +80,7 @@ def known_accuracy(
     pixels = [each for each in hypotheses(scene, target) if each.pixels]
     even = [replace(each, chance=1 / len(pixels)) for each in pixels]
     hand = TwinsHand(twin, against_rest)
-    return accuracy_of_hand(hand, even, seed=1 + twin.number, draws=draws, samples=samples)
+    return accuracy_of_presses(hand, even, seed=1 + twin.number, draws=draws, samples=samples)
 
 
 def known_distance(
@@ -89,7 +89,7 @@ def known_distance(
     """Median distance in mm of touches of this side in m, anywhere on the twin's own skin, from the
     middle of their posterior. Arguments as of `distance_of_hand`."""
     hand = TwinsHand(twin, against_rest, size)
-    return 1e3 * distance_of_hand(hand, seed=1 + twin.number, draws=draws, samples=samples)[0]
+    return 1e3 * distance_of_presses(hand, seed=1 + twin.number, draws=draws, samples=samples)[0]
 
 
 def _text(meant: Hypothesis) -> str:

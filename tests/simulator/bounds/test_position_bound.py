@@ -128,7 +128,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
 
 
 def test_the_bound_is_one_call_and_says_where_the_touch_can_be(square):
-    bounds = position_bound(square, size=0.02, most=3)
+    bounds = position_bound(square, size=0.02, max_places=3)
     assert bounds.places.shape == (9, 2) and (bounds.places >= 0.01 - 1e-9).all()
     assert 0 < bounds.median_error() < 0.1
 

@@ -99,7 +99,7 @@ def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undr
 
 
 def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch, undrawn):
-    others, few = 24 - findings.MOST_ROWS, 4
+    others, few = 24 - findings.MAX_ROWS, 4
     monkeypatch.setattr(findings, "MOST_ROWS", few)
     many = "1e4,2e4"
     asked = (*QUICK, "--sheet-resistance", many, "-o", tmp_path / "found")

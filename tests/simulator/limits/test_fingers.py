@@ -69,15 +69,15 @@ def test_a_finger_marks_its_touch_and_one_of_next_to_nothing_is_a_rod():
     own, none = (
         identity(FINGER.with_({"press.finger": C}), Sampling(1, 300, 6)) for C in (5e-12, 1e-18)
     )
-    assert own.ways is not None and none.ways is not None
-    assert own.ways.kinds.share > 0.99
-    assert none.ways.kinds.share == pytest.approx(2 / 3, abs=0.02)
-    rod, touched = none.ways.accuracy.values()
+    assert own.kinds is not None and none.kinds is not None
+    assert own.kinds.kinds.share > 0.99
+    assert none.kinds.kinds.share == pytest.approx(2 / 3, abs=0.02)
+    rod, touched = none.kinds.accuracy.values()
     for target, found in none.accuracy.items():
         assert found.share == pytest.approx(rod[target].share, abs=0.03)
     assert touched["column"].share == pytest.approx(2 / 5, abs=0.02)
-    assert own.ways.accuracy["touched by a finger without a press"]["column"].share > 0.97
-    assert identity(EARTH, Sampling(1, 20, 6)).ways is None
+    assert own.kinds.accuracy["touched by a finger without a press"]["column"].share > 0.97
+    assert identity(EARTH, Sampling(1, 20, 6)).kinds is None
 
 
 def test_what_touches_is_said_as_presses_say_it():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.touch_readings import hypotheses
-from rcskin.simulator.limits import bayes_accuracy, hand_accuracy, hand_distance
-from rcskin.simulator.limits.random_presses import CELLS, Hand, _middle
+from rcskin.simulator.limits import bayes_accuracy, off_centre_accuracy, posterior_distance
+from rcskin.simulator.limits.random_presses import CELLS, RandomPresses, _geometric_medians
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
@@ -25,45 +25,45 @@ def strip(noisy):
 
 def test_without_offset_it_is_the_limit_of_whole_pixels(strip):
     share, error = bayes_accuracy(strip, "column", draws=3000)
-    found = hand_accuracy(strip, "column", offset=0.0, draws=3000, samples=600)
+    found = off_centre_accuracy(strip, "column", offset=0.0, draws=3000, samples=600)
     assert 0.5 < share < 0.98
     both = 4 * np.hypot(error, found.error)
-    assert found.least == pytest.approx(share, abs=both)
-    assert found.most == pytest.approx(share, abs=both)
+    assert found.lower == pytest.approx(share, abs=both)
+    assert found.upper == pytest.approx(share, abs=both)
 
 
 def test_it_falls_with_the_offset_and_the_estimates_close_in_with_samples(strip):
     near, far = (
-        hand_accuracy(strip, "column", offset=offset, draws=2000, samples=1000)
+        off_centre_accuracy(strip, "column", offset=offset, draws=2000, samples=1000)
         for offset in (0.05, 0.4)
     )
-    assert far.most < near.least - 2 * near.error
-    few = hand_accuracy(strip, "column", offset=0.4, draws=2000, samples=10)
-    assert few.most - few.least > far.most - far.least
-    assert few.least < far.most and few.most > far.least
+    assert far.upper < near.lower - 2 * near.error
+    few = off_centre_accuracy(strip, "column", offset=0.4, draws=2000, samples=10)
+    assert few.upper - few.lower > far.upper - far.lower
+    assert few.lower < far.upper and few.upper > far.lower
 
 
 def test_two_presses_without_spread_are_two_points_in_normal_noise(noisy):
     noise = {"magnitude_noise": 0.03, "phase_noise": 0.03}
     scene = noisy(readout=noise, spread=0.0, columns=2, **STRIP)
-    hand = Hand(scene, Fixed(value=2.0), size=(0.05, 0.02))
+    hand = RandomPresses(scene, Fixed(value=2.0), size=(0.05, 0.02))
     random = np.random.default_rng(0)
     one, other = (hand.pressed(each, random, 1) for each in hypotheses(scene, "column"))
     exact = ndtr(np.linalg.norm(one - other) / 2)
-    found = hand_accuracy(scene, "column", offset=0.0, draws=4000, samples=1)
-    assert found.least == pytest.approx(exact, abs=4 * found.error)
+    found = off_centre_accuracy(scene, "column", offset=0.0, draws=4000, samples=1)
+    assert found.lower == pytest.approx(exact, abs=4 * found.error)
 
 
 def test_mirrored_rows_are_guessed(noisy):
     noise = {"magnitude_noise": 1e-2, "phase_noise": 1e-2}
     scene = noisy(readout=noise, spread=0.0, rows=2, columns=1, frequencies=(1e3, 1e4))
-    found = hand_accuracy(scene, "row", offset=0.0, draws=300, samples=2)
-    assert found.most == pytest.approx(0.5, abs=0.05)
+    found = off_centre_accuracy(scene, "row", offset=0.0, draws=300, samples=2)
+    assert found.upper == pytest.approx(0.5, abs=0.05)
 
 
 def test_readings_of_a_touch_on_cells_are_those_of_the_solver(strip):
     side = 0.1 / 4 / CELLS
-    hand = Hand(strip, Fixed(value=2.0), size=(2 * side, 0.02))
+    hand = RandomPresses(strip, Fixed(value=2.0), size=(2 * side, 0.02))
     middles = np.array([[[5 * side, 0.01]]])
     read = hand.read(middles, np.random.default_rng(0))
     press = Press((Rectangle(5 * side, 0.01, 2 * side, 0.02, 2.0),))
@@ -75,7 +75,7 @@ def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_t
     def median(size):
         scene = noisy(readout={"magnitude_noise": size, "phase_noise": size}, **STRIP)
         spread = Normal(mean=2.0, deviation=0.1)
-        return hand_distance(scene, spread, size=0.02, draws=200, samples=4000)
+        return posterior_distance(scene, spread, size=0.02, draws=200, samples=4000)
 
     (told, error), (lost, _) = median(0.01), median(1.0)
     assert error < told < 0.5 * lost
@@ -84,7 +84,7 @@ def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_t
 
 def test_the_middle_has_the_least_mean_distance():
     places = np.random.default_rng(0).normal(size=(50, 2))
-    found = _middle(np.full((1, 50), 1 / 50), places)
+    found = _geometric_medians(np.full((1, 50), 1 / 50), places)
 
     def mean(point):
         return np.hypot(*(places - point).T).mean()
@@ -95,4 +95,4 @@ def test_the_middle_has_the_least_mean_distance():
 
 def test_an_offset_out_of_range_is_refused(strip):
     with pytest.raises(InputError, match=r"`offset` must be in 0..0.5"):
-        hand_accuracy(strip, offset=0.6)
+        off_centre_accuracy(strip, offset=0.6)

@@ -7,7 +7,7 @@ from rcskin.simulator.limits.touch_identity import (
     Sampling,
     counts,
     distances,
-    shape_of,
+    grid_text,
     upper_bound,
     with_pixels,
 )
@@ -40,10 +40,10 @@ def test_pixels_are_counted_until_they_are_not_told(noisy):
 
 def test_pixels_are_counted_in_the_proportion_of_the_scene(noisy):
     scene = noisy(length=0.18, width=0.07, rows=2, columns=6)
-    shapes = [shape_of(scene, n) for n in (2, 3, 6, 8, 12)]
+    shapes = [grid_text(scene, n) for n in (2, 3, 6, 8, 12)]
     assert shapes == ["1x2", "1x3", "2x6", "3x8", "4x12"]
-    assert shape_of(noisy(length=0.1, width=0.02, columns=3), 12) == "1x12"
-    assert shape_of(noisy(length=0.1, width=0.1, rows=3, columns=3), 5) == "5x5"
+    assert grid_text(noisy(length=0.1, width=0.02, columns=3), 12) == "1x12"
+    assert grid_text(noisy(length=0.1, width=0.1, rows=3, columns=3), 5) == "5x5"
 
 
 def test_distances_grow_with_what_is_known_of_strengths(noisy):

@@ -196,7 +196,9 @@ def test_places_are_told_as_by_a_scene_of_what_is_read(shared):
     lowest = shared.with_(alone | {"sweep.frequencies": [1e3]})
     frequencies = {"interface.1.frequencies": [1e3], "interface.2.frequencies": [1e4, 1e5]}
     both = shared.with_(frequencies)
-    first, second = (position_bound(scene, against_rest=3, most=2) for scene in (lowest, both))
+    first, second = (
+        position_bound(scene, against_rest=3, max_places=2) for scene in (lowest, both)
+    )
     assert (second.x <= first.x * (1 + 1e-9)).all()
-    whole = position_bound(shared, against_rest=3, most=2)
+    whole = position_bound(shared, against_rest=3, max_places=2)
     assert (whole.x < second.x).all()
