@@ -20,7 +20,7 @@ PREFIXES = ("\0", "\xe0")
 def key_reader() -> Iterator[Callable[[], str]]:
     """Gives a function that returns the last key since its last call, or an empty string.
 
-    The block's end restores the terminal. Without a terminal there is never a key.
+    The end of the block restores the terminal. Without a terminal the function always returns "".
     """
     if not sys.stdin.isatty():
         yield lambda: ""

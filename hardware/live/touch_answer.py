@@ -27,10 +27,10 @@ class TouchAnswer:
 
     label: in words. probability: of the label, None if unknown. pixels: probability that a pixel is
     pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its standard
-    deviations, mm. region: likelihood of places x, y in mm, from 0 outside the region that holds
-    95 % to 1. remark: a note, or empty. shared: "column" or "row" if its pixels are pressed
-    together and share one probability. Raises ValueError if a number is not finite or no
-    probability.
+    deviations, mm. region: function of x, y in mm; 0 outside the region that holds 95 % of the
+    probability, up to 1 inside. remark: a note, or empty. shared: "column" or "row" if its pixels
+    are pressed together and share one probability. Raises ValueError if a length is not finite or
+    a probability is outside 0 to 1.
     """
 
     label: str

@@ -56,9 +56,9 @@ def _rms(change: NDArray[np.complex128]) -> float:
 def _noise(change: NDArray[np.complex128], rests: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Standard deviation of real and imaginary part of a change; shape (frequency,).
 
-    It is the roughness along the frequencies, of changes of the unpressed skin or else of this
-    change. With few frequencies, it is the size of the unpressed skin's changes. rests: ohm, shape
-    (sweep, frequency).
+    With enough frequencies it is the roughness along the frequency axis: of the changes between
+    baseline sweeps or, with a single one, of this change. With few frequencies it is the size of
+    the changes between baseline sweeps. rests: ohm, shape (sweep, frequency).
     """
     at_rest = rests[1:] / rests[:-1] - 1
     if change.size >= FEWEST_FREQUENCIES:

@@ -42,9 +42,10 @@ REMOUNT_HOURS = 12.0
 class RecordingTask:
     """Specification of a recording. connect: opens the meter.
 
-    header: as known before the meter is connected; an empty session becomes the start time.
-    same_mounting: True if the skin was surely not mounted anew. switch: connects the meter to one
-    of the interfaces; None if there is one. tell: reports settings that could not be restored.
+    header: with the fields that are known before the meter is connected; an empty session becomes
+    the start time. same_mounting: True if the user said that the skin was not mounted anew. switch:
+    connects the meter to one of the interfaces; None if there is one. tell: reports settings that
+    could not be restored.
     """
 
     header: RecordingHeader

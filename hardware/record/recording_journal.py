@@ -1,7 +1,7 @@
 """Journal of a recording: a folder next to the output, with one small file per sweep.
 
-A file appears whole or not at all, and is on the disk before the next sweep begins. The folder is
-gone once the output is written.
+Each file is written completely or not at all, and before the next sweep begins. The folder is
+removed when the output is written.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class JournalEntry:
 
     @property
     def time(self) -> float:
-        """Time of its middle, s since 1970-01-01 UTC."""
+        """Time at the middle of the sweep, s since 1970-01-01 UTC."""
         return sum(self.ends) / 2
 
     @property
@@ -151,13 +151,13 @@ class RecordingJournal:
         raise InputError(f"{path}: does not hold a meter's original settings; remove the file")
 
     def drop_original_settings(self) -> None:
-        """Remove the original settings, which are restored."""
+        """Remove the file of original settings, once they are restored."""
         (self.folder / METER_FILE).unlink(missing_ok=True)
         with suppress(OSError):  # the folder holds a recording
             self.folder.rmdir()
 
     def remove(self) -> None:
-        """Remove the files, as the output holds all. Releasing the lock removes the folder."""
+        """Remove all files, which the output replaces. Releasing the lock removes the folder."""
         self.drop_original_settings()  # the user was warned of those not restored
         for path in (self.folder / HEADER, *self.folder.glob(SWEEPS)):
             path.unlink()

@@ -13,7 +13,7 @@ from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
 
 @dataclass(frozen=True)
 class ManualSwitch:
-    """A person who connects interfaces. ask: asks for one, and returns when it is connected."""
+    """A person who connects interfaces. ask: asks for one, returns when it is connected."""
 
     ask: Callable[[str], object]
 
@@ -25,7 +25,7 @@ class ManualSwitch:
         """None: the person is trusted."""
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Does nothing: no connection is open."""
 
 
 @dataclass(frozen=True)
@@ -63,4 +63,4 @@ class CommandSwitch:
         """None: the exit code is trusted."""
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Does nothing: no connection is open."""

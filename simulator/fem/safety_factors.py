@@ -8,37 +8,40 @@ singular.
 """
 
 UNIFORM = 4.0
-"""SAFETY of uniform skins, k = 1: on 226 random skins the true error was at most 3.8 D, and D in
-the median."""
+"""SAFETY of uniform skins, where k = 1. On 226 random skins the largest true error was 3.8 D, and
+the median was D."""
 VARIED = 2.0
-"""SAFETY of heterogeneous skins: on 230 meshes of 50 random skins the error was at most 1.2 times k
-D in 99 %, and equal to it in half of them."""
+"""SAFETY of heterogeneous skins. On 230 meshes of 50 random skins 99 % of the errors were at most
+1.2 k D, and the median was k D."""
 SINGULAR = 2.0
-"""k on top of UNIFORM for a mesh that serves all presses, for the worst singularities: a foil that
-ends at an inner corner, or a sheet that conducts far better along one direction. No single press
-gives an estimate of it."""
+"""k of a mesh that serves all presses of a uniform skin; it multiplies UNIFORM. It covers the worst
+singularities: a foil that ends at an inner corner, and a sheet that conducts far better along one
+direction. A single press cannot estimate it."""
 UNSEEN = 3.0
-"""k of a first mesh. The largest observed was 3.7, and 2.5 at ends of foils."""
+"""k of a first mesh, which cannot estimate it. The largest observed k was 3.7, and 2.5 at ends of
+foils."""
 LEAST, MOST = 1.3, 4.0
-"""Bounds of k. Below: smooth regions alone may have been refined. Above: k is noise where a mesh is
-far too coarse. k is larger at corners where conductance jumps by a large factor."""
+"""Bounds of an estimated k. A smaller estimate may come from refining smooth regions alone. A
+larger one is noise of a mesh that is far too coarse. The upper bound is raised at corners where
+conductance jumps by a large factor: k is larger there."""
 FORESEEN = 1.5
-"""Factor on the k that corners predict for a mesh: on some 60 meshes of 20 skins k was at most 1.6
-times the prediction, and 2.2 times at one place where Cp changes sign."""
+"""Factor on the k that the corners of a mesh predict. On about 60 meshes of 20 skins k was at most
+1.6 times the prediction, except at one place where Cp changes sign: 2.2 times."""
 TELLS = 0.1
 """Relative decrease of the difference from mesh to mesh that is needed to estimate k."""
 PARITY = 0.8
-"""Share of the previous difference that counts where the latest two orders agree and those before
-did not gain: in a cell far wider than a layer every second order hardly changes the answer."""
+"""Largest share of the previous difference that is taken as the error. This covers cells far wider
+than a boundary layer: every second order hardly changes the answer there, so the latest two orders
+may agree by chance."""
 MOST_BY_ORDERS = 5.0
 """Upper bound of k where lower orders give it."""
 MOST_GAINED = 10.0
-"""Largest gain of one order over the previous one that is accepted. In a cell far wider than a
-layer every second order hardly changes the answer: there the next order alone showed a ninth of the
-error."""
+"""Largest accepted gain of one order over the previous one. In a cell far wider than a boundary
+layer every second order hardly changes the answer: the difference from the next order alone was a
+ninth of the error there."""
 DEFLECTION = 5.0
-"""Error of the factor under a press over the part that the highest order alone holds: 4.7 at the
-point of a narrow polygon, less at right angles and where the deflection is smooth."""
+"""Error of the factor under a press over the contribution of the highest order alone. It was 4.7 at
+the tip of a narrow polygon, and less at right angles and where the deflection is smooth."""
 SAMPLED = 4.0
-"""Error of presses by depth over the largest in a sample: deep presses in a corner next to foils
-were observed at 2.9 times that."""
+"""Largest error of all presses by depth over the largest error in a sample of them. Deep presses in
+a corner next to foils had 2.9 times the largest error of the sample."""

@@ -1,9 +1,9 @@
-"""Numbering of the parts that M of a skin is a sum of; presses refer to parts by these numbers.
+"""Numbers of the parts whose sum is the capacitance matrix M. Presses refer to them by number.
 
-The foam's parts come first. If a scene has surroundings, others follow: the capacitance to earth of
-a finger on each pixel, the correction for the field along the foam in each part of it, the walls
-between parts that are pressed to different thickness, and the parts that no press changes: bodies,
-and the field along the outline.
+The foam's parts come first. If a scene has surroundings, others follow in this order: the
+capacitance to earth of a finger on each pixel; the correction for the field along the foam in each
+part of it; the walls between parts that are pressed to different thickness; the parts that no press
+changes, which are bodies and the field along the outline.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ SLOPE_STEP = 1e-5
 class Parts:
     """Number of parts of each kind, one kind after the other.
 
-    foam: see `foam_parts`; they rise by fractions of the unpressed c. fingers: one on each pixel,
-    or none; they rise by F from nothing. thickness: of the field across each part of the foam, or
-    none; they follow the factor of that part by `across`. walls: between parts of the foam, none
-    unless a scene has `edges`; they follow the factors on both sides by `wall`. fixed: for each of
-    the others the factor of a `Variation` that scales it, or SOLVED. mechanics: of foam that is
-    pressed.
+    foam: see `foam_parts`; a touch raises them by a fraction of the unpressed c. fingers: one on
+    each pixel, or none; a finger raises its part from 0 by its capacitance in F. thickness:
+    corrections for the field along each part of the foam, or none; `across` gives them from the
+    factor of that part. walls: between parts of the foam, none unless a scene has `edges`; `wall`
+    gives them from the factors on both sides. fixed: for each other part the factor of a
+    `Variation` that scales it, or SOLVED. mechanics: of the foam.
     """
 
     foam: int
@@ -57,14 +57,14 @@ class Parts:
 
     @cached_property
     def kind(self) -> tuple[slice, slice, slice, slice]:
-        """Slices of the parts of foam, fingers, the field across the foam, and walls."""
+        """Slices of the parts of foam, fingers, the field along the foam, and walls."""
         of_kinds = self.foam, self.fingers, self.thickness, self.walls.count
         foam, fingers, across, walls = np.cumsum(of_kinds).tolist()
         return slice(0, foam), slice(foam, fingers), slice(fingers, across), slice(across, walls)
 
     @property
     def around(self) -> bool:
-        """True if there are other parts than the foam."""
+        """True if there are parts other than the foam's."""
         return self.count > self.foam
 
     def finger(self, pixel: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -74,17 +74,16 @@ class Parts:
     def by_kind(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
     ) -> tuple[TouchedCells, TouchedCells]:
-        """Changes of the foam, and fingers, of a press."""
+        """Changes of a press, separated into those of the foam and those of fingers."""
         if not self.around:
             return TouchedCells(cells, rises), NOTHING
         foam = cells < self.foam
         return TouchedCells(cells[foam], rises[foam]), TouchedCells(cells[~foam], rises[~foam])
 
     def pixels(self, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Pixel of each touch on the foam or by a finger, and whether it is the first one there of
-        its press.
+        """Pixel of each touch on the foam or by a finger; True where no earlier one is on it.
 
-        Both of shape (press, touch).
+        Earlier touches are those of the same press. Both results have shape (press, touch).
         """
         pixels = np.where(cells < self.foam, cells, cells - self.foam)
         same = pixels[:, :, None] == pixels[:, None, :]
@@ -92,7 +91,7 @@ class Parts:
 
     @cached_property
     def resting(self) -> NDArray[np.float64]:
-        """Amount of each part without a press, shape (part,): no fingers and no walls."""
+        """Amount of each part without a press, shape (part,): 0 for fingers and walls, else 1."""
         found = np.ones(self.count)
         _, fingers, _, walls = self.kind
         found[fingers] = found[walls] = 0.0
@@ -116,11 +115,10 @@ class Parts:
         return 1 - np.asarray(self.mechanics.strain_at(factor))
 
     def across(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Term of the field across the foam over its unpressed value for factors of c, of shape
-        (...).
+        """Correction for the field along the foam over its unpressed value, shape (...).
 
-        It is proportional to c d²; without mechanics foam of constant permittivity is thinner by
-        the factor.
+        factor: of c, shape (...). The correction is proportional to c d². Without mechanics the
+        permittivity is constant, and the foam becomes thinner by the factor.
         """
         if self.mechanics is None:
             return 1 / factor
@@ -157,13 +155,13 @@ class Parts:
         return np.stack([self.wall_slope(one, other), self.wall_slope(other, one)], axis=1)
 
     def completed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
-        """One press as of `followed`."""
+        """Changes of one press, completed as `followed` does."""
         if not (self.thickness or self.walls.count):
             return TouchedCells(cells, rises)
         return self.followed(PressBatch.of([(cells, rises)])).one(0)
 
     def followed(self, batch: PressBatch) -> PressBatch:
-        """Same presses with their changes of the field across the foam, and with their walls."""
+        """Same presses with their changes of the field along the foam, and with their walls."""
         if not (self.thickness or self.walls.count):
             return batch
         on_foam, press = batch.cells < self.foam, batch.press
@@ -203,8 +201,10 @@ def _ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.f
 
 
 def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
-    """Number of parts of the foam: cells of a grid row by row, by default the pixels; on a mesh
-    also the foam outside them."""
+    """Number of parts of the foam: the cells of a grid, row by row, by default the pixels.
+
+    On a mesh one more part is the foam outside the cells.
+    """
     rows, columns = grid or scene.pixels.shape
     return rows * columns + (scene.skin.mesh is not None)
 

@@ -21,27 +21,27 @@ class AllowedRange(NamedTuple):
     why: str
 
 
-RTOL = AllowedRange(1e-8, 1e-2, "smaller is lost in rounding, larger is useless")
-DRAWS = AllowedRange(2, 10**6, "two have a spread; a million give an accuracy to 0.05 %")
+RTOL = AllowedRange(1e-8, 1e-2, "smaller ones are lost in rounding, larger ones are useless")
+DRAWS = AllowedRange(2, 10**6, "two draws have a spread; a million give an accuracy to 0.05 %")
 SECONDS = AllowedRange(1e-3, 1e6, "from a fast reading to days")
-PORT = AllowedRange(0, 65535, "what TCP has")
-SHARE = AllowedRange(0.0, 1.0, "a share")
-ERROR = AllowedRange(1e-9, 1.0, "a share of |Z|: from rounding to all of it")
+PORT = AllowedRange(0, 65535, "ports of TCP")
+SHARE = AllowedRange(0.0, 1.0, "a fraction")
+ERROR = AllowedRange(1e-9, 1.0, "a fraction of |Z|")
 MILLIMETRES = AllowedRange(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
 FACTOR = AllowedRange(1e-6, 1e6, "foam cannot be pressed or lifted further")
-SWEEPS = AllowedRange(1, 10**12, "a million meters would take a year")
+SWEEPS = AllowedRange(1, 10**12, "a million meters need a year for more")
 
 RANGES: dict[str, AllowedRange] = {
     "rtol": RTOL,
     "seed": AllowedRange(0, MAX_SEED, "seeds of scikit-learn end there"),
-    "session": AllowedRange(0, 2**31 - 1, "sessions are counted"),
+    "session": AllowedRange(0, 2**31 - 1, "the number of a session"),
     "sweeps": SWEEPS,
     "workers": AllowedRange(1, 256, "each is a process with its own copy of the skin"),
     "draws": DRAWS,
-    "repetitions": AllowedRange(1, 10**6, "a press a second for eleven days"),
-    "against_rest": AllowedRange(0, 10**6, "sweeps of days"),
+    "repetitions": AllowedRange(1, 10**6, "one press per second takes eleven days"),
+    "against_rest": AllowedRange(0, 10**6, "more sweeps would take days"),
     "n": AllowedRange(1, 100, "more frequencies add no information"),
-    "accuracy": AllowedRange(0.01, 0.999999, "a share of sweeps that is neither none nor all"),
+    "accuracy": AllowedRange(0.01, 0.999999, "a fraction of sweeps between none and all"),
     "size": MILLIMETRES,
     "within": MILLIMETRES,
     "factor": FACTOR,
@@ -50,13 +50,13 @@ RANGES: dict[str, AllowedRange] = {
     "certain": SHARE,
     "drift": SHARE,
     "repeatability": SHARE,
-    "folds": AllowedRange(2, 1000, "each is a training"),
-    "most": AllowedRange(1, 10**6, "kernels grow with the square of the sweeps"),
+    "folds": AllowedRange(2, 1000, "each needs a training"),
+    "most": AllowedRange(1, 10**6, "the kernel matrix grows with the square of the sweeps"),
     "touch_lasts": SECONDS,
     "touch_every": SECONDS,
     "touch_speed": AllowedRange(0.0, 1e6, "mm/s"),
     "settle": AllowedRange(0.0, 3600.0, "s: an hour at most"),
-    "retries": AllowedRange(0, 1000, "then the meter is to be looked at"),
+    "retries": AllowedRange(0, 1000, "after so many failures, check the meter"),
     "calibration_touches": AllowedRange(0, 10**6, "pressed sweeps"),
     "port": PORT,
     "control_port": PORT,
@@ -66,10 +66,10 @@ RANGES: dict[str, AllowedRange] = {
     "max_frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
     "cells": AllowedRange(1, 6, "the page grows with their square"),
 }
-"""Ranges by parameter name; other numbers are checked by scene keys or at their use."""
+"""Ranges by parameter name. Scene keys check other numbers, or the code that uses them does."""
 OWN: dict[tuple[str, str], AllowedRange] = {
-    ("study", "draws"): AllowedRange(1, 1000, "each is a training"),
-    ("gap", "draws"): AllowedRange(1, 1000, "each is a training"),
+    ("study", "draws"): AllowedRange(1, 1000, "each needs a training"),
+    ("gap", "draws"): AllowedRange(1, 1000, "each needs a training"),
     ("localize", "pace"): SECONDS,
 }
 """Ranges of parameters that mean something else in one command."""
@@ -82,9 +82,9 @@ def range_of(command: str, name: str) -> AllowedRange:
 
 
 def with_ranges(commands: typer.Typer) -> None:
-    """Makes every command refuse numbers outside their ranges before it begins.
+    """Make every command check its numbers before it begins.
 
-    The callbacks then raise InputError naming the option, the number and the range.
+    A callback then raises InputError with the option, the number and the range.
     """
     for each in commands.registered_commands:
         assert each.callback is not None

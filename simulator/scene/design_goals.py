@@ -18,17 +18,18 @@ Part = Annotated[Number, Field(ge=1e-3, le=1)]
 class Design(Table):
     """Goals and limits of `rcskin design`; everything else of the scene stays unchanged.
 
-    target, want: what sweeps shall identify, and the fraction of sweeps for which they shall;
-    within: for positions, the error [m] that half of the sweeps shall keep. wires, readings,
-    frequencies: largest numbers of wired foils, of readings between sets of them, and of
-    frequencies of each reading; by default those of the scene. seconds: longest duration of a sweep
-    on the meter. band: range of frequencies [Hz]; by default that of the scene. sheet_resistance:
-    bounds of both sheets [ohm/sq]; sheet_ratio: largest ratio between them. foam_thickness: bounds
-    [m] if the foam's thickness is given. grading: largest ratio of a sheet's resistance at opposite
-    edges. own_frequencies: true lets each reading have its own frequencies, with the same total
-    number. foils: true lets positions and lengths of foils change; foil_length: bounds of their
-    length over that of their edge. against_rest: number of baseline sweeps that each sweep is
-    compared with. casts: number of skins drawn by [dataset.session]; the worst tenth counts.
+    target: what a sweep shall identify. want: fraction of sweeps that shall identify it. within:
+    for positions, the largest median error [m]. wires, readings, frequencies: largest numbers of
+    wired foils, of readings between sets of them, and of frequencies of each reading; by default
+    those of the scene. seconds: longest duration of a sweep on the meter. band: range of
+    frequencies [Hz]; by default that of the scene. sheet_resistance: bounds for both sheets
+    [ohm/sq]. sheet_ratio: largest ratio of their resistances. foam_thickness: bounds [m] for the
+    foam; without them, or if the scene gives no thickness, the foam stays as it is. grading:
+    largest ratio of a sheet's resistances at opposite edges. own_frequencies: true lets each
+    reading have its own frequencies, with the same total number. foils: true lets positions and
+    lengths of foils change. foil_length: bounds of a foil's length over that of its edge.
+    against_rest: number of baseline sweeps that each sweep is compared with. casts: number of skins
+    drawn by [dataset.session]; the value of a design is what nine of ten of them reach.
     """
 
     target: Target = "pixel"

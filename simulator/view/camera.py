@@ -49,7 +49,7 @@ class Camera:
         return np.stack([np.tensordot(axis, places, 1) for axis in (self.right, self.up)])
 
     def aim(self, plotter: pv.Plotter) -> None:
-        """Points the plotter's camera."""
+        """Set a plotter's camera to this projection."""
         across, height = (self.low + self.high) / 2
         depth = float(self.towards @ np.array(plotter.bounds).reshape(3, 2).mean(axis=1))
         focus = across * self.right + height * self.up + depth * self.towards
@@ -71,7 +71,7 @@ def from_above(places: Real, margin: float) -> Camera:
 
 
 def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
-    """Camera in the direction `facing` (3,), but turned and higher up, y upwards."""
+    """Camera on the side to which `facing` (3,) points, turned by TURN and raised by TILT, y up."""
     up = np.array([0.0, 1.0, 0.0])
     front = facing - (facing @ up) * up
     front = front / np.linalg.norm(front) if np.linalg.norm(front) > 1e-6 else np.eye(3)[2]

@@ -16,7 +16,7 @@ from .matrices import draw_confusions
 if TYPE_CHECKING:
     from ..gap_findings import GapFindings
 
-PRESSES = {"pressed": "over the pressed pixels", "rest": "with nothing pressed"}
+PRESSES = {"pressed": "over the pressed pixels", "rest": "for the unpressed skin"}
 
 
 class Chart(NamedTuple):
@@ -45,8 +45,8 @@ def _distance_charts(findings: GapFindings) -> list[Chart]:
     return [
         Chart(
             f"distance-{kind}",
-            f"Mean of the {findings.trial.pair.label.name} less mean of the simulation, {told}; "
-            f"{stages}. A class separation is the distance of neighbouring "
+            f"Mean of the {findings.trial.pair.label.name} minus mean of the simulation, {told}. "
+            f"{stages}. A class separation is the distance between neighbouring "
             f"{findings.trial.options.target}s in the same quantity.",
             lambda path, kind=kind: draw_distances(findings, kind, path),
         )
@@ -59,9 +59,9 @@ def _accuracy_charts(findings: GapFindings) -> list[Chart]:
     noun, target = findings.trial.pair.label, findings.trial.options.target
     curves = Chart(
         "accuracy",
-        f"{target.capitalize()}s right on {noun.adjective} sweeps never trained on, against how "
-        f"many {noun.adjective} sweeps of each pixel "
-        f"{'adapted the model' if findings.model else 'were added to the simulated ones'}; bars "
+        f"Share of {target}s found in {noun.adjective} sweeps that training did not use, against "
+        f"the number of {noun.adjective} sweeps of each pixel that "
+        f"{'adapted the model' if findings.model else 'were added to the simulated ones'}. Bars "
         "are one standard deviation over the draws.",
         lambda path: draw_accuracies(findings, path),
     )
@@ -78,8 +78,8 @@ def _accuracy_charts(findings: GapFindings) -> list[Chart]:
 
 def _belief_chart(findings: GapFindings) -> list[Chart]:
     told = (
-        "How often answers of the model as it is are right against how probable it says they are, "
-        "with 95 % intervals; and how many are wrong if only the most probable ones are told."
+        "Share of right answers of the unadapted model against the probability that it states, "
+        "with 95 % intervals; and share of wrong answers if only the most probable ones are given."
     )
     if findings.model is None:
         return []
@@ -90,15 +90,15 @@ def _belief_chart(findings: GapFindings) -> list[Chart]:
 
 def _distribution_chart(findings: GapFindings) -> list[Chart]:
     told = (
-        "Distance of the distributions of the features: energy coefficient, 0 for the same and 1 "
-        "for ones far apart, and unbiased MMD²; a star where the chance of one as large without "
-        "a gap is below 5 %."
+        "Distance between the distributions of each feature: energy coefficient (0: equal, 1: far "
+        "apart) and unbiased MMD². A star marks a distance that occurs with a chance below 5 % if "
+        "there is no gap."
     )
     chart = Chart("distribution", told, lambda path: draw_distributions(findings, path))
     return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
 
 
 def _cause_chart(findings: GapFindings) -> list[Chart]:
-    told = "How much of the misfit goes when one parameter alone is fitted."
+    told = "Part of the misfit that goes away if one parameter alone is fitted."
     chart = Chart("causes", told, lambda path: draw_causes(findings, path))
     return [chart] if findings.causes else []

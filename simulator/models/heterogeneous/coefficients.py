@@ -24,9 +24,10 @@ ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 class PressCoefficients:
     """Coefficients of one press on one mesh; x: points of all its cells, m, shape (2, cell, point).
 
-    factors: c over its unpressed value by touches with sharp edges, shape (cell,). pressed:
-    deformation by a tension, None without one. fields: 1 if both sheets are one field. fingers:
-    capacitance to earth in F of each finger, and the share of each cell that it covers.
+    factors: c over its unpressed value under touches with sharp edges, shape (cell,). pressed:
+    deformation by touches that the tension spreads, or None. fields: 1 if one field serves both
+    sheets, else 2. fingers: each finger's capacitance to earth, F, and the share of each cell that
+    it covers.
     """
 
     materials: Materials
@@ -37,21 +38,21 @@ class PressCoefficients:
     _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)
 
     def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """S in S by its xx, yy and xy, shape (3, cell, point)."""
+        """Components xx, yy and xy of the sheet conductance S in S, shape (3, cell, point)."""
         S = self.conductance_of(ELECTRODES[field], x)
         return S * self._share if self.fields == 1 else S
 
     def conductance_of(self, electrode: Electrode, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Conductance of one sheet, as of `conductance`."""
+        """Conductance of one sheet, with the components and shape of `conductance`."""
         if not self.materials.scene.skin.sheet(electrode).piezoresistance:
             return self.materials.conductance(electrode, x)
         return self.materials.conductance(electrode, x, self.strain(x))
 
     def of_both_sheets(self, potential: NDArray) -> NDArray:
-        """Potentials of top and bottom sheet from those of the fields, shape (field, ...) to (2,
-        ...).
+        """Potentials of top and bottom sheet, shape (2, ...), from the fields, (field, ...).
 
-        The one field is the difference of both; each sheet has the share of its resistance.
+        A single field is the potential difference of the sheets. It divides between them in the
+        ratio of their resistances.
         """
         if self.fields == 2:
             return potential
@@ -64,7 +65,7 @@ class PressCoefficients:
     def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """eps d of the foam in F, shape (cell, point): c d².
 
-        Without mechanics a factor compresses it at constant permittivity.
+        Without mechanics a factor means compression at constant permittivity.
         """
         materials, mechanics = self.materials, self.materials.scene.skin.foam.mechanics
         thinned = 1 / self.factor(x) if mechanics is None else 1 - self.strain(x)
@@ -86,8 +87,8 @@ class PressCoefficients:
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compression of the foam over its unpressed thickness, shape (cell, point).
 
-        Where only a factor is given, the strain that causes it; without mechanics at constant
-        permittivity.
+        Where only a factor is given, it is the strain that causes this factor. Without mechanics
+        the permittivity is constant.
         """
         mechanics = self.materials.scene.skin.foam.mechanics
         sharp = (mechanics.strain_at if mechanics else strain_of)(self.factors)[:, None]
@@ -118,7 +119,7 @@ class PressCoefficients:
 
     @property
     def _share(self) -> float:
-        """Share of the top sheet's resistance in both sheets' in series; the sheets vary alike."""
+        """Resistance of the top sheet over the sum of both, which is the same everywhere."""
         corner = np.zeros((2, 1))
         top, bottom = (self.materials.conductance(each, corner)[0, 0] for each in ELECTRODES)
         return float(bottom / (top + bottom))

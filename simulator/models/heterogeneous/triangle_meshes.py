@@ -36,29 +36,31 @@ if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
 ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
-"""Order of elements by the tolerance from which on it is used: in general, and for deflected skins.
-One order more estimates the error. Order 1 needs more unknowns for 1e-2 than order 2 for 1e-3."""
+"""Pairs of the smallest tolerance and the order of elements for it: in general, and for deflected
+skins. Elements of one order more estimate the error. Order 1 is not used: it needs more unknowns
+for 1e-2 than order 2 for 1e-3."""
 MOST_TRIANGLES = 60_000
 FIRST_SHARE = 0.25
 """Share of MOST_TRIANGLES for a first mesh, so that finer ones can follow."""
 DEPTHS_PER_ORDER = 1.0
-"""Longest edges at foils, over the length that a polynomial of that order follows at the highest
-frequency."""
+"""Longest edge of a triangle at a foil over the depth of the field, for each order of the elements,
+at the highest frequency."""
 AIMED = 1.2
-"""Predicted error that meshes are refined for, over the tolerance."""
+"""Predicted error at which refining of the next mesh stops, over the tolerance."""
 LEAST_GAIN = 0.5
-"""Largest error that the next mesh is refined for, over the error expected of this one."""
+"""Upper limit of the predicted error of the next mesh, over the expected error of this mesh."""
 TELLS_OF = 0.2
-"""Times an error squared: the part of it that may lie away from its source. The next mesh is not
-refined for less."""
+"""Factor on the square of an error. The product is the part of the error that may arise in other
+triangles than those with a large share of it. The next mesh is not refined for less."""
 SECOND, CORNER_SHARE = 5e-5, 0.25
-"""Tolerances below need a second mesh, whose corners the first one shows. For others: the share of
-the tolerance for a corner of a first mesh."""
+"""SECOND: below this tolerance a second mesh is needed. The solution on the first mesh shows which
+corners to refine, so the first mesh is not refined there. CORNER_SHARE: for other tolerances, the
+share of the tolerance that each corner of the first mesh may use."""
 SMALLEST = 1e-14
-"""Smallest longest edge of a triangle over the skin's side: smaller ones lose their shape in
-rounding."""
+"""Lower limit of the longest edge of any triangle, over the longest side of the skin. Smaller
+triangles lose their shape in rounding."""
 FALLS = 2.0
-"""Rate by which |V|² falls towards a touch, per depth of the field."""
+"""Decay of |V|² towards a touch, per depth of the field."""
 
 
 class Triangles:
@@ -87,7 +89,7 @@ class Triangles:
     def again(self, pressed: Deformation) -> Triangles:
         """Meshes for other depths of the same touches.
 
-        They start from the latest mesh, with all that is solved on it and does not change.
+        The first one is the latest mesh. Solutions on it that the depths do not change are kept.
         """
         other = copy(self)
         other.pressed, other._before, other._course = pressed, None, self._course.again()
@@ -96,8 +98,8 @@ class Triangles:
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """Next discretisation, for frequencies in Hz.
 
-        Raises ToleranceError if more than MOST_TRIANGLES would be needed in the end, or it could
-        not suffice.
+        Raises ToleranceError if the tolerance needs more than MOST_TRIANGLES, triangles too small
+        for double precision, or a more exact geometry of touches and outlines.
         """
         ends = np.unique(frequency[[0, -1]])
         if self._before is None or self._domain is None:
@@ -150,8 +152,8 @@ class Triangles:
         return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
     def _first(self, ends: NDArray[np.float64]) -> Domain:
-        """Coarsest mesh; after other depths the one that sufficed there, for the same first and
-        last frequency in Hz."""
+        """First mesh: the coarsest one. After other depths of the same touches it is the latest
+        mesh, if the first and last frequency, Hz, are the same."""
         known = self._domain if np.array_equal(ends, self._ends) else None
         self._ends = ends
         if known or self.pressed:
@@ -159,8 +161,8 @@ class Triangles:
         return self._towards_corners(self.coarsest(float(ends[-1]), between=False))
 
     def _towards_corners(self, mesh: Domain) -> Domain:
-        """Mesh refined towards corners as often as they mostly need it, if the rest may suffice as
-        it is."""
+        """Mesh refined towards corners by their approximate errors. For a tolerance below SECOND,
+        the mesh itself."""
         if self.rtol < SECOND:
             return mesh
         exponents = self._exponents(mesh, self._coefficients(mesh))
@@ -168,7 +170,7 @@ class Triangles:
         return graded(mesh, parts, CORNER_SHARE * self.rtol, self.order, exponents)[0]
 
     def coarsest(self, frequency: float, between: bool = True) -> Domain:
-        """First mesh: finer at foils and no coarser than maps vary. frequency: Hz.
+        """Coarsest mesh that is fine enough at foils and for the maps. frequency: Hz.
 
         between: True if it conforms to all pixels, not only to pressed ones. Raises ToleranceError
         for a skin so narrow that no mesh could be any finer.
@@ -285,7 +287,7 @@ def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
 
 
 def _check_width(length: float, width: float, size: float) -> None:
-    """Raise ToleranceError if triangles of a size, or as wide as a skin, are too many; m."""
+    """Raise ToleranceError if triangles no larger than `size` or a side are too many; all in m."""
     edge = min(length, width, size)
     needed = length * width / (math.sqrt(3) / 4 * edge**2)
     if needed > FIRST_SHARE * MOST_TRIANGLES:

@@ -80,7 +80,7 @@ BEYOND_NAMED = 1.25
 """Fingers are drawn up to this factor times the strongest one that a scene names."""
 AT_ENDS = 0.25
 """Fingers are drawn beyond either end of their range by this share of it, and clipped to that end.
-The same share of touches does not press. A finger that only touches may thus be drawn at an end."""
+The same share of touches does not press. So some draws are fingers at an end that only touch."""
 
 
 def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
@@ -107,7 +107,10 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
 
 
 def strongest_finger(scene: Scene) -> float:
-    """Strongest finger in the training, F: LARGEST_FINGER, or more than the scene names."""
+    """Capacitance of the strongest finger in the training, F.
+
+    It is LARGEST_FINGER, or BEYOND_NAMED times the strongest finger of the scene if that is more.
+    """
     drawn = scene.dataset.press.finger
     pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene))
     named = [0.0 if drawn is None else drawn.high, *(finger_of(p, None, scene) for p in pixels)]
@@ -133,14 +136,17 @@ def covering(draw: Draw, random: np.random.Generator, cells: int, idle: int) -> 
 
 
 def sharing_skins(cases: list[Case], presses: int) -> list[Case]:
-    """Same presses, each group of `presses` on the skin of its first: a skin costs more."""
+    """Same presses on fewer skins, because a skin costs more than a press.
+
+    Each group of `presses` cases takes the skin of its first case.
+    """
     return [
         replace(case, variation=cases[k - k % presses].variation) for k, case in enumerate(cases)
     ]
 
 
 def by_skin(cases: list[Case], scene: Scene) -> list[list[int]]:
-    """Indices of the cases on each skin; each case is on its own if presses change the sheets."""
+    """Indices of the cases, grouped by skin. If presses change the sheets, a group is one case."""
     if gauged(scene.skin):
         return [[k] for k in range(len(cases))]
     found: dict[int, list[int]] = {}
