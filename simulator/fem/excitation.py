@@ -53,9 +53,9 @@ class Excitation:
         }
 
     @classmethod
-    def read(cls, told: dict[str, Any]) -> Excitation:
+    def read(cls, stored: dict[str, Any]) -> Excitation:
         """Excitation from the dictionary of a model file."""
-        return cls(**{name: _tuples(own) for name, own in told.items()})
+        return cls(**{name: _tuples(own) for name, own in stored.items()})
 
 
 def through_virtual_earth(high: tuple[int, ...], low: tuple[int, ...]) -> tuple[Excitation, ...]:

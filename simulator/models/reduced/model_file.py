@@ -28,12 +28,14 @@ OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
 FIXED = "fixed"
 """Name of an array that only models of scenes with surroundings have."""
+DESCRIPTION = "told"
+"""Name in the archive of everything that is no array, as JSON."""
 
 
 def save(reduced: Reduced, path: Path) -> None:
     """Writes a model. Equal models give equal bytes of arrays."""
-    mesh, of_mesh = _told_mesh(reduced.mesh)
-    told = {
+    mesh, of_mesh = _mesh_description(reduced.mesh)
+    description = {
         "scene": scene_text(reduced.scene),
         "fields": reduced.circuit.fields,
         "drives": [drive.stored() for drive in reduced.circuit.excitations],
@@ -47,7 +49,7 @@ def save(reduced: Reduced, path: Path) -> None:
     arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
     with kept_file(path) as unfinished:
         with unfinished.open("wb") as file:
-            np.savez(file, allow_pickle=False, told=json.dumps(told), **arrays)
+            np.savez(file, allow_pickle=False, **{DESCRIPTION: json.dumps(description)}, **arrays)
         digests.seal_archive(unfinished)
 
 
@@ -79,19 +81,19 @@ def load(path: Path) -> Reduced:
 
 def _read(path: Path) -> Reduced:
     with np.load(path, allow_pickle=False) as archive:
-        told = json.loads(str(archive["told"]))
+        description = json.loads(str(archive[DESCRIPTION]))
         arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
         arrays |= {FIXED: archive[FIXED]} if FIXED in archive else {}
         frequency = archive.get("frequency")
-        mesh = _mesh(told, archive)
+        mesh = _mesh(description, archive)
         beside = beside_from(archive)
         _check_finite({name: archive[name] for name in archive.files if name != digests.MEMBER})
-    scene = parse_scene(told["scene"], str(path))
-    circuit = circuit_of(scene, told["fields"] == 1)
-    if circuit.fields != told["fields"]:
-        raise InputError(f"{path}: one field cannot tell what its scene's interfaces drive")
-    if "drives" in told:
-        drives = tuple(Excitation.read(own) for own in told["drives"])
+    scene = parse_scene(description["scene"], str(path))
+    circuit = circuit_of(scene, description["fields"] == 1)
+    if circuit.fields != description["fields"]:
+        raise InputError(f"{path}: one field cannot represent the interfaces of its scene")
+    if "drives" in description:
+        drives = tuple(Excitation.read(own) for own in description["drives"])
         circuit = replace(circuit, excitations=drives)
     arrays["frequency"] = scene.frequencies if frequency is None else frequency
     _check_sizes(arrays, max(terminal.field for terminal in circuit.terminals) + 1)
@@ -99,9 +101,9 @@ def _read(path: Path) -> Reduced:
         scene=scene,
         circuit=circuit,
         mesh=mesh,
-        modes=told["modes"],
-        rtol=told["rtol"],
-        mesh_error=told["mesh_error"],
+        modes=description["modes"],
+        rtol=description["rtol"],
+        mesh_error=description["mesh_error"],
         **arrays,
     )
     return model if beside is None else with_beside(model, beside)
@@ -136,7 +138,7 @@ def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
         raise ValueError(f"`terminal_field` must be from 0 on and < {fields}")
 
 
-def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:
+def _mesh_description(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:
     """Description of a mesh for the file's JSON, and its arrays."""
     if isinstance(mesh, Resolution):
         return {"resolution": asdict(mesh)}, {}
@@ -147,17 +149,17 @@ def _told_mesh(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:
     return {"order": mesh.order, "foils": list(domain.foils)}, arrays
 
 
-def _mesh(told: dict[str, Any], archive: Mapping[str, NDArray]) -> Mesh:
-    if "resolution" in told:
-        return _resolution(told["resolution"])
-    foils = {name: archive[f"mesh_foil_{k}"] for k, name in enumerate(told["foils"])}
+def _mesh(description: dict[str, Any], archive: Mapping[str, NDArray]) -> Mesh:
+    if "resolution" in description:
+        return _resolution(description["resolution"])
+    foils = {name: archive[f"mesh_foil_{k}"] for k, name in enumerate(description["foils"])}
     p, t, pixel, covered, seams = (archive[name] for name in OF_DOMAIN)
     arcs = Arcs(archive["mesh_arcs"], archive["mesh_curvature"])
-    return Triangulation(Domain(p, t, pixel, covered, foils, seams, arcs), told["order"])
+    return Triangulation(Domain(p, t, pixel, covered, foils, seams, arcs), description["order"])
 
 
-def _resolution(told: dict[str, Any]) -> Resolution:
+def _resolution(description: dict[str, Any]) -> Resolution:
     touched, lines = (
-        (tuple(x), tuple(y)) for x, y in (told.pop(name) for name in ("touched", "lines"))
+        (tuple(x), tuple(y)) for x, y in (description.pop(name) for name in ("touched", "lines"))
     )
-    return Resolution(**told, touched=touched, lines=lines)
+    return Resolution(**description, touched=touched, lines=lines)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -15,22 +14,29 @@ from .applicator_tables import Tables
 from .applicators import Applicators
 from .indentation_model import Indented
 
-OF_PIXELS = ("of_pixel", "turn", "shift", "far")
-OF_TABLES = tuple(each.name for each in fields(Tables))
-OF_COURSE = tuple(each.name for each in fields(DepthSeries))
+OF_PIXELS = {name: f"applied_{name}" for name in ("of_pixel", "turn", "shift", "far")}
+OF_TABLES = {name: f"table_{name}" for name in ("bases", "parts", "matrices", "doubts")}
+OF_SERIES = {name: name for name in ("p", "nodes", "depth", "count", "w", "unsure", "force")}
+"""Name in the file of each attribute that is stored; those of series have a prefix, see `_name`."""
 
 
 def arrays_of(model: Indented) -> dict[str, NDArray]:
     """Arrays of a model's applicators and tables, by their names in the file."""
     known, own = model.applicators, model.tables
     assert known is not None and own is not None
-    found = {f"applied_{name}": np.asarray(getattr(known, name)) for name in OF_PIXELS}
-    found |= {f"table_{name}": getattr(own, name) for name in OF_TABLES}
-    for number, course in enumerate(known.courses):
+    found = {stored: np.asarray(getattr(known, name)) for name, stored in OF_PIXELS.items()}
+    found |= {stored: getattr(own, name) for name, stored in OF_TABLES.items()}
+    for number, series in enumerate(known.courses):
         found |= {
-            f"course_{number}_{name}": np.asarray(getattr(course, name)) for name in OF_COURSE
+            _name(number, stored): np.asarray(getattr(series, name))
+            for name, stored in OF_SERIES.items()
         }
     return found
+
+
+def _name(number: int, stored: str) -> str:
+    """Name in the file of an array of one depth series."""
+    return f"course_{number}_{stored}"
 
 
 Beside = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
@@ -44,14 +50,17 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
     if "table_bases" not in archive:
         return None
     count = int(archive["applied_of_pixel"].max()) + 1
-    courses = []
+    all_series = []
     for number in range(count):
-        own: dict[str, Any] = {name: archive[f"course_{number}_{name}"] for name in OF_COURSE}
+        own: dict[str, Any] = {
+            name: archive[_name(number, stored)] for name, stored in OF_SERIES.items()
+        }
         own["count"] = int(own["count"])
-        courses.append(DepthSeries(**own))
-    of_pixels: dict[str, Any] = {name: archive[f"applied_{name}"] for name in OF_PIXELS}
+        all_series.append(DepthSeries(**own))
+    of_pixels: dict[str, Any] = {name: archive[stored] for name, stored in OF_PIXELS.items()}
     of_pixels["far"] = float(of_pixels["far"])
-    return of_pixels, Tables(**{k: archive[f"table_{k}"] for k in OF_TABLES}), tuple(courses)
+    of_tables = {name: archive[stored] for name, stored in OF_TABLES.items()}
+    return of_pixels, Tables(**of_tables), tuple(all_series)
 
 
 def with_beside(model: Reduced, beside: Beside) -> Indented:
