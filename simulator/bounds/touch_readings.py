@@ -15,7 +15,7 @@ from ..measure.readout import errors_of, observed
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.indentation.indentation_draws import felt_beside
+from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
@@ -205,7 +205,7 @@ class TouchReadings:
             min(LEAST_FACTOR, float(presses.low)),
             max(LARGEST_FACTOR, float(presses.high)),
         )
-        if size is not None and felt_beside(scene):
+        if size is not None and scene_spreads_presses(scene):
             self._factors = 1.0, max(min(LARGEST_FACTOR, scene.max_factor), float(presses.high))
 
     def train(self, progress: ProgressCallback = silent) -> None:

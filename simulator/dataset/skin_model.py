@@ -101,7 +101,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
 
     alike, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
-    return reduced_for(divided, trained_to, draw, modes=modes, alike=alike)
+    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=alike)
 
 
 def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:

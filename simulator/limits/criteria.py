@@ -30,7 +30,7 @@ from ..bounds.touches.area_rasterizer import RasterizedTouch
 from ..bounds.touches.depth_rasterizer import touches_on
 from ..bounds.touches.pixel_touches import middles
 from ..measure.readout import ErrorModel, observed
-from ..models.reduced.indentation.indentation_draws import felt_beside
+from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.response import Response
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.scene import Scene
@@ -139,7 +139,7 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
     if scene.pixels.groups is not None and not of_its_size:
         raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
-    if scene.pixels.groups is None and (felt_beside(scene) or not of_its_size):
+    if scene.pixels.groups is None and (scene_spreads_presses(scene) or not of_its_size):
         laying = touches_on(scene, fields.grid, touch)
         return [laying.laid(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()

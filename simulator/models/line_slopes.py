@@ -71,11 +71,11 @@ class LineModel:
         """Bound on the relative error: 0, because the line is exact."""
         return 0.0
 
-    def alike(self, given: Mapping[str, float] | None = None) -> bool:
+    def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
         """True if `respond_together` takes presses, see `Forward.alike`."""
         return True
 
-    def factors_at_rest(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:
+    def unpressed_factors(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:
         """c of each unpressed cell over that of the scene."""
         factor = math.exp(all_values(self.scene, given)["capacitance"])
         return np.full(len(self._C), factor)

@@ -58,7 +58,7 @@ class Variation:
         return np.concatenate([foam, np.ones(parts.fingers), across, walls, fixed])
 
     @property
-    def alike(self) -> bool:
+    def same_sheets(self) -> bool:
         """True if both sheets vary over the skin in the same way."""
         top, bottom = self.top / self.top[0], self.bottom / self.bottom[0]
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))

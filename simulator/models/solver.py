@@ -37,8 +37,8 @@ from .uniform import equivalent_press, equivalent_scene, require_plain
 
 if TYPE_CHECKING:
     from .mechanics.deformation import Deformation
-    from .reduced.factor_press_model import OfPixels
-    from .reduced.indentation.indentation_press_model import Applied
+    from .reduced.factor_press_model import FactorPressModel
+    from .reduced.indentation.indentation_press_model import IndentationPressModel
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
@@ -224,10 +224,10 @@ class Solver:
             return progress.reject(f"reduced: {reason}")
 
     @cached_property
-    def _applied(self) -> Applied:
-        from .reduced.indentation.indentation_press_model import Applied
+    def _applied(self) -> IndentationPressModel:
+        from .reduced.indentation.indentation_press_model import IndentationPressModel
 
-        return Applied(self.scene, self.rtol, self.frequency)
+        return IndentationPressModel(self.scene, self.rtol, self.frequency)
 
     def explain(self, press: Press, answer: Solution) -> str:
         """Text: the model of each frequency, its estimated error, and the rejected models."""
@@ -308,7 +308,10 @@ class Solver:
         self._within_sweep(self._of_pixels, press, progress)
 
     def _within_sweep(
-        self, model: OfPixels | Applied, press: Press, progress: SolutionProgress
+        self,
+        model: FactorPressModel | IndentationPressModel,
+        press: Press,
+        progress: SolutionProgress,
     ) -> None:
         """Offer the results of a reduced model at all frequencies that it is certified for.
 
@@ -317,7 +320,7 @@ class Solver:
         asked, (low, high) = progress.frequency, self.frequency[[0, -1]]
         within = (low <= asked) & (asked <= high)
         if within.any():
-            progress.offer(model.rung(press, asked[within]), within)
+            progress.offer(model.result(press, asked[within]), within)
         if not within.all():
             beyond = ", ".join(f"{f:g}" for f in asked[~within])
             raise InputError(
@@ -325,10 +328,10 @@ class Solver:
             )
 
     @cached_property
-    def _of_pixels(self) -> OfPixels:
-        from .reduced.factor_press_model import OfPixels
+    def _of_pixels(self) -> FactorPressModel:
+        from .reduced.factor_press_model import FactorPressModel
 
-        return OfPixels(self._even, self.rtol, self.frequency)
+        return FactorPressModel(self._even, self.rtol, self.frequency)
 
     def _sheet(self, resolution: Resolution) -> SheetModel:
         """Sheet model at a resolution; the oldest ones are dropped, because they are large."""

@@ -28,7 +28,7 @@ def page(
     believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
     is for looking at one press in space instead.
     """
-    from ..models.reduced.indentation.indentation_draws import felt_beside
+    from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
     from ..models.uniform import uniformly_pressed
     from ..progress import on_terminal
     from ..requests.console import note, report_written
@@ -41,7 +41,7 @@ def page(
     asked = requested_scene(scene)
     skin = uniformly_pressed(asked, "a page")
     note_if_noise_free(scene, skin)
-    if felt_beside(asked):
+    if scene_spreads_presses(asked):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         beside = "what the foam's tension spreads beside them is left out"
         note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")

@@ -15,7 +15,7 @@ from ..fem.quadrature import rule_at
 from ..models.heterogeneous.elements import triangles
 from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.family import Family, Triangulation
-from ..models.reduced.families.uniform_family import EvenFamily
+from ..models.reduced.families.uniform_family import UniformFamily
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..scene.scene import Scene
 from .locating import located
@@ -64,7 +64,7 @@ class Pictured:
 def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
     """Fields of a skin at the raster's points."""
     family = skin.reduced.family
-    if isinstance(family, EvenFamily):
+    if isinstance(family, UniformFamily):
         at_points, on_skin = _on_squares(family, raster), np.ones(raster.points.shape[1], bool)
     else:
         at_points, on_skin = _on_triangles(family, raster)
@@ -78,7 +78,7 @@ def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
     )
 
 
-def _on_squares(family: EvenFamily, raster: Raster) -> csr_matrix:
+def _on_squares(family: UniformFamily, raster: Raster) -> csr_matrix:
     basis = CellBasis(family.system.pixels.mesh, quadrilateral(family.mesh.order), intorder=1)
     return csr_matrix(basis.probes(raster.points))
 

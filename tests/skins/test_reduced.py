@@ -112,7 +112,7 @@ def test_slow_waves_of_the_sheets_are_maps_of_the_sheets(kinds):
             np.zeros(0),
         )
 
-    reduced = reduce(plain, RTOL, one, modes=len(HALF_WAVES), alike=False)
+    reduced = reduce(plain, RTOL, one, modes=len(HALF_WAVES), same_sheets=False)
     wave = 0.15
     nodes = np.linspace(0, 1, 41)
     factors = 1 / (1 + wave * np.cos(np.pi * nodes))

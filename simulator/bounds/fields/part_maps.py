@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.parameters import of_parts
-from ...models.reduced.indentation.indentation_draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
 from .edge_walls import Edges
@@ -45,7 +45,7 @@ class PartMaps:
     def edges(self, factors: Array, directions: Mapping[str, Array]) -> Edges | None:
         """The walls of one touch by its map and how that changes; None where there are none, as
         where a tension spreads how the scene is pressed."""
-        if not self.parts.walls.count or felt_beside(self._scene):
+        if not self.parts.walls.count or scene_spreads_presses(self._scene):
             return None
         by = {name: self.of_foam(change, 0.0) for name, change in directions.items()}
         return Edges.of(self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape)

@@ -55,7 +55,7 @@ class PressedSkin:
 
     def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         """Change of M in F by changes of the parts over the scene's own, shape (part,)."""
-        skin, weights = self._skin, change * self._skin.rest_factors
+        skin, weights = self._skin, change * self._skin.unpressed_factors
         factors = skin.rest.factors
         cells = np.flatnonzero(weights[: len(factors)])
         found = added(factors, cells, weights[cells])

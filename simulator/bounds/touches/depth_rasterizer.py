@@ -25,7 +25,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
     window,
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
-from ...models.reduced.indentation.indentation_draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...scene.scene import Scene
 from .area_rasterizer import Array, CellGrid, Place, RasterizedTouch, TouchSize
 from .node_sharing import shared_by_cells
@@ -153,6 +153,6 @@ def around(windows: Sequence[Window]) -> Window:
 
 def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> CellGrid | Deep:
     """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
-    if felt_beside(scene):
+    if scene_spreads_presses(scene):
         return Deep(scene, grid, (touch.width, touch.height))
     return CellGrid.of(scene.skin.length, scene.skin.width, grid)

@@ -16,7 +16,7 @@ from ...mesh.finger_cells import with_fingers_at
 from ...mesh.pixel_coverage import pixel_coverage
 from ...models.mechanics.lattice.relaxed_presses import Applicators, Window, independent, raised
 from ...models.mechanics.lattice.skin_lattice import Lattice
-from ...models.reduced.indentation.indentation_draws import felt_beside
+from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
@@ -48,7 +48,7 @@ def about_pixels(
 
     size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
     """
-    if felt_beside(scene):
+    if scene_spreads_presses(scene):
         return DepthPixelTouches(scene, grid, size, strongest)
     return SharpPixelTouches(scene, grid, size)
 

@@ -208,7 +208,7 @@ class Materials:
         return np.sqrt(np.sum(np.sum(tangents(self.scene, x) * along, axis=1) ** 2, axis=0))
 
     @property
-    def alike(self) -> bool:
+    def same_sheets(self) -> bool:
         """True if both sheets' conductances are in one ratio everywhere, pressed or not."""
         top, bottom = self.scene.skin.top, self.scene.skin.bottom
         same_maps = top.map == bottom.map or None not in (_uniform(top), _uniform(bottom))

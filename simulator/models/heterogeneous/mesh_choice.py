@@ -136,13 +136,13 @@ def meshes(
     return triangles
 
 
-def circuit_of(scene: Scene, alike: bool = True) -> Circuit:
+def circuit_of(scene: Scene, same_sheets: bool = True) -> Circuit:
     """Circuit with one field if both sheets and their foils vary alike, else with two.
 
     alike: True if they vary alike on all skins that share the model.
     """
     even = equivalent_scene(scene)
-    return (_single(scene, even) if alike else None) or two_fields(even)
+    return (_single(scene, even) if same_sheets else None) or two_fields(even)
 
 
 def single_field(scene: Scene) -> Circuit | None:
@@ -151,4 +151,4 @@ def single_field(scene: Scene) -> Circuit | None:
 
 
 def _single(scene: Scene, even: Scene) -> Circuit | None:
-    return one_field(even) if Materials(scene).alike else None
+    return one_field(even) if Materials(scene).same_sheets else None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...press.batch import PressBatch
-from ..reduced.dense import Rest, between_terminals, mass_of, own_axes
+from ..reduced.dense import UnpressedMass, between_terminals, mass_of, own_axes
 from .woodbury_kernel import UnpressedNetwork, by_touches
 
 
@@ -32,7 +32,7 @@ class Wiring(NamedTuple):
 
 
 def admittances(
-    rest: Rest, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
+    rest: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Y in S beyond that at zero frequency, for many presses, shape (press, s, N, N).
 
@@ -50,7 +50,12 @@ def admittances(
 
 @compiled()
 def _of_few(
-    rest: Rest, known: UnpressedNetwork, batch: PressBatch, many: NDArray, s: NDArray, Y: NDArray
+    rest: UnpressedMass,
+    known: UnpressedNetwork,
+    batch: PressBatch,
+    many: NDArray,
+    s: NDArray,
+    Y: NDArray,
 ) -> None:  # pragma: no cover
     """Admittances of presses that do not touch many cells, written into Y."""
     (cells, weights, starts), press = batch, 0

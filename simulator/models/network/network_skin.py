@@ -45,7 +45,7 @@ class NetworkSkin:
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
-        weighted = self.skin.parts.followed(batch).weighted(self.skin.rest_factors)
+        weighted = self.skin.parts.followed(batch).weighted(self.skin.unpressed_factors)
         return admittances(self.skin.rest, self._at_rest, weighted, self.s)
 
     @property

@@ -55,7 +55,7 @@ def trained(
     """
     require_no_spread(scene)
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
-    return reduce(scene, rtol, draw, alike=False, readings=chain(scene), **more)
+    return reduce(scene, rtol, draw, same_sheets=False, readings=chain(scene), **more)
 
 
 def require_no_spread(scene: Scene) -> None:
@@ -73,7 +73,7 @@ def reduced_for(
     draw: Draw | None = None,
     *,
     modes: int = 1,
-    alike: bool = True,
+    same_sheets: bool = True,
     progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
@@ -82,17 +82,17 @@ def reduced_for(
     rtol, draw, modes, alike, progress, frequency: as of `reduce`.
     """
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
-    if not many(scene, alike):
-        return reduce(scene, rtol, draw, alike=alike, **more)
+    if not needs_all_terminals(scene, same_sheets):
+        return reduce(scene, rtol, draw, same_sheets=same_sheets, **more)
     return read(trained(scene, rtol, draw, **more), scene.interfaces)
 
 
-def many(scene: Scene, alike: bool = True) -> bool:
+def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
     """True if a scene of two fields, pressed by factors, has more interfaces than a chain.
 
     alike: as of `reduce`.
     """
-    if spreading(scene) or (alike and single_field(scene) is not None):
+    if spreading(scene) or (same_sheets and single_field(scene) is not None):
         return False
     return len(scene.interfaces) > len(chain(scene))
 

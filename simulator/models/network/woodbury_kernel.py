@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ..reduced.dense import Rest, between_terminals
+from ..reduced.dense import UnpressedMass, between_terminals
 
 SIDE_BY_SIDE = 64
 """Maximum number of s together: more would not fit into the processor's cache."""
@@ -37,7 +37,7 @@ class UnpressedNetwork(NamedTuple):
     own: NDArray[np.float64]
 
 
-def unpressed_network(rest: Rest, s: NDArray[np.complex128]) -> UnpressedNetwork:
+def unpressed_network(rest: UnpressedMass, s: NDArray[np.complex128]) -> UnpressedNetwork:
     """Unpressed quantities of a skin. s: rad/s."""
     N = len(rest.rows)
     beside = rest.rows[:, N:]
@@ -61,7 +61,7 @@ def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 @compiled()
 def by_touches(
-    rest: Rest, known: UnpressedNetwork, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+    rest: UnpressedMass, known: UnpressedNetwork, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
 ) -> None:  # pragma: no cover
     """Y in S beyond that at zero frequency, shape (press, s, N, N), of presses on the same cells.
 
@@ -88,7 +88,7 @@ def by_touches(
 
 @compiled()
 def _put_together(
-    rest: Rest, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
+    rest: UnpressedMass, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
 ) -> None:  # pragma: no cover
     """Q from the diagonal on, and E in the columns after it, shape (size, size + N, 2, s)."""
     N, (size, _, _, count) = len(rest.rows), together.shape

@@ -74,7 +74,9 @@ def residual_power(
     return (residual * space.solve(residual)).sum(axis=0).reshape(2, -1).sum(axis=0)
 
 
-def least_conductance(weights: Weights, circuit: Circuit, modes_of_sheet: int, parts: int) -> float:
+def min_conductance_factor(
+    weights: Weights, circuit: Circuit, modes_of_sheet: int, parts: int
+) -> float:
     """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero.
 
     parts: number of parts that each term of a sheet is split into.

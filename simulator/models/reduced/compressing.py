@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...fem.error_estimate import relative_difference
 from ...press.parts import parts_of
 from .cases import Case
-from .families.masses import thinned
+from .families.masses import compressed_factors
 from .reduced_model import Reduced
 from .reduced_skin import ReducedSkin
 
@@ -24,7 +24,9 @@ def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
     exact = _impedances(reduced, cases)
     share = COMPRESSED_SHARE * reduced.rtol
     while True:
-        factors = thinned(reduced.factors, typical(reduced), share, parts_of(reduced.scene))
+        factors = compressed_factors(
+            reduced.factors, typical(reduced), share, parts_of(reduced.scene)
+        )
         candidate = replace(reduced, factors=factors)
         change = relative_difference(_impedances(candidate, cases), exact)
         if change.max() <= COMPRESSED_SHARE * reduced.rtol:

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 from ...fem.excited_terminals import ExcitedTerminals
 
 
-class Rest(NamedTuple):
+class UnpressedMass(NamedTuple):
     """Unpressed M of a skin, and the factors of what its cells add.
 
     The coordinates are terminals, then basis vectors. rows: rows of the terminals in M, F, shape
@@ -25,7 +25,7 @@ class Rest(NamedTuple):
     factors: NDArray[np.float64]
 
 
-class Feed(NamedTuple):
+class DenseExcitation(NamedTuple):
     """One excitation: potentials of terminals, V.
 
     conductance: at zero frequency, S. driven: shape (terminal,). tied: potentials of floating
@@ -45,10 +45,10 @@ REGISTER = 8
 """Count of numbers that processors take at once, or a multiple of it."""
 
 
-def aligned(rest: Rest) -> Rest:
+def aligned(rest: UnpressedMass) -> UnpressedMass:
     """Matrices padded with coordinates that stay 0, so that loops end with whole registers."""
     beside = -rest.rows.shape[1] % REGISTER
-    return Rest(*(widened(each, each.shape[-1] + beside) for each in rest))
+    return UnpressedMass(*(widened(each, each.shape[-1] + beside) for each in rest))
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
@@ -97,10 +97,10 @@ def _without_common(
     return conductance
 
 
-def feed_of(driven: ExcitedTerminals) -> Feed:
+def dense_excitation(driven: ExcitedTerminals) -> DenseExcitation:
     """Excitation in the form that the kernel takes."""
     own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
-    return Feed(
+    return DenseExcitation(
         conductance=driven.conductance,
         driven=np.ascontiguousarray(driven.potential),
         tied=np.ascontiguousarray(driven.floating[:, ~driven.common].T),
@@ -117,7 +117,7 @@ Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 def solved(
     drives: Sequence[ExcitedTerminals],
-    rest: Rest,
+    rest: UnpressedMass,
     cells: NDArray[np.int64],
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
@@ -134,7 +134,7 @@ def solved(
     rows = rest.rows + (U[:, :, :N] * C[:, :, None]).transpose(0, 2, 1) @ U
     if MANY * rank <= len(rest.diagonal):
         P = (1 / (1 + s[:, None] * rest.diagonal))[None]
-        seen = _seen(rest, cells, C, s[:, None] * P[0])
+        seen = _capacitance_matrices(rest, cells, C, s[:, None] * P[0])
         return [_by_touches(driven, rows, P, U[:, :, N:], C, seen, s) for driven in drives]
     M = (U[:, :, N:] * C[:, :, None]).transpose(0, 2, 1) @ U[:, :, N:]
     M[:, range(M.shape[1]), range(M.shape[1])] += rest.diagonal
@@ -147,8 +147,11 @@ def solved(
     return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
 
 
-def _seen(
-    rest: Rest, cells: NDArray[np.int64], C: NDArray[np.float64], sP: NDArray[np.complex128]
+def _capacitance_matrices(
+    rest: UnpressedMass,
+    cells: NDArray[np.int64],
+    C: NDArray[np.float64],
+    sP: NDArray[np.complex128],
 ) -> NDArray[np.complex128]:
     """Matrix 1 + U s P U' C of each press; presses that touch the same cells share the product.
 
@@ -226,7 +229,7 @@ def _beside_floating(
 
 
 def mass_of(
-    rest: Rest, cells: NDArray[np.int64], weights: NDArray[np.float64]
+    rest: UnpressedMass, cells: NDArray[np.int64], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """M of a press in F, shape (N + n, N + n)."""
     terminals = len(rest.rows)
@@ -244,14 +247,16 @@ def added(
     return (U.T * np.repeat(weights, factors.shape[1])) @ U
 
 
-def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[Rest, NDArray[np.float64]]:
+def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[UnpressedMass, NDArray[np.float64]]:
     """M of a press in axes in which it is diagonal inside, and these axes, shape (n, n)."""
     N = terminals
     diagonal, axes = np.linalg.eigh(M[N:, N:])
-    return Rest(np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, np.zeros((0, 0, len(M)))), axes
+    return UnpressedMass(
+        np.hstack([M[:N, :N], M[:N, N:] @ axes]), diagonal, np.zeros((0, 0, len(M)))
+    ), axes
 
 
-def between_terminals(rest: Rest, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def between_terminals(rest: UnpressedMass, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Y in S less that at zero frequency, shape (s, N, N). s: rad/s."""
     N = len(rest.rows)
     terminals, beside, each = rest.rows[:, :N], rest.rows[:, N:], s[:, None, None]

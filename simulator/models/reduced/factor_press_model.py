@@ -22,7 +22,7 @@ TRAINED = (0.5, 3.0)
 """Range of capacitance factors that a model is trained on."""
 
 
-class OfPixels:
+class FactorPressModel:
     """Reduced model of presses by capacitance factors, trained at first use.
 
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
@@ -31,7 +31,7 @@ class OfPixels:
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
+    def result(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that the model is not trained on.
@@ -40,7 +40,7 @@ class OfPixels:
         skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
         if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
-        return rung_of(skin, cells, rises, frequency)
+        return certified_result(skin, cells, rises, frequency)
 
     @cached_property
     def _skin(self) -> ReducedSkin:
@@ -48,7 +48,7 @@ class OfPixels:
         return reduce(self.scene, self.rtol, draw, frequency=self.frequency).skin(None)
 
 
-def rung_of(
+def certified_result(
     skin: ReducedSkin,
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],

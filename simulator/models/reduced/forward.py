@@ -37,7 +37,7 @@ from ..parameters import (
 )
 from ..response import Response, at_meter
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
-from .cosine_modes.model_with_modes import Waved
+from .cosine_modes.model_with_modes import FoamModeTerms
 from .greedy import reduce
 from .indentation.indentation_draws import require_whole_pixels
 from .reduced_model import Reduced
@@ -97,8 +97,10 @@ class Forward:
         cells, rises = self._with_finger(cells, rises, values)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
         asked = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
-        if _waved(values):
-            asked.append(self._waves.masses(float(skin.rest_factors[0]), cells, rises))
+        if _has_foam_modes(values):
+            asked.append(
+                self._foam_mode_terms.masses(float(skin.unpressed_factors[0]), cells, rises)
+            )
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, np.concatenate(asked))
         by_gauge: NDArray[np.complex128] | float = 0.0
@@ -108,12 +110,12 @@ class Forward:
             by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
         return self._at_meter(found, skin, values, len(asked[0]), by_gauge)
 
-    def alike(self, given: Mapping[str, float] | None = None) -> bool:
+    def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
         """True if a press only raises M by fixed parts, as `respond_together` requires.
 
         given: see `respond`.
         """
-        even = not _waved(given or {})
+        even = not _has_foam_modes(given or {})
         return even and type(self.reduced) is Reduced and not gauged(self.scene.skin)
 
     def respond_together(
@@ -229,7 +231,7 @@ class Forward:
             factors = random.uniform(-1, 1, len(around)) * math.log(REACH)
             drawn |= dict(zip(around, factors.tolist(), strict=True))
             varied = self._resistive or self._two_fields
-            variation = self._even(drawn) if varied else None
+            variation = self._variation(drawn) if varied else None
             if self.cells_per_pixel == 1:
                 return replace(on_pixels(random), variation=variation)
             press = random_presses(self.divided, random, 2)[int(random.integers(2))]
@@ -250,8 +252,8 @@ class Forward:
         """Skin of these parameters; the last one is cached, as many presses of one skin follow."""
         if self._kept is None or self._kept[0] != values:
             sizes = amplitudes(values, FOAM_MODES)[1:]
-            model = self._waves.under(sizes) if _waved(values) else self.reduced
-            self._kept = dict(values), model.skin(self._even(values))
+            model = self._foam_mode_terms.under(sizes) if _has_foam_modes(values) else self.reduced
+            self._kept = dict(values), model.skin(self._variation(values))
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
@@ -300,19 +302,19 @@ class Forward:
         return parts_of(self.divided)
 
     @cached_property
-    def _waves(self) -> Waved:
-        return Waved(self.reduced)
+    def _foam_mode_terms(self) -> FoamModeTerms:
+        return FoamModeTerms(self.reduced)
 
-    def _even(self, values: Mapping[str, float]) -> Variation:
+    def _variation(self, values: Mapping[str, float]) -> Variation:
         """Variation of these parameters without the foam's cosine modes."""
         return variation_with_modes(variation_of(self.divided, values), values, self.modes)
 
-    def factors_at_rest(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+    def unpressed_factors(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Units of the rises of each cell over the scene's own, shape (cell,).
 
         They are the unpressed c without the foam's cosine modes, and 1 for a finger.
         """
-        return self._even(all_values(self.scene, values)).factors(self.divided)
+        return self._variation(all_values(self.scene, values)).factors(self.divided)
 
     @cached_property
     def _terms(self) -> StiffnessTerms:
@@ -331,6 +333,6 @@ class Forward:
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
 
 
-def _waved(values: Mapping[str, float]) -> bool:
+def _has_foam_modes(values: Mapping[str, float]) -> bool:
     """True if cosine modes of the foam are among the values."""
     return any(name in values for name in FOAM_MODES)

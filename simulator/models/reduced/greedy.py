@@ -36,9 +36,9 @@ from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
 from .families.family_meshes import resolved, weights_of_case
 from .indentation.applicator_meshes import resolved as resolved_under_applicators
-from .indentation.indentation_draws import apart, spreading
-from .indentation.indentation_family import IndentedFamily
-from .indentation.indentation_model import indented
+from .indentation.indentation_draws import separated_draws, spreading
+from .indentation.indentation_family import IndentationFamily
+from .indentation.indentation_model import with_applicator_tables
 from .reduced_model import Reduced
 
 IDLE_DRAWS = 50
@@ -80,7 +80,7 @@ def reduce(
     draw: Draw | None = None,
     *,
     modes: int = 1,
-    alike: bool = True,
+    same_sheets: bool = True,
     seed: int = 0,
     progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
@@ -100,8 +100,12 @@ def reduce(
     check_surroundings(scene)
     applied = spreading(scene, by_depth)
     scene = scene if applied else equivalent_scene(scene)
-    draw = apart(draw or pixel_touches(scene), scene) if applied else draw or pixel_touches(scene)
-    circuit = circuit_of(scene, alike)
+    draw = (
+        separated_draws(draw or pixel_touches(scene), scene)
+        if applied
+        else draw or pixel_touches(scene)
+    )
+    circuit = circuit_of(scene, same_sheets)
     circuit = circuit if readings is None else circuit.read(readings)
     check_grid_fits(scene, circuit)
     random, f = np.random.default_rng(seed), scene.frequencies if frequency is None else frequency
@@ -266,7 +270,7 @@ class Basis:
             fixed[-1] = fixed[-1] + seen.T @ seen
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         reduced = replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
-        return indented(reduced) if isinstance(family, IndentedFamily) else reduced
+        return with_applicator_tables(reduced) if isinstance(family, IndentationFamily) else reduced
 
 
 def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from ...fem.excitation import Combination
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS
 from ...press.batch import PressBatch
-from .dense import Feed, Rest
+from .dense import DenseExcitation, UnpressedMass
 
 ROOM = 5
 """Number of work vectors of Lanczos' method, without two for each conductor that floats as a
@@ -26,8 +26,8 @@ whole."""
 
 @compiled()
 def swept(
-    rest: Rest,
-    feed: Feed,
+    rest: UnpressedMass,
+    feed: DenseExcitation,
     batch: PressBatch,
     s: NDArray,
     rtol: float,
@@ -65,8 +65,8 @@ def swept(
 
 
 def impedances(
-    rest: Rest,
-    feeds: Sequence[Feed],
+    rest: UnpressedMass,
+    feeds: Sequence[DenseExcitation],
     combination: Combination,
     batch: PressBatch,
     s: NDArray[np.complex128],
@@ -80,7 +80,7 @@ def impedances(
 
 
 @compiled()
-def room_for(rest: Rest, feed: Feed) -> NDArray:  # pragma: no cover
+def room_for(rest: UnpressedMass, feed: DenseExcitation) -> NDArray:  # pragma: no cover
     """Work vectors of `lanczos_steps`, shape (vector, m)."""
     return np.empty((ROOM + 2 * len(feed.common), rest.rows.shape[1]))
 
@@ -97,8 +97,8 @@ def farthest_of(s: NDArray) -> complex:  # pragma: no cover
 
 @compiled()
 def lanczos_steps(
-    rest: Rest,
-    feed: Feed,
+    rest: UnpressedMass,
+    feed: DenseExcitation,
     touched: tuple[NDArray, NDArray],
     s: complex,
     rtol: float,
@@ -168,7 +168,11 @@ def lanczos_steps(
 
 @compiled(fastmath={"reassoc", "contract"})
 def _charge(
-    rest: Rest, touched: tuple[NDArray, NDArray], v: NDArray, charge: NDArray, floating: bool
+    rest: UnpressedMass,
+    touched: tuple[NDArray, NDArray],
+    v: NDArray,
+    charge: NDArray,
+    floating: bool,
 ) -> None:  # pragma: no cover
     """Writes M v in C into `charge`.
 
@@ -231,7 +235,7 @@ def _neutralise(
 
 
 @compiled()
-def _solve(feed: Feed, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
+def _solve(feed: DenseExcitation, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
     """Writes K^-1 y into `solution`.
 
     K is 1 in the basis; floating terminals follow from the conductance between them.

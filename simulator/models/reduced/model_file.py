@@ -21,7 +21,7 @@ from ...sweeps import InputError, digests, inputs, kept_file
 from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation
 from .indentation.applicator_arrays import arrays_of, beside_from, with_beside
-from .indentation.indentation_model import Indented
+from .indentation.indentation_model import IndentationModel
 from .reduced_model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
@@ -46,7 +46,7 @@ def save(reduced: Reduced, path: Path) -> None:
     }
     arrays = {name: getattr(reduced, name) for name in ("frequency", *ARRAYS)} | of_mesh
     arrays |= {FIXED: reduced.fixed} if reduced.fixed.size else {}
-    arrays |= arrays_of(reduced) if isinstance(reduced, Indented) else {}
+    arrays |= arrays_of(reduced) if isinstance(reduced, IndentationModel) else {}
     with kept_file(path) as unfinished:
         with unfinished.open("wb") as file:
             np.savez(file, allow_pickle=False, **{DESCRIPTION: json.dumps(description)}, **arrays)

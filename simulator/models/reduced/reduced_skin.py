@@ -18,8 +18,8 @@ from ...sweeps import ToleranceError
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
 from .cases import Case, touched
-from .certificate import certificate, least_conductance
-from .dense import Rest, aligned, feed_of, own_coordinates, solved, with_terms
+from .certificate import certificate, min_conductance_factor
+from .dense import UnpressedMass, aligned, dense_excitation, own_coordinates, solved, with_terms
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
@@ -52,10 +52,10 @@ class ReducedSkin:
         told = reduced.scene, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *told, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
-        self.loss, self.rest_factors = own.loss, own.factors(reduced.scene)
+        self.loss, self.unpressed_factors = own.loss, own.factors(reduced.scene)
         self.s, self.parts = laplace_variable(reduced.frequency, own.loss), parts_of(reduced.scene)
         K = self.stiffness
-        at_rest = (self.rest_factors * self.parts.resting)[: len(reduced.factors), None, None]
+        at_rest = (self.unpressed_factors * self.parts.resting)[: len(reduced.factors), None, None]
         rows = (np.sqrt(at_rest) * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
         if len(reduced.fixed):
@@ -67,26 +67,26 @@ class ReducedSkin:
             excited_terminals(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.excitations
         ]
-        self.feeds = [feed_of(driven) for driven in self.drives]
+        self.feeds = [dense_excitation(driven) for driven in self.drives]
         self.combination = reduced.circuit.combination
 
     @property
     def fixed_factors(self) -> NDArray[np.float64]:
         """Factors of the parts that no press changes, over the scene's own, shape (part,)."""
-        return self.rest_factors[self.parts.touched :]
+        return self.unpressed_factors[self.parts.touched :]
 
     @cached_property
-    def rest(self) -> Rest:
+    def rest(self) -> UnpressedMass:
         """Unpressed M, and the factors of what every cell adds."""
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
-    def _aligned(self) -> Rest:
+    def _aligned(self) -> UnpressedMass:
         return aligned(self.rest)
 
-    def pressed_by(self, factors: NDArray[np.float64]) -> Rest:
+    def pressed_by(self, factors: NDArray[np.float64]) -> UnpressedMass:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
-        return Rest(*self._own, np.ascontiguousarray(factors))
+        return UnpressedMass(*self._own, np.ascontiguousarray(factors))
 
     def sweeps(
         self, batch: PressBatch, s: NDArray[np.complex128] | None = None
@@ -127,7 +127,7 @@ class ReducedSkin:
     def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
         from .kernel import impedances
 
-        weighted = self.parts.followed(batch).weighted(self.rest_factors)
+        weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
         rtol = KRYLOV_SHARE * self.reduced.rtol / self._cancelled
         return impedances(self._aligned, self.feeds, self.combination, weighted, s, rtol)
 
@@ -158,9 +158,9 @@ class ReducedSkin:
         s, own = self.s if s is None else s, self.under(cells, rises)
         with one_blas_thread():
             reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
-        return reduction + self.doubt(cells, rises, s)
+        return reduction + self.uncertainty_error(cells, rises, s)
 
-    def doubt(
+    def uncertainty_error(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> NDArray[np.float64] | float:
         """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
@@ -185,7 +185,7 @@ class ReducedSkin:
         potential = W @ np.hstack([u.real, u.imag])
         current = family.currents(self.weights, potential)
         masses = [family.mass_inside(foam) for foam in foams]
-        told = potential, current, Q, s, self.least_conductance, self.combination
+        told = potential, current, Q, s, self.min_conductance, self.combination
         return certificate(family.space, masses, *told)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
@@ -199,11 +199,11 @@ class ReducedSkin:
             return reduced.family.solved(*asked, *read)[1]
 
     @property
-    def least_conductance(self) -> float:
+    def min_conductance(self) -> float:
         """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero."""
         reduced = self.reduced
         parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
-        return least_conductance(self.weights, reduced.circuit, reduced.modes, parts)
+        return min_conductance_factor(self.weights, reduced.circuit, reduced.modes, parts)
 
     def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm of one press by the full system, shape (interface, frequency).
@@ -232,7 +232,7 @@ class ReducedSkin:
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
-        return self.parts.pressed(cells, rises) * self.rest_factors
+        return self.parts.pressed(cells, rises) * self.unpressed_factors
 
     def solved(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
@@ -248,11 +248,11 @@ class ReducedSkin:
 
     def touched(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
+    ) -> tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]:
         """Terms that one press adds to M: factors, indices of those, and their weights."""
         cells, rises = self.parts.completed(cells, rises)
         rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
-        return rest, np.arange(len(cells)), rises * self.rest_factors[cells]
+        return rest, np.arange(len(cells)), rises * self.unpressed_factors[cells]
 
     def charges(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]

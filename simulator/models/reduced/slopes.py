@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...press.parts import Parts
-from .dense import Rest, solved
+from .dense import UnpressedMass, solved
 from .reduced_skin import ReducedSkin
 from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 
@@ -113,7 +113,7 @@ def sensitivities(
     """
     walls = walls_around(skin, cells, rises)
     every, all_rises = with_walls(*_with_thickness(skin.parts, cells, rises), walls)
-    weights, turn = all_rises * skin.rest_factors[every], skin.turn
+    weights, turn = all_rises * skin.unpressed_factors[every], skin.turn
     terms = turn.T @ skin.reduced.stiffness @ turn
     fixed = turn.T @ skin.reduced.fixed @ turn if len(skin.reduced.fixed) else terms[:0]
     found = []
@@ -176,7 +176,7 @@ def _of_touched(
 
 def _stored(
     u: NDArray[np.complex128],
-    rest: Rest,
+    rest: UnpressedMass,
     squares: NDArray[np.complex128],
     weights: NDArray[np.float64],
 ) -> NDArray[np.complex128]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...fem.lanczos import MOST_STEPS
-from .dense import Feed, Rest, aligned
+from .dense import DenseExcitation, UnpressedMass, aligned
 from .kernel import farthest_of, lanczos_steps, room_for
 
 RTOL = 1e-12
@@ -23,8 +23,8 @@ Potentials = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 
 def spanned_by_all(
-    feeds: Sequence[Feed],
-    presses: Iterable[tuple[Rest, NDArray[np.int64], NDArray[np.float64]]],
+    feeds: Sequence[DenseExcitation],
+    presses: Iterable[tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]],
     s: NDArray[np.complex128],
 ) -> Potentials:
     """Potentials and Y of each press and excitation, see `spanned`.
@@ -41,7 +41,7 @@ def spanned_by_all(
 
 @compiled()
 def spanned(
-    feed: Feed, rest: Rest, touched: Touched, s: NDArray, rtol: float
+    feed: DenseExcitation, rest: UnpressedMass, touched: Touched, s: NDArray, rtol: float
 ) -> Potentials:  # pragma: no cover
     """Potentials of one press at 1 V, shape (m, s), and Y in S, shape (s,).
 

@@ -28,7 +28,7 @@ def walls_around(
     skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]
 ) -> TouchedWalls | None:
     """Walls around touches of shape (press, touch); None if the scene has none."""
-    parts, walls, rest = skin.parts, skin.parts.walls, skin.rest_factors
+    parts, walls, rest = skin.parts, skin.parts.walls, skin.unpressed_factors
     if not walls.count:
         return None
     factor = np.ones((len(cells), parts.touched))
@@ -69,7 +69,7 @@ def by_walls(
     The derivatives are over the unpressed c of the part. factor: of each part of the foam. squares:
     u'Mu by each wall, shape (s, wall).
     """
-    parts, rest = skin.parts, skin.rest_factors
+    parts, rest = skin.parts, skin.unpressed_factors
     pairs, found = parts.walls.pairs, np.zeros((parts.foam, len(squares)), dtype=np.complex128)
     slopes = parts.wall_slopes(factor) * rest[parts.kind[3], None] / rest[pairs]
     for own, slope in zip(pairs.T, slopes.T, strict=True):

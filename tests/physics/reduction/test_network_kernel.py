@@ -6,7 +6,7 @@ from rcskin.simulator.fem.excitation import Combination, through_virtual_earth
 from rcskin.simulator.models.network.admittance_kernel import admittances, impedances
 from rcskin.simulator.models.network.network_skin import wiring_of
 from rcskin.simulator.models.network.woodbury_kernel import SIDE_BY_SIDE, unpressed_network
-from rcskin.simulator.models.reduced.dense import Rest, mass_of
+from rcskin.simulator.models.reduced.dense import UnpressedMass, mass_of
 from rcskin.simulator.press.batch import PressBatch
 
 TERMINALS, BASIS, CELLS, RANK = 3, 11, 6, 2
@@ -22,7 +22,7 @@ def rest():
     factors[..., TERMINALS:] = factors[..., TERMINALS:] @ axes
     rows = factors.reshape(-1, TERMINALS + BASIS)
     M = rows.T @ rows
-    return Rest(M[:TERMINALS], M.diagonal()[TERMINALS:].copy(), factors)
+    return UnpressedMass(M[:TERMINALS], M.diagonal()[TERMINALS:].copy(), factors)
 
 
 def admittances_readable(rest, batch, s):

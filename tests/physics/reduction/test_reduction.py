@@ -226,7 +226,7 @@ def test_skins_of_a_family(make_scene, name, alike):
         case = touch(random)
         return Case(varied(scene, random, modes, alike), case.cells, case.rises)
 
-    reduced = reduce(scene, RTOL, draw, modes=modes, alike=alike)
+    reduced = reduce(scene, RTOL, draw, modes=modes, same_sheets=alike)
     random = np.random.default_rng(3)
     for _ in range(4):
         case = draw(random)

@@ -81,7 +81,7 @@ def test_the_effect_of_unknown_skins_is_the_spread_over_drawn_skins(make_scene):
             drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes).variation, *TOUCH
         )
 
-    family = reduce(drawn, 1e-3, one, modes=modes, alike=False)
+    family = reduce(drawn, 1e-3, one, modes=modes, same_sheets=False)
     changes = np.array([_change(drawn, family, seed) for seed in range(400)])
     np.testing.assert_allclose(
         np.sqrt((effect**2).sum(axis=1)), changes.std(axis=0), rtol=0.15, atol=2e-5
@@ -113,7 +113,7 @@ def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
         skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)
         return Case(skin.variation, *TOUCH)
 
-    family = reduce(drawn, 1e-4, one, modes=modes, alike=False)
+    family = reduce(drawn, 1e-4, one, modes=modes, same_sheets=False)
     error = ErrorModel(drawn.readout, np.ones((len(drawn.interfaces), 3), bool), averaged=20)
     random = np.random.default_rng(0)
     z, before, after = [], [], []

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..families.family import Family
-from ..families.heterogeneous_family import UnevenFamily
+from ..families.heterogeneous_family import HeterogeneousFamily
 
 
 def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
@@ -17,7 +17,7 @@ def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
     amplitudes: over the mean, shape (mode,).
     """
     found = _with(family, amplitudes)
-    if isinstance(family, UnevenFamily):
+    if isinstance(family, HeterogeneousFamily):
         vars(found)["_finer"] = _with(family._finer, amplitudes)
     return found
 
@@ -25,5 +25,5 @@ def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
 def _with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
     found = copy(family)
     vars(found).pop("_masses_inside", None)
-    vars(found)["masses"] = family.masses.plus(amplitudes, family.foam_waves)
+    vars(found)["masses"] = family.masses.plus(amplitudes, family.foam_modes)
     return found

@@ -20,7 +20,7 @@ from .family_with_modes import family_with
 
 
 @dataclass(frozen=True)
-class Amid(Reduced):
+class ModelWithModes(Reduced):
     """Reduced model of foam with cosine modes of given amplitudes.
 
     even: model without these modes. amplitudes: over the mean, shape (mode,).
@@ -36,7 +36,7 @@ class Amid(Reduced):
         return family_with(self.even.family, self.amplitudes)
 
 
-class Waved:
+class FoamModeTerms:
     """Reduced model, and the terms that cosine modes of the foam add to it.
 
     terms: S of every mode but the mean, in each part, shape (mode, part, rank, rank).
@@ -47,7 +47,7 @@ class Waved:
         self.even = even
         self.terms = _terms(even)
 
-    def under(self, amplitudes: NDArray[np.float64]) -> Amid:
+    def under(self, amplitudes: NDArray[np.float64]) -> ModelWithModes:
         """Model with modes of these amplitudes over the mean, shape (mode,)."""
         factors, own = (
             self.even.factors,
@@ -56,7 +56,7 @@ class Waved:
         C = np.eye(factors.shape[1]) + np.tensordot(amplitudes, self.terms, axes=1)
         turned = np.linalg.cholesky(C).transpose(0, 2, 1) @ factors
         own |= {"factors": turned, "built": None}
-        return Amid(**own, even=self.even, amplitudes=amplitudes)
+        return ModelWithModes(**own, even=self.even, amplitudes=amplitudes)
 
     def masses(
         self, rest: float, cells: NDArray[np.int64], rises: NDArray[np.float64]
@@ -82,7 +82,7 @@ def _terms(even: Reduced) -> NDArray[np.float64]:
     """S of each mode in each part: W'MW = F'SF in the directions that F has."""
     size, W = typical(even), even.coordinates
     back = size[:, None] * np.linalg.pinv(even.factors * size)
-    parts = [each.energies(W) for each in even.family.foam_waves]
+    parts = [each.energies(W) for each in even.family.foam_modes]
     return np.stack(
         [
             np.stack([G.T @ each @ G for each, G in zip(of_wave, back, strict=True)])

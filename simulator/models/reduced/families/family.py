@@ -92,7 +92,7 @@ class Family(ABC):
         """M of each part if c of its foam follows one of HALF_WAVES; the first gives `masses`."""
 
     @cached_property
-    def foam_waves(self) -> list[Masses]:
+    def foam_modes(self) -> list[Masses]:
         """M of each part if c of its foam follows each cosine mode but the mean."""
         return [self.masses_in(mode) for mode in range(1, len(HALF_WAVES))]
 
@@ -100,7 +100,7 @@ class Family(ABC):
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
         """Space of one order more that checks this one, and its M."""
 
-    def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
         """Estimated error from the difference of two orders, shape (2, interface, frequency)."""
         return difference
 
@@ -131,7 +131,7 @@ class Family(ABC):
             return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
         Z, error = impedance_with_error(sweep, drives, frequency, rtol)
-        return Z, float(self.told(error).max())
+        return Z, float(self.estimated(error).max())
 
     def varied(self, weights: NDArray[np.float64]) -> System:
         """System of one skin."""
@@ -267,7 +267,7 @@ def _conductances(
     top, bottom = variation.top, variation.bottom
     if circuit.fields == 2:
         return [top, bottom]
-    if not variation.alike:
+    if not variation.same_sheets:
         raise InputError("sheets that vary over the skin in different ways need two fields")
     R = np.array(scene.skin.sheet_resistances)
     mean = R.sum() / (R / [top[0], bottom[0]]).sum()

@@ -26,8 +26,8 @@ from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...resolution import ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
 from .family import Family, Mesh, Triangulation, Weights, weights_under
-from .heterogeneous_family import UnevenFamily
-from .uniform_family import EvenFamily
+from .heterogeneous_family import HeterogeneousFamily
+from .uniform_family import UniformFamily
 
 FamilyT = TypeVar("FamilyT", bound=Family)
 
@@ -40,8 +40,8 @@ FEW, MOST_ALONE = 3, 36
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
     """Family on a mesh, of the kind that belongs to the mesh."""
     if isinstance(mesh, Resolution):
-        return EvenFamily(scene, circuit, mesh, modes)
-    return UnevenFamily(scene, circuit, mesh, modes)
+        return UniformFamily(scene, circuit, mesh, modes)
+    return HeterogeneousFamily(scene, circuit, mesh, modes)
 
 
 def resolved(
@@ -107,7 +107,7 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
     if scene.uniform:
         ladder = ResolutionHierarchy(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
-        return EvenFamily(scene, circuit, resolution, modes=1)
+        return UniformFamily(scene, circuit, resolution, modes=1)
     draw, random = pixel_touches(scene), np.random.default_rng(0)
     cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
     return resolved(scene, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
@@ -137,12 +137,12 @@ def finer_families(
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
     if not scene.uniform:
         for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
-            yield UnevenFamily(scene, circuit, mesh, modes)
+            yield HeterogeneousFamily(scene, circuit, mesh, modes)
         return
     ladder = ResolutionHierarchy(scene, circuit)
     for level in range(ladder.first(rtol), len(ladder.levels)):
         resolution = ladder.resolution(level, presses[0], frequency[-1])
-        yield EvenFamily(scene, circuit, resolution, modes)
+        yield UniformFamily(scene, circuit, resolution, modes)
 
 
 def _triangulations(

@@ -28,7 +28,7 @@ NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
 """M of a part that does not exist."""
 
 
-class UnevenFamily(Family):
+class HeterogeneousFamily(Family):
     """Family on triangles, checked by other elements of one order more on the same triangles."""
 
     mesh: Triangulation
@@ -57,7 +57,7 @@ class UnevenFamily(Family):
         """Space of one order more on the same mesh, and its M."""
         return self._finer.skin(weights), self._finer.mass(factors)
 
-    def told(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
         """Estimated error from the difference of two orders, with a safety factor for
         singularities."""
         return SINGULAR * both(difference)
@@ -98,9 +98,9 @@ class UnevenFamily(Family):
         ]
 
     @cached_property
-    def _finer(self) -> UnevenFamily:
+    def _finer(self) -> HeterogeneousFamily:
         finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
-        return UnevenFamily(self.scene, self.circuit, finer, self.modes)
+        return HeterogeneousFamily(self.scene, self.circuit, finer, self.modes)
 
     def _sheet_term(
         self, field: int, S: NDArray[np.float64], within: NDArray[np.bool_] | None

@@ -62,7 +62,7 @@ class Masses:
         W: V, shape (inner + terminals of the space, k). size, share: see `thinned`.
         """
         touched = self._parts[: parts.touched]
-        return thinned([part.factor(W) for part in touched], size, share, parts)
+        return compressed_factors([part.factor(W) for part in touched], size, share, parts)
 
     def energies(
         self, W: NDArray[np.float64], which: slice = slice(None)
@@ -99,7 +99,7 @@ class Masses:
         ]
 
 
-def thinned(
+def compressed_factors(
     factors: Sequence[NDArray[np.float64]] | NDArray[np.float64],
     size: NDArray[np.float64],
     share: float,

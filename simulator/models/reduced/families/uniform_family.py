@@ -22,7 +22,7 @@ MODE_DEGREE = 6
 """Degree of the polynomial that stands for half a cosine over the skin in one of its cells."""
 
 
-class EvenFamily(Family):
+class UniformFamily(Family):
     """Family on the mesh of a resolution, whose system contains elements of one order more.
 
     It is separate from `UnevenFamily`, which checks its elements by other ones and integrates all

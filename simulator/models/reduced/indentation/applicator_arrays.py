@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...mechanics.depth_series import DepthSeries
 from ..reduced_model import Reduced
 from .applicator_tables import Tables
-from .applicators import Applicators
-from .indentation_model import Indented
+from .applicators import PixelApplicators
+from .indentation_model import IndentationModel
 
 OF_PIXELS = {name: f"applied_{name}" for name in ("of_pixel", "turn", "shift", "far")}
 OF_TABLES = {name: f"table_{name}" for name in ("bases", "parts", "matrices", "doubts")}
@@ -20,13 +20,13 @@ OF_SERIES = {name: name for name in ("p", "nodes", "depth", "count", "w", "unsur
 """Name in the file of each attribute that is stored; those of series have a prefix, see `_name`."""
 
 
-def arrays_of(model: Indented) -> dict[str, NDArray]:
+def arrays_of(model: IndentationModel) -> dict[str, NDArray]:
     """Arrays of a model's applicators and tables, by their names in the file."""
     known, own = model.applicators, model.tables
     assert known is not None and own is not None
     found = {stored: np.asarray(getattr(known, name)) for name, stored in OF_PIXELS.items()}
     found |= {stored: getattr(own, name) for name, stored in OF_TABLES.items()}
-    for number, series in enumerate(known.courses):
+    for number, series in enumerate(known.all_series):
         found |= {
             _name(number, stored): np.asarray(getattr(series, name))
             for name, stored in OF_SERIES.items()
@@ -63,9 +63,9 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
     return of_pixels, Tables(**of_tables), tuple(all_series)
 
 
-def with_beside(model: Reduced, beside: Beside) -> Indented:
+def with_beside(model: Reduced, beside: Beside) -> IndentationModel:
     """Model with the applicators and tables of its file."""
     of_pixels, tables, courses = beside
-    known = Applicators(scene=model.scene, courses=courses, **of_pixels)
+    known = PixelApplicators(scene=model.scene, all_series=courses, **of_pixels)
     own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
-    return Indented(**own, applicators=known, tables=tables)
+    return IndentationModel(**own, applicators=known, tables=tables)

@@ -18,19 +18,19 @@ from ...mechanics.deformation import Deformation
 from ..cases import Case
 from ..families.family import Mesh, Triangulation
 from ..families.family_meshes import alone, coarsest
-from .applicators import Applicators, applicators
-from .indentation_family import IndentedFamily
+from .applicators import PixelApplicators, applicators
+from .indentation_family import IndentationFamily
 
 MOST_ALONE = 12
 TURNS = 2
 
 
 def family_on(
-    scene: Scene, circuit: Circuit, mesh: Mesh, modes: int, known: Applicators, rtol: float
-) -> IndentedFamily:
+    scene: Scene, circuit: Circuit, mesh: Mesh, modes: int, known: PixelApplicators, rtol: float
+) -> IndentationFamily:
     """Family on a mesh."""
     assert isinstance(mesh, Triangulation)
-    return IndentedFamily(scene, circuit, mesh, modes, known, rtol)
+    return IndentationFamily(scene, circuit, mesh, modes, known, rtol)
 
 
 def resolved(
@@ -40,7 +40,7 @@ def resolved(
     rtol: float,
     cases: Sequence[Case],
     frequency: NDArray[np.float64],
-) -> tuple[IndentedFamily, float]:
+) -> tuple[IndentationFamily, float]:
     """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
     frequency: Hz, ascending. Raises ToleranceError if none does, InputError as `applicators` does.
@@ -55,11 +55,11 @@ def resolved(
 
 
 def finer_families(
-    family: IndentedFamily,
+    family: IndentationFamily,
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],
     frequency: NDArray[np.float64],
-) -> Iterator[IndentedFamily]:
+) -> Iterator[IndentationFamily]:
     """Families on finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
@@ -95,7 +95,7 @@ def _triangulations(
         domain = refined(domain)
 
 
-def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Deformation | None:
+def _in_turns(known: PixelApplicators, turn: tuple[int, ...]) -> Deformation | None:
     """Press of every second pixel each way to the largest depth; None if there is no such pixel."""
     columns = known.scene.pixels.columns
     pixels = np.flatnonzero(known.of_pixel >= 0)
@@ -106,7 +106,7 @@ def _in_turns(known: Applicators, turn: tuple[int, ...]) -> Deformation | None:
     return _pressed(known, dict.fromkeys(own.tolist(), known.deepest))
 
 
-def _pressed(known: Applicators, depth: dict[int, float]) -> Deformation:
+def _pressed(known: PixelApplicators, depth: dict[int, float]) -> Deformation:
     """Press of pixels to depths in m, each as if it were alone."""
 
     def w(x: NDArray[np.float64]) -> NDArray[np.float64]:

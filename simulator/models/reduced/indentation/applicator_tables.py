@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .indentation_family import IndentedFamily, Together
+from .indentation_family import IndentationFamily, PressRise
 
 DROPPED = 5e-3
 """Combinations with less than this share of the tolerance times the first one's energy in an
@@ -31,18 +31,18 @@ class Tables:
     bases: NDArray[np.float64]
     parts: NDArray[np.int64]
     matrices: NDArray[np.float64]
-    doubts: NDArray[np.float64]
+    uncertainties: NDArray[np.float64]
 
 
 def tables(
-    family: IndentedFamily, W: NDArray[np.float64], size: NDArray[np.float64], rtol: float
+    family: IndentationFamily, W: NDArray[np.float64], size: NDArray[np.float64], rtol: float
 ) -> Tables:
     """Tables of all pixels.
 
     W: basis in the full space, shape (inner + N, N + n). size: typical size of coordinates, V,
     shape (N + n,). rtol: the tolerance.
     """
-    seen = Seen(family, W)
+    seen = FoamPotentials(family, W)
     found = {k: _of_pixel(family, seen, k, size, rtol) for k in family.pressable.tolist()}
     count, m = len(family.applicators.of_pixel), W.shape[1]
     rank, parts, modes = (
@@ -60,7 +60,11 @@ def tables(
 
 
 def _of_pixel(
-    family: IndentedFamily, seen: Seen, pixel: int, size: NDArray[np.float64], rtol: float
+    family: IndentationFamily,
+    seen: FoamPotentials,
+    pixel: int,
+    size: NDArray[np.float64],
+    rtol: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     field = family.field(pixel)
     weights = seen.weights(field.cells)
@@ -79,14 +83,14 @@ def _of_pixel(
             weight = (weights * g)[place == part].ravel()
             matrices[part, mode] = (a.T * weight) @ a
     a = local.reshape(-1, turn.shape[1])
-    doubts = (a.T * (weights * field.doubt).ravel()) @ a
+    doubts = (a.T * (weights * field.uncertainty).ravel()) @ a
     return turn.T / size, parts, matrices, doubts
 
 
-class Seen:
+class FoamPotentials:
     """Potentials of a basis across the foam, at the points of a family's rule."""
 
-    def __init__(self, family: IndentedFamily, W: NDArray[np.float64]) -> None:
+    def __init__(self, family: IndentationFamily, W: NDArray[np.float64]) -> None:
         """W: shape (inner + N, N + n)."""
         self._family = family
         spread = family.space.spread(W)
@@ -108,7 +112,7 @@ class Seen:
         return family.at_rest[cells] * area
 
     def thin(
-        self, press: Together, rest: NDArray[np.float64], values: NDArray[np.float64]
+        self, press: PressRise, rest: NDArray[np.float64], values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """F of the rise F'F of M, shape (rank, N + n).
 

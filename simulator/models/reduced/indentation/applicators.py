@@ -28,12 +28,12 @@ FACTOR_SHARE, COARSEST = 30.0, 1e-2
 """Largest error of a factor, which occurs at corners alone: over the tolerance, and in any case."""
 DEPTH_SHARE = 0.1
 """Interpolation between depths may leave this share of the tolerance as error of the factor."""
-UNFELT = 0.1
+NEGLIGIBLE = 0.1
 """Deflections count as 0 below this share of the tolerance times the applicator's deflection."""
 
 
 @dataclass(frozen=True)
-class Applicators:
+class PixelApplicators:
     """Deflections by all pixels of a scene as applicators.
 
     of_pixel: number of each pixel's depth series, -1 without skin, shape (pixel,). turn, shift: a
@@ -42,7 +42,7 @@ class Applicators:
     """
 
     scene: Scene
-    courses: tuple[DepthSeries, ...]
+    all_series: tuple[DepthSeries, ...]
     of_pixel: NDArray[np.int64]
     turn: NDArray[np.float64]
     shift: NDArray[np.float64]
@@ -70,21 +70,24 @@ class Applicators:
         strain = self.mechanics.strain_at(1 + np.asarray(rises, dtype=np.float64))
         return np.minimum(strain * self.thickness, self.deepest)
 
-    def course(self, pixel: int) -> DepthSeries:
+    def depth_series_of(self, pixel: int) -> DepthSeries:
         """Depth series of a pixel with skin."""
-        return self.courses[self.of_pixel[pixel]]
+        return self.all_series[self.of_pixel[pixel]]
 
     def rises(
         self, pixel: int, x: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`DepthSeries.factors` of one pixel, at positions x (2, point) on the skin in m."""
         own = self.turn[pixel][:, None] * x + self.shift[pixel][:, None]
-        return self.course(pixel).factors(own, self.mechanics, self.thickness)
+        return self.depth_series_of(pixel).factors(own, self.mechanics, self.thickness)
 
     def deflection(self, pixel: int, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Deflection by one applicator at a depth in m, at positions x (2, point) on the skin,
         m."""
-        own, course = self.turn[pixel][:, None] * x + self.shift[pixel][:, None], self.course(pixel)
+        own, course = (
+            self.turn[pixel][:, None] * x + self.shift[pixel][:, None],
+            self.depth_series_of(pixel),
+        )
         found = np.zeros(x.shape[1])
         low, high = course.reach(self.far)
         there = ((own >= low[:, None]) & (own <= high[:, None])).all(axis=0)
@@ -99,7 +102,7 @@ def deepest(scene: Scene) -> float:
     return REACH * mechanics.elastic.greatest_strain * thickness
 
 
-def applicators(scene: Scene, rtol: float) -> Applicators:
+def applicators(scene: Scene, rtol: float) -> PixelApplicators:
     """Applicators on all pixels; the scene's foam has mechanics and its skins have tension.
 
     rtol: tolerance of Rs and Cp. Raises what `depth_series` raises.
@@ -110,15 +113,15 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
     count, lengths = rows * columns, np.array(scene.skin.sides)
     of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
     known: dict[tuple[int, int], int] = {}
-    far = spread(scene) * math.log(1 / (UNFELT * rtol))
+    far = spread(scene) * math.log(1 / (NEGLIGIBLE * rtol))
     for row, column in pixels_with_skin(scene):
         pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
         alike = place
         if scene.skin.rectangular:
             pitch = lengths / (columns, rows)
             alike = (
-                _alike(place[0], columns, pitch[0], far),
-                _alike(place[1], rows, pitch[1], far),
+                _equivalent_index(place[0], columns, pitch[0], far),
+                _equivalent_index(place[1], rows, pitch[1], far),
             )
             flipped = [k > n - 1 - k for k, n in zip(place, (columns, rows), strict=True)]
             nearest = [min(k, n - 1 - k) for k, n in zip(place, (columns, rows), strict=True)]
@@ -126,11 +129,11 @@ def applicators(scene: Scene, rtol: float) -> Applicators:
             moved = (np.array(alike) - nearest) * pitch
             shift[pixel] = np.where(flipped, lengths, 0.0) + moved
         of_pixel[pixel] = known.setdefault(alike, len(known))
-    found = [_course(scene, place, rtol) for place in known]
-    return Applicators(scene, tuple(found), of_pixel, turn, shift, far)
+    found = [_computed_series(scene, place, rtol) for place in known]
+    return PixelApplicators(scene, tuple(found), of_pixel, turn, shift, far)
 
 
-def _course(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
+def _computed_series(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
     from ...mechanics.depth_series import depth_series
 
     column, row = place
@@ -139,7 +142,7 @@ def _course(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
     return depth_series(scene, pixel, deepest(scene), factor_rtol, DEPTH_SHARE * rtol)
 
 
-def _alike(index: int, count: int, pitch: float, far: float) -> int:
+def _equivalent_index(index: int, count: int, pitch: float, far: float) -> int:
     """Smallest index in an equivalent position relative to both ends of a row.
 
     far: distance beyond which an end has no effect, m.

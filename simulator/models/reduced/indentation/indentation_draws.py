@@ -43,7 +43,7 @@ def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
     return True
 
 
-def felt_beside(scene: Scene) -> bool:
+def scene_spreads_presses(scene: Scene) -> bool:
     """True if the scene presses by depth or force, and its skins spread such presses."""
     return not scene.press.by_factor and spreads(scene)
 
@@ -67,7 +67,7 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
         )
 
 
-def apart(draw: Draw, scene: Scene) -> Draw:
+def separated_draws(draw: Draw, scene: Scene) -> Draw:
     """Draws on separate pixels with skin, as deep as applicators go at most, without pull.
 
     Rises are clipped to this range. If touches are on pixels that meet, only the first is left;

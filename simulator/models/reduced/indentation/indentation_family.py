@@ -19,9 +19,9 @@ from ....scene.scene import Scene
 from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
-from ..families.heterogeneous_family import UnevenFamily
-from .applicators import COARSEST, FACTOR_SHARE, Applicators
-from .rise_fields import LEAST_RISE, Field, field_of, near
+from ..families.heterogeneous_family import HeterogeneousFamily
+from .applicators import COARSEST, FACTOR_SHARE, PixelApplicators
+from .rise_fields import MIN_RISE, RiseField, field_of, near
 
 COUPLED = 0.1
 """Applicators are coupled if one raises c under another by more than this share of the
@@ -29,7 +29,7 @@ tolerance."""
 PRESSES_KEPT = 64
 
 
-class Together(NamedTuple):
+class PressRise(NamedTuple):
     """Rise of c of a whole press over the unpressed c, and its uncertainty, in some cells.
 
     Shapes (cell,), (cell, point) and (cell, point).
@@ -37,10 +37,10 @@ class Together(NamedTuple):
 
     cells: NDArray[np.int64]
     rise: NDArray[np.float64]
-    doubt: NDArray[np.float64]
+    uncertainty: NDArray[np.float64]
 
 
-class IndentedFamily(UnevenFamily):
+class IndentationFamily(HeterogeneousFamily):
     """Family of a skin whose pixels are pressed by applicators.
 
     Its factors of c are those of unpressed parts, followed by the rise of the factor under each
@@ -53,12 +53,12 @@ class IndentedFamily(UnevenFamily):
         circuit: Circuit,
         mesh: Triangulation,
         modes: int,
-        applicators: Applicators,
+        applicators: PixelApplicators,
         rtol: float,
     ) -> None:
         """rtol: tolerance of Rs and Cp, for coupled applicators."""
         self.applicators, self.rtol = applicators, rtol
-        self._known: dict[int, Field] = {}
+        self._known: dict[int, RiseField] = {}
         super().__init__(scene, circuit, mesh, modes)
 
     def foam_of(self, case: Case) -> NDArray[np.float64]:
@@ -99,10 +99,10 @@ class IndentedFamily(UnevenFamily):
         """M in F of the space alone. factors: see the class."""
         return self.space.restricted(self.mass(factors))
 
-    def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[Together]:
+    def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[PressRise]:
         """Rises of c by each touch, or the one rise by all touches if any two are coupled."""
         if self.coupled(cells):
-            return [self.together(tuple(cells.tolist()), tuple(rises.tolist()))]
+            return [self.coupled_rise(tuple(cells.tolist()), tuple(rises.tolist()))]
         return [self._alone(*each) for each in zip(cells.tolist(), rises.tolist(), strict=True)]
 
     def coupled(self, cells: NDArray[np.int64]) -> bool:
@@ -112,7 +112,7 @@ class IndentedFamily(UnevenFamily):
             for k, m in combinations(np.asarray(cells).tolist(), 2)
         )
 
-    def field(self, pixel: int) -> Field:
+    def field(self, pixel: int) -> RiseField:
         """Rise of c by the applicator of a pixel with skin, cached."""
         if pixel not in self._known:
             self._known[pixel] = field_of(self.applicators, pixel, self.elements, self.mesh.domain)
@@ -157,19 +157,19 @@ class IndentedFamily(UnevenFamily):
         return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)
 
     @cached_property
-    def _finer(self) -> IndentedFamily:
+    def _finer(self) -> IndentationFamily:
         finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
         known = self.applicators, self.rtol
-        return IndentedFamily(self.scene, self.circuit, finer, self.modes, *known)
+        return IndentationFamily(self.scene, self.circuit, finer, self.modes, *known)
 
-    def _alone(self, pixel: int, rise: float) -> Together:
+    def _alone(self, pixel: int, rise: float) -> PressRise:
         own = self.field(pixel)
         coefficients = own.at(float(self.applicators.depth(np.array(rise))))
         found = np.tensordot(coefficients, own.modes, axes=1)
-        return Together(own.cells, found, max(rise, LEAST_RISE) * own.doubt)
+        return PressRise(own.cells, found, max(rise, MIN_RISE) * own.uncertainty)
 
     @cached_method(PRESSES_KEPT)
-    def together(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> Together:
+    def coupled_rise(self, pixels: tuple[int, ...], rises: tuple[float, ...]) -> PressRise:
         """Rise of c from the mechanics of the whole press."""
         from ...mechanics.indentation import deformation
 
@@ -184,4 +184,4 @@ class IndentedFamily(UnevenFamily):
         cells = np.unique(np.concatenate([near(domain, domain.pixel == k, far) for k in pixels]))
         x = self.elements.surface.x[:, cells]
         rise = found.factor(x) - 1
-        return Together(cells, rise, found.deeper(1.0).factor(x) - 1 - rise)
+        return PressRise(cells, rise, found.deeper(1.0).factor(x) - 1 - rise)

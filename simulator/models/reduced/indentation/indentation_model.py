@@ -19,33 +19,33 @@ from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
 from ..compressing import typical
-from ..dense import Rest
+from ..dense import UnpressedMass
 from ..families.family import Family
 from ..reduced_model import Reduced
 from ..reduced_skin import KRYLOV_SHARE, ReducedSkin
 from .applicator_meshes import family_on, finer_families
-from .applicator_tables import Seen, Tables, tables
-from .applicators import Applicators
-from .indentation_family import IndentedFamily
-from .rise_fields import LEAST_RISE
+from .applicator_tables import FoamPotentials, Tables, tables
+from .applicators import PixelApplicators
+from .indentation_family import IndentationFamily
+from .rise_fields import MIN_RISE
 
 TOUCHES_AT_ONCE = 4096
 
 
 @dataclass(frozen=True)
-class Indented(Reduced):
+class IndentationModel(Reduced):
     """Reduced model with applicators on all pixels.
 
     tables: changes of M by the applicators, in the basis.
     """
 
-    applicators: Applicators | None = None
+    applicators: PixelApplicators | None = None
     tables: Tables | None = None
 
     @cached_property
-    def family(self) -> IndentedFamily:
+    def family(self) -> IndentationFamily:
         """Full model; it is built again if it is not at hand."""
-        if isinstance(self.built, IndentedFamily):
+        if isinstance(self.built, IndentationFamily):
             return self.built
         assert self.applicators is not None
         asked = self.scene, self.circuit, self.mesh, self.modes
@@ -53,52 +53,55 @@ class Indented(Reduced):
 
     def skin(
         self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
-    ) -> IndentedSkin:
+    ) -> IndentationSkin:
         """One skin of the family, see `Reduced.skin`."""
-        return IndentedSkin(self, variation, pressed)
+        return IndentationSkin(self, variation, pressed)
 
     @cached_property
-    def seen(self) -> Seen:
+    def foam_potentials(self) -> FoamPotentials:
         """Potentials of the basis across the foam."""
-        return Seen(self.family, self.coordinates)
+        return FoamPotentials(self.family, self.coordinates)
 
 
-def indented(reduced: Reduced) -> Indented:
+def with_applicator_tables(reduced: Reduced) -> IndentationModel:
     """Model with tables of its family's applicators; the family is an `IndentedFamily`."""
     family = reduced.family
-    assert isinstance(family, IndentedFamily)
+    assert isinstance(family, IndentationFamily)
     own = {name: getattr(reduced, name) for name in reduced.__dataclass_fields__}
     found = tables(family, reduced.coordinates, typical(reduced), reduced.rtol)
-    return Indented(**own, applicators=family.applicators, tables=found)
+    return IndentationModel(**own, applicators=family.applicators, tables=found)
 
 
-class IndentedSkin(ReducedSkin):
+class IndentationSkin(ReducedSkin):
     """One skin of the family, see `ReducedSkin`; its cells are applicators of pixels."""
 
-    reduced: Indented
+    reduced: IndentationModel
 
     def __init__(
         self,
-        reduced: Indented,
+        reduced: IndentationModel,
         variation: Variation | None,
         pressed: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(reduced, variation, pressed)
         assert reduced.tables is not None and reduced.applicators is not None
         self._tables, self._applicators = reduced.tables, reduced.applicators
-        of_parts = self.rest_factors[self._tables.parts]
+        of_parts = self.unpressed_factors[self._tables.parts]
         self._matrices = np.einsum("kp,kpjrs->kjrs", of_parts, self._tables.matrices)
         self._bases = self._tables.bases @ self.turn
 
     def touched(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[Rest, NDArray[np.int64], NDArray[np.float64]]:
+    ) -> tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]:
         """Terms that one press adds to M, see `ReducedSkin.touched`."""
         foam, fingers = self.parts.by_kind(cells, rises)
         self._check(foam.rises)
         if self.reduced.family.coupled(foam.cells):
             (press,) = self.reduced.family.press(*foam)
-            F = self.reduced.seen.thin(press, self.rest_factors, press.rise) @ self.turn
+            F = (
+                self.reduced.foam_potentials.thin(press, self.unpressed_factors, press.rise)
+                @ self.turn
+            )
             factors = _stacked(F[None], self._by_fingers(*fingers))
         else:
             factors = self._factors(cells, rises)
@@ -106,15 +109,17 @@ class IndentedSkin(ReducedSkin):
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """Factors of a press, as the family's `mass` takes them."""
-        return self.reduced.family.pressed(self.rest_factors * self.parts.resting, cells, rises)
+        return self.reduced.family.pressed(
+            self.unpressed_factors * self.parts.resting, cells, rises
+        )
 
-    def doubt(
+    def uncertainty_error(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
         """Relative changes of Rs and Cp if c is higher by its whole uncertainty. s: rad/s."""
         found = self.solved(cells, rises, s)
         Y = np.stack([each for _, each in found])
-        more = s * np.stack([self._doubted(cells, rises, u) for u, _ in found])
+        more = s * np.stack([self._uncertain_form(cells, rises, u) for u, _ in found])
         Z, raised = (self.combination.impedance(each) for each in (Y, Y + more))
         return both(relative_difference(raised, Z))
 
@@ -129,13 +134,13 @@ class IndentedSkin(ReducedSkin):
         squares, (foam, _) = self.squares(u), self.parts.by_kind(cells, rises)
         rest, _, _ = self.touched(cells, rises)
         seen = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
-        whole = squares @ (self.rest_factors * self.parts.resting) + seen.sum(axis=(0, 1))
+        whole = squares @ (self.unpressed_factors * self.parts.resting) + seen.sum(axis=(0, 1))
         for cell, rise in zip(foam.cells.tolist(), foam.rises.tolist(), strict=True):
             y, step = self._tables.bases[cell] @ u, SLOPE_STEP * (1 + rise)
             ends = np.clip([rise - step, rise + step], 0.0, self._most - 1)
             C = np.diff(self._summed(np.array([cell, cell]), ends), axis=0)[0]
             by_rise = np.einsum("rs,rf,sf->f", C, y, y) / np.ptp(ends)
-            squares[:, cell] = by_rise / self.rest_factors[cell]
+            squares[:, cell] = by_rise / self.unpressed_factors[cell]
         return squares, whole
 
     def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -145,7 +150,7 @@ class IndentedSkin(ReducedSkin):
         interfaces, read = len(self.combination.weights), (self.feeds, self.combination)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
-        coupled = np.array([self._feel_each_other(own.cells) for own in each], dtype=bool)
+        coupled = np.array([self._coupled(own.cells) for own in each], dtype=bool)
         for press in np.flatnonzero(coupled):
             rest, which, weights = self.touched(*each[press])
             touches = PressBatch.of([(which, weights)])
@@ -158,7 +163,7 @@ class IndentedSkin(ReducedSkin):
             found[some] = impedances(rest, *read, touches, s, rtol)
         return found
 
-    def _feel_each_other(self, cells: NDArray[np.int64]) -> bool:
+    def _coupled(self, cells: NDArray[np.int64]) -> bool:
         if len(cells) < 2:
             return False
         return self.reduced.family.coupled(cells[cells < self.parts.foam])
@@ -197,19 +202,19 @@ class IndentedSkin(ReducedSkin):
             weights[here, : found.shape[1]] = found
         return np.einsum("tj,tjrs->trs", weights, self._matrices[cells])
 
-    def _doubted(
+    def _uncertain_form(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
     ) -> NDArray[np.complex128]:
         """u'Eu, with E the uncertainty of M, F, shape (s,)."""
         cells, rises = self.parts.by_kind(cells, rises)[0]
-        if self._feel_each_other(cells):
+        if self._coupled(cells):
             (press,) = self.reduced.family.press(cells, rises)
-            F = self.reduced.seen.thin(press, self.rest_factors, press.doubt)
+            F = self.reduced.foam_potentials.thin(press, self.unpressed_factors, press.uncertainty)
             return ((F @ u) ** 2).sum(axis=0)
-        found, most = np.zeros(u.shape[1], dtype=complex), self.rest_factors.max()
+        found, most = np.zeros(u.shape[1], dtype=complex), self.unpressed_factors.max()
         for cell, rise in zip(cells, rises, strict=True):
             y = self._tables.bases[cell] @ u
-            E = max(rise, LEAST_RISE) * most * self._tables.doubts[cell]
+            E = max(rise, MIN_RISE) * most * self._tables.uncertainties[cell]
             found += np.einsum("rs,rf,sf->f", E, y, y)
         return found
 

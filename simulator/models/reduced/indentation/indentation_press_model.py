@@ -15,16 +15,16 @@ from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...solution import ModelResult
 from ..cases import pixel_touches
-from ..factor_press_model import check_finger, rung_of
+from ..factor_press_model import certified_result, check_finger
 from ..greedy import reduce
 from .applicators import deepest
-from .indentation_model import Indented, IndentedSkin
+from .indentation_model import IndentationModel, IndentationSkin
 
 SHALLOW = 0.05
 """Smallest depth that a model is trained on, over the largest."""
 
 
-class Applied:
+class IndentationPressModel:
     """Reduced model of presses by depth or force, trained at first use.
 
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
@@ -33,7 +33,7 @@ class Applied:
     def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def rung(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
+    def result(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that are no pixels, or that are deeper than the applicators
@@ -42,7 +42,7 @@ class Applied:
         cells, rises, unsure = self.cells(press)
         held = fingers(self.scene, press)
         cells, rises = np.append(cells, held.cells), np.append(rises, held.rises)
-        known = rung_of(self._skin, cells, rises, frequency)
+        known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + unsure)
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
@@ -61,7 +61,7 @@ class Applied:
             depth, off = touch.by.value, 0.0
             if not isinstance(touch.by, Depth):
                 of_force = touch.by.value, known.mechanics.elastic, known.thickness
-                depth, off = known.course(pixel).depth_under(*of_force)
+                depth, off = known.depth_series_of(pixel).depth_under(*of_force)
                 _check_depth(depth, known.deepest, touch)
             cells.append(pixel)
             depths.append(depth)
@@ -92,11 +92,11 @@ class Applied:
             raise InputError(f"press {press}: touches of a given force feel others")
 
     @cached_property
-    def _skin(self) -> IndentedSkin:
+    def _skin(self) -> IndentationSkin:
         scene, most = self.scene, deepest(self.scene)
         trained = pixel_touches(scene, (scene.factor_at(SHALLOW * most), scene.factor_at(most)))
         model = reduce(scene, self.rtol, trained, frequency=self.frequency, by_depth=True)
-        assert isinstance(model, Indented)
+        assert isinstance(model, IndentationModel)
         return model.skin(None)
 
 

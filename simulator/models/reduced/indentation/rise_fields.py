@@ -11,18 +11,18 @@ from ....chebyshev import barycentric
 from ....mesh.domain import Domain
 from ...heterogeneous.elements import Elements
 from ...mechanics.depth_series import DOUBT
-from .applicators import Applicators
+from .applicators import PixelApplicators
 
 DROPPED = 1e-8
 """Modes with less than this share of the largest singular value over depths are left out."""
-LEAST_RISE = 0.1
+MIN_RISE = 0.1
 """Smallest rise of the factor that the error by omitted modes and depths is relative to."""
 LEBESGUE = 3.0
 """Largest amplification, by interpolation, of what is left out at up to 33 Chebyshev depths."""
 
 
 @dataclass(frozen=True)
-class Field:
+class RiseField:
     """Rise of c over the unpressed c: sum of modes, with coefficients that depend on depth.
 
     cells: cells that are affected, shape (cell,). modes: shape (mode, cell, point). depth:
@@ -35,16 +35,16 @@ class Field:
     modes: NDArray[np.float64]
     depth: NDArray[np.float64]
     coefficients: NDArray[np.float64]
-    doubt: NDArray[np.float64]
+    uncertainty: NDArray[np.float64]
 
     def at(self, depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """Coefficients of the modes at depths in m, shape (..., mode)."""
         return barycentric(self.depth, np.asarray(depth)) @ self.coefficients
 
 
-def field_of(known: Applicators, pixel: int, elements: Elements, domain: Domain) -> Field:
+def field_of(known: PixelApplicators, pixel: int, elements: Elements, domain: Domain) -> RiseField:
     """Field of a pixel with skin, at the points of the elements' rule."""
-    course, cells = known.course(pixel), near(domain, domain.pixel == pixel, known.far)
+    course, cells = known.depth_series_of(pixel), near(domain, domain.pixel == pixel, known.far)
     surface = elements.surface.some(cells)
     shape = surface.x.shape[1:]
     rise, raised = known.rises(pixel, surface.x.reshape(2, -1))
@@ -60,12 +60,12 @@ def field_of(known: Applicators, pixel: int, elements: Elements, domain: Domain)
     under = known.mechanics.factor(course.depth / known.thickness) - 1
     pushed = under > 0
     shares = ((raised - rise)[pushed] / under[pushed, None]).max(axis=0)
-    return Field(
+    return RiseField(
         cells,
         modes.reshape(-1, *shape),
         course.depth[: course.count],
         turn,
-        (shares + left_out / LEAST_RISE).reshape(shape),
+        (shares + left_out / MIN_RISE).reshape(shape),
     )
 
 

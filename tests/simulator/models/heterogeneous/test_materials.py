@@ -73,7 +73,7 @@ def test_a_plain_skin_is_what_the_scene_says(make_scene):
     np.testing.assert_array_equal(materials.conductance("bottom", X)[2], 0)
     np.testing.assert_array_equal(materials.capacitance(X), 5e-9)
     np.testing.assert_array_equal(materials.line_stretch(X, np.ones_like(X)), 1)
-    assert (materials.alike, materials.lines, materials.shortest) == (True, ((), ()), np.inf)
+    assert (materials.same_sheets, materials.lines, materials.shortest) == (True, ((), ()), np.inf)
 
 
 def test_conductance_scales_as_one_over_resistance_and_not_with_the_foam(changed, make_scene):
@@ -116,7 +116,7 @@ def test_strain_of_a_factor_at_constant_permittivity():
 
 def test_sheets_are_alike_where_all_that_varies_is_the_same(changed, make_scene):
     def alike(keys):
-        return Materials(changed(make_scene(), keys)).alike
+        return Materials(changed(make_scene(), keys)).same_sheets
 
     both = {f"skin.{name}.map": RANDOM for name in ("top", "bottom")}
     turned = {"ratio": 2.0, "angle": 0.3}
