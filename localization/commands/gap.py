@@ -74,6 +74,7 @@ def gap(
     from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
+    from ...simulator.sweeps.schema import with_named_interface
     from ..gap.comparison import prepare_comparison
     from ..gap.gap_findings import find_gap
     from ..gap.options import GapOptions
@@ -90,8 +91,9 @@ def gap(
         if target or estimator:
             raise InputError("--model tells target and estimator: leave these out")
         model = load_model_for(sides[1], measured, own, anyway=anyway)
-        model.samples(sides[1])
-        simulation_side, other = (at_interfaces(each, model.interfaces) for each in sides)
+        ours, theirs = (with_named_interface(each, model.interfaces) for each in sides)
+        model.samples(theirs)
+        simulation_side, other = (at_interfaces(each, model.interfaces) for each in (ours, theirs))
         sides = simulation_side, other
         target, estimator = model.target, model.estimator
     target, estimator = target or "column", estimator or "ksvm-ovo"

@@ -13,6 +13,7 @@ from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_subset import read_mask, restricted
+from ...simulator.sweeps.schema import with_named_interface
 from .side_label import SideLabel, label_of_side
 from .subsampling import subsampled
 
@@ -55,6 +56,7 @@ def pair_sweeps(
         _single(simulated, "simulated", notes),
         _single(other, noun.adjective, notes),
     )
+    other = with_named_interface(other, list(map(str, simulated["interface"].values)))
     simulated = _fewer(simulated, notes, seed)
     simulated, other = _on_common_interfaces(simulated, other, notes)
     if not _same_frequencies(simulated, other):

@@ -28,7 +28,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
 from ..sweeps.inputs import objects
 from ..sweeps.reading_subset import read_mask, restricted
-from ..sweeps.schema import taken_of
+from ..sweeps.schema import taken_of, with_named_interface
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,14 +109,16 @@ def measurements_of(
     """Sweeps of a scene: the mean baseline sweep of each session, and every press.
 
     band: lowest and highest frequency that is used, Hz; interfaces without a reading in it are left
-    out. session: the only session that is used. Presses that are not whole pixels of the scene are
-    left out. Raises InputError where the scene lacks an interface, or no sweep remains.
+    out. session: the only session that is used. A sweep whose interface has no name is that of a
+    scene with one interface. Presses that are not whole pixels of the scene are left out. Raises
+    InputError where the scene lacks an interface, or no sweep remains.
     """
     if session is not None:
         sweeps = _of_session(sweeps, session)
     if band is not None:
         sweeps = _within(sweeps, band)
     sweeps = restricted(sweeps, read_mask(sweeps))
+    sweeps = with_named_interface(sweeps, [each.name for each in scene.interfaces])
     bare = _as_measured(scene, sweeps)
     presses, left_out = _presses(bare, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]

@@ -19,7 +19,13 @@ FAR_ABOVE = 10.0
 
 
 def suspicious_values(scene: Scene) -> list[str]:
-    """One line for each number far outside the usual range, with the likely intended value."""
+    """One line for each number far outside the usual range, with the likely intended value.
+
+    Empty for a scene that states `plausible = false`.
+    """
+
+    if scene.plausible is False:
+        return []
     skin, frequencies = scene.skin, scene.sweep.frequencies
     of_all = (1 / (skin.length * skin.width), *PER_AREA.factors)
     per_area = PER_AREA._replace(factors=of_all)

@@ -9,12 +9,18 @@ from ..scene.scene_files import load_scene
 from .console import note, warn
 from .plausibility import suspicious_values
 
+INTENDED = "plausible = false, above the first table, states that unusual numbers are intended"
+"""Note below warnings of unusual numbers."""
+
 
 def requested_scene(name: str) -> Scene:
     """The scene of that name or path; warns of implausible values. Raises as `load_scene`."""
     scene = load_scene(name)
-    for slip in suspicious_values(scene):
+    slips = suspicious_values(scene)
+    for slip in slips:
         warn(f"{name}: {slip}")
+    if slips:
+        note(f"{name}: {INTENDED}")
     return scene
 
 

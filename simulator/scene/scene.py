@@ -119,10 +119,14 @@ def _spent(readings: object) -> None:
 
 
 class Scene(Table):
-    """Everything that determines a simulated measurement."""
+    """Everything that determines a simulated measurement.
+
+    plausible: false states that unusual numbers are intended; no command then warns of them.
+    """
 
     name: Name
     description: str = ""
+    plausible: bool | None = None
     skin: Skin
     contacts: Annotated[
         tuple[Contact, ...], Field(alias="contact", min_length=1, max_length=MAX_CONTACTS)

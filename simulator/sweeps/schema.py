@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 UNPRESSED = "none"
+UNNAMED = "unnamed"
+"""Interface of sweeps from a file that names none."""
 OPENING = "opening"
 """Coordinate that marks baseline sweeps: the first of a session, or else the latest."""
 MEASURED, VIRTUAL = "measured", "virtual meter"
@@ -169,6 +171,14 @@ def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
     if set(sweeps[TAKEN].dims) != set(DIMENSIONS[1:]):
         raise InputError(f"`{TAKEN}` must have dimensions {DIMENSIONS[1:]}")
     return sweeps[TAKEN].transpose(*DIMENSIONS[1:]).values.astype(bool)
+
+
+def with_named_interface(sweeps: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """The sweeps; their only interface gets the only name of a scene if they name none."""
+    own = [str(name) for name in sweeps["interface"].values]
+    if own != [UNNAMED] or len(names) != 1:
+        return sweeps
+    return sweeps.assign_coords(interface=("interface", np.array(list(names), dtype=object)))
 
 
 def read_at(sweeps: xr.Dataset, interface: str) -> xr.Dataset:

@@ -28,7 +28,7 @@ from ..impedance import (
     parallel_capacitance,
 )
 from ..importing.branch import branch_attributes, choose_branches
-from ..schema import SESSIONS, TAKEN, TIME, build
+from ..schema import SESSIONS, TAKEN, TIME, UNNAMED, build
 from ..sweep_table import SweepTable, table_of
 from ..units import plain_number
 
@@ -48,7 +48,7 @@ UNLABELLED = {
     "press": "unknown",
     "row": "-1",
     "column": "-1",
-    "interface": "unnamed",
+    "interface": UNNAMED,
 }
 WHOLE = ("sweep", "row", "column", "session")
 MAX_WHOLE = 1e9

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..press_text import written_pixel
-from ..schema import UNPRESSED
+from ..schema import UNNAMED, UNPRESSED
 from .dialect import ImportedTable
 
 SAME_FREQUENCY = 1e-6
@@ -56,7 +56,7 @@ def grouped(
     the sweep column.
     """
     labels = _labels(table, defaults)
-    interfaces = _column(table, "interface", defaults.interface, "unnamed")
+    interfaces = _column(table, "interface", defaults.interface, UNNAMED)
     keys = _keys(table)
     latest: dict[tuple[str, ...], ImportedSweep] = {}
     sweeps: list[ImportedSweep] = []

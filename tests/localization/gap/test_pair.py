@@ -103,6 +103,12 @@ def test_pixels_have_numbers_and_rest_is_zero(make_skin_sweeps):
     ]
 
 
+def test_an_interface_without_a_name_is_the_only_one_of_the_other_side(make_skin_sweeps):
+    sweeps = make_skin_sweeps()
+    pair = pair_sweeps(sweeps, sweeps.assign_coords(interface=["unnamed"]), None, 0)
+    assert list(pair.other["interface"].values) == ["left"]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

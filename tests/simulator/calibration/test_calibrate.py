@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
@@ -274,6 +275,12 @@ def test_presses_that_are_no_pixels_are_left_out(line, read):
 def test_what_cannot_be_asked_is_told(line, read, options, message):
     with pytest.raises(InputError, match=message):
         calibrate(line, read(line), Options(**options))
+
+
+def test_an_interface_without_a_name_is_the_scenes_only_one(line, read):
+    sweeps = read(line)
+    unnamed = sweeps.assign_coords(interface=["unnamed"])
+    assert measurements_of(line, unnamed).scene == measurements_of(line, sweeps).scene
 
 
 def test_interfaces_must_be_the_scenes(line, read):

@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.models.line import cut_off_frequency
 from rcskin.simulator.requests.plausibility import suspicious_values
-from rcskin.simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, builtin_names, load_scene, scene_text
 
 GLOVE = load_scene("glove")
 MECHANICS = {"porosity": 0.9, "solid_permittivity": 3.0, "modulus": 5e4}
@@ -96,7 +96,16 @@ def test_commands_warn_in_one_line_and_go_on(run, tmp_path):
     code, _, err = run("sweep", path, "--press", "none", "--rtol", "1e-2", "-o", out)
     first, *_ = err.splitlines()
     assert first.startswith(f"rcskin: warning: {path}: skin.length = 100 m; did you mean 0.1?")
+    assert err.count("plausible = false, above the first table") == 1
     assert code == 0 and out.exists()
+
+
+def test_a_scene_whose_unusual_numbers_are_intended_gives_no_warning():
+    line = {"skin.sheet_resistance": 150.0, "skin.foam.capacitance_per_area": 0.3}
+    strip = load_scene("strip-1x3")
+    assert "capacitance_per_area = 0.3 F/m²" in suspicious_values(strip.with_(line))[0]
+    assert suspicious_values(strip.with_({**line, "plausible": False})) == []
+    assert "plausible" not in scene_text(strip)
 
 
 def test_the_cut_off_is_that_of_the_paper_at_the_far_end():
