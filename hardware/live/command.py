@@ -129,7 +129,7 @@ def live(
     paged = _serve_page(localizer, port or 0) if page else nullcontext(())
     try:
         with orderly_termination() as tell, journal.lock() if journal else nullcontext():
-            link = connect(tell=tell)
+            link = connect(report=tell)
             with paged as others, _session_display(localizer, plain, others) as (show, key):
                 _run(LiveSession(localizer, link, at_rest, show, kept, key), sweeps)
     finally:
