@@ -72,7 +72,7 @@ class LineModel:
         return 0.0
 
     def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
-        """True if `respond_together` takes presses, see `Forward.alike`."""
+        """True if `respond_together` takes presses, see `Forward.allows_batches`."""
         return True
 
     def unpressed_factors(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:

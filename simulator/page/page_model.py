@@ -26,7 +26,7 @@ ROUNDING = 1e-13
 def packed_model(skin: ReducedSkin) -> dict[str, Any]:
     """M and the excitations in the coordinates in which K is the identity.
 
-    See `dense.Rest` and `dense.Feed`.
+    See `dense.UnpressedMass` and `dense.DenseExcitation`.
     """
     rest, reduced = skin.rest, skin.reduced
     full = np.abs(rest.factors).max(axis=2) > 0

@@ -87,7 +87,7 @@ class PressBatch(NamedTuple):
         rises = np.concatenate([self.rises, other.rises])[order]
         return PressBatch(cells, rises, self.starts + other.starts)
 
-    def weighted(self, rest_factors: NDArray[np.float64]) -> PressBatch:
+    def weighted(self, unpressed_factors: NDArray[np.float64]) -> PressBatch:
         """Rises for a skin whose cells have these factors relative to the reference of the rises,
         shape (cell,)."""
-        return self._replace(rises=self.rises * rest_factors[self.cells])
+        return self._replace(rises=self.rises * unpressed_factors[self.cells])

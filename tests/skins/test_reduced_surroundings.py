@@ -122,7 +122,7 @@ def test_slopes_are_differences(forward, cells):
     for k, step in enumerate(np.where(cells < 4, 1e-4, 1e-14)):
         ends = (rises + sign * step * (cells == cells[k]) for sign in (1, -1))
         up, down = (forward.respond(cells, moved, MOVED).Z for moved in ends)
-        at_rest = forward.factors_at_rest(MOVED)[cells[k]]
+        at_rest = forward.unpressed_factors(MOVED)[cells[k]]
         slope = at_rest * together.by_cell[0, ..., k]
         assert slope == pytest.approx((up - down) / (2 * step), rel=1e-5)
 

@@ -140,7 +140,7 @@ def test_slopes_are_differences(forward, cells):
     for k, step in enumerate(np.where(cells < 6, 1e-4, 1e-14)):
         ends = (rises + sign * step * (cells == cells[k]) for sign in (1, -1))
         up, down = (forward.respond(cells, moved, MOVED).Z for moved in ends)
-        at_rest = forward.factors_at_rest(MOVED)[cells[k]]
+        at_rest = forward.unpressed_factors(MOVED)[cells[k]]
         expected = pytest.approx((up - down) / (2 * step), rel=1e-5)
         assert at_rest * together.by_cell[0, ..., k] == expected
         if cells[k] < 6:
@@ -158,7 +158,7 @@ def test_slopes_where_the_foam_of_pixels_differs_are_differences(forward):
     for k in range(2):
         step = 1e-4 * np.eye(2)[k]
         up, down = (1 / skin.sweep(cells, rises + sign * step) for sign in (1, -1))
-        expected = pytest.approx((up - down) / 2e-4 / skin.rest_factors[cells[k]], rel=1e-4)
+        expected = pytest.approx((up - down) / 2e-4 / skin.unpressed_factors[cells[k]], rel=1e-4)
         assert found.by_cell[..., cells[k]] == expected
         assert together.by_cell[0, ..., k] == expected
 

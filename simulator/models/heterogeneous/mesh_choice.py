@@ -139,7 +139,7 @@ def meshes(
 def circuit_of(scene: Scene, same_sheets: bool = True) -> Circuit:
     """Circuit with one field if both sheets and their foils vary alike, else with two.
 
-    alike: True if they vary alike on all skins that share the model.
+    same_sheets: True if they vary in the same way on all skins that share the model.
     """
     even = equivalent_scene(scene)
     return (_single(scene, even) if same_sheets else None) or two_fields(even)

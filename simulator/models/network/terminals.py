@@ -77,9 +77,9 @@ def reduced_for(
     progress: ProgressCallback = silent,
     frequency: NDArray[np.float64] | None = None,
 ) -> Reduced:
-    """Model with the scene's own interfaces, trained for all terminals if those are `many`.
+    """Model with the scene's own interfaces, trained for all terminals if it `needs_all_terminals`.
 
-    rtol, draw, modes, alike, progress, frequency: as of `reduce`.
+    rtol, draw, modes, same_sheets, progress, frequency: as of `reduce`.
     """
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
     if not needs_all_terminals(scene, same_sheets):
@@ -90,7 +90,7 @@ def reduced_for(
 def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
     """True if a scene of two fields, pressed by factors, has more interfaces than a chain.
 
-    alike: as of `reduce`.
+    same_sheets: as of `reduce`.
     """
     if spreading(scene) or (same_sheets and single_field(scene) is not None):
         return False

@@ -37,7 +37,7 @@ def certificate(
     Shape (2, press, interface, s). masses: M of each press in the space, F. potential: potentials
     of each excitation in the full space, real parts before imaginary ones, V, shape (unknown, 2 *
     press * excitation * s). current: K of the skin times these potentials at the inner unknowns, A.
-    Q: S, shape (press, excitation, s). s: rad/s. least: see `least_conductance`.
+    Q: S, shape (press, excitation, s). s: rad/s. least: see `min_conductance_factor`.
     """
     charge = _charges(masses, potential)[: space.inner]
     power = residual_power(space, current, charge, np.tile(s, Q.size // len(s)))

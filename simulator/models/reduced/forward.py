@@ -127,7 +127,7 @@ class Forward:
         """Response of presses with equally many touches, shape (press, touch).
 
         All arrays of the response have a first axis (press,). by_cell is by the touched cells
-        alone, shape (press, interface, frequency, touch). The presses must be `alike`. given: see
+        alone, shape (press, interface, frequency, touch). `allows_batches` must be True. given: see
         `respond`.
         """
         values, count = all_values(self.scene, given), cells.shape[1]
@@ -203,7 +203,7 @@ class Forward:
             self.rtol,
             self._draw(),
             modes=self.modes,
-            alike=not self._two_fields,
+            same_sheets=not self._two_fields,
             progress=self._progress,
             frequency=np.array(band),
         )

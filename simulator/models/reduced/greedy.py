@@ -90,11 +90,11 @@ def reduce(
     """Reduced model of a scene, within rtol in Rs and Cp for skins and presses as drawn.
 
     draw: draws the cases that the model is trained on, by default one or two touched pixels. modes:
-    number of modes of each sheet's conductance, see `parameters.HALF_WAVES`. alike: True if both
-    sheets vary in the same way, so that one field may serve. frequency: Hz, ascending; by default
-    those of the scene's sweep. readings: interfaces whose excitations drive two fields; by default
-    those of the scene. by_depth: True if pixels are pressed by depth or force; by default as the
-    scene presses them. Raises ToleranceError if the mesh or the basis does not reach rtol,
+    number of modes of each sheet's conductance, see `parameters.HALF_WAVES`. same_sheets: True if
+    both sheets vary in the same way, so that one field may serve. frequency: Hz, ascending; by
+    default those of the scene's sweep. readings: interfaces whose excitations drive two fields; by
+    default those of the scene. by_depth: True if pixels are pressed by depth or force; by default
+    as the scene presses them. Raises ToleranceError if the mesh or the basis does not reach rtol,
     InputError if the pixels do not fit in memory.
     """
     check_surroundings(scene)

@@ -36,8 +36,8 @@ class ReducedSkin:
 
     turn: matrix from this skin's coordinates, in which K is 1 and the unpressed M is diagonal
     except at terminals, to those of the model, shape (N + n, N + n). conductance: between
-    terminals, S, shape (N, N). rest_factors: unpressed amount of each part of M over the scene's
-    own, see `Parts`; the unit of rises.
+    terminals, S, shape (N, N). unpressed_factors: unpressed amount of each part of M over the
+    scene's own, see `Parts`; the unit of rises.
     """
 
     def __init__(

@@ -100,7 +100,9 @@ def test_presses_together_are_those_one_by_one(reader, moved, touches):
     cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
     cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
     waves = dict.fromkeys(SHEET_MODES, 0.1) if reader.modes > 1 else {}
-    assert reader.alike(moved | waves) and not reader.alike(moved | dict.fromkeys(FOAM_MODES, 0.1))
+    assert reader.allows_batches(moved | waves) and not reader.allows_batches(
+        moved | dict.fromkeys(FOAM_MODES, 0.1)
+    )
     together = reader.respond_together(cells, rises, moved | waves)
     for k in range(6):
         alone = reader.respond(cells[k], rises[k], moved | waves)

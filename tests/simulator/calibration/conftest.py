@@ -55,7 +55,7 @@ def models_made_once():
     known = {}
 
     def train(scene, rtol, draw, **more):
-        key = of_the_skin(scene), rtol, more["modes"], more["alike"], *more["frequency"]
+        key = of_the_skin(scene), rtol, more["modes"], more["same_sheets"], *more["frequency"]
         if key not in known:
             known[key] = reduced_for(scene, rtol, draw, **more)
         return replace(known[key], scene=scene)

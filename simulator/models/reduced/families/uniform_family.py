@@ -25,9 +25,9 @@ MODE_DEGREE = 6
 class UniformFamily(Family):
     """Family on the mesh of a resolution, whose system contains elements of one order more.
 
-    It is separate from `UnevenFamily`, which checks its elements by other ones and integrates all
-    terms by a rule's points. On the trapezoids around ends of foils those would lose digits or
-    time.
+    It is separate from `HeterogeneousFamily`, which checks its elements by other ones and
+    integrates all terms at the points of a rule. On the trapezoids around ends of foils that would
+    cost digits or time.
     """
 
     mesh: Resolution

@@ -24,8 +24,8 @@ class Tables:
     """Matrices of all applicators, padded with zeros to a common shape.
 
     bases: U, shape (pixel, rank, N + n). parts: parts of the foam that each applicator affects,
-    shape (pixel, part). matrices: C in F, shape (pixel, part, mode, rank, rank). doubts: C of the
-    uncertainty of a rise, in all parts together, F, shape (pixel, rank, rank).
+    shape (pixel, part). matrices: C in F, shape (pixel, part, mode, rank, rank). uncertainties: C
+    of the uncertainty of a rise, in all parts together, F, shape (pixel, rank, rank).
     """
 
     bases: NDArray[np.float64]

@@ -116,19 +116,19 @@ def applicators(scene: Scene, rtol: float) -> PixelApplicators:
     far = spread(scene) * math.log(1 / (NEGLIGIBLE * rtol))
     for row, column in pixels_with_skin(scene):
         pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
-        alike = place
+        equivalent = place
         if scene.skin.rectangular:
             pitch = lengths / (columns, rows)
-            alike = (
+            equivalent = (
                 _equivalent_index(place[0], columns, pitch[0], far),
                 _equivalent_index(place[1], rows, pitch[1], far),
             )
             flipped = [k > n - 1 - k for k, n in zip(place, (columns, rows), strict=True)]
             nearest = [min(k, n - 1 - k) for k, n in zip(place, (columns, rows), strict=True)]
             turn[pixel] = np.where(flipped, -1.0, 1.0)
-            moved = (np.array(alike) - nearest) * pitch
+            moved = (np.array(equivalent) - nearest) * pitch
             shift[pixel] = np.where(flipped, lengths, 0.0) + moved
-        of_pixel[pixel] = known.setdefault(alike, len(known))
+        of_pixel[pixel] = known.setdefault(equivalent, len(known))
     found = [_computed_series(scene, place, rtol) for place in known]
     return PixelApplicators(scene, tuple(found), of_pixel, turn, shift, far)
 

@@ -64,7 +64,7 @@ class IndentationModel(Reduced):
 
 
 def with_applicator_tables(reduced: Reduced) -> IndentationModel:
-    """Model with tables of its family's applicators; the family is an `IndentedFamily`."""
+    """Model with tables of its family's applicators; the family is an `IndentationFamily`."""
     family = reduced.family
     assert isinstance(family, IndentationFamily)
     own = {name: getattr(reduced, name) for name in reduced.__dataclass_fields__}

@@ -27,8 +27,8 @@ class RiseField:
 
     cells: cells that are affected, shape (cell,). modes: shape (mode, cell, point). depth:
     Chebyshev's depths, m, shape (depth,). coefficients: of the modes at those depths, shape (depth,
-    mode). doubt: uncertainty of the rise over the rise under the applicator, or over LEAST_RISE if
-    that is larger, shape (cell, point).
+    mode). uncertainty: that of the rise, over the rise under the applicator or over MIN_RISE,
+    whichever is larger, shape (cell, point).
     """
 
     cells: NDArray[np.int64]
