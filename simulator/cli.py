@@ -175,7 +175,7 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
-    from .measure.creeping_sweeps import in_words
+    from .measure.creeping_sweeps import describe_timing
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.force_depths import depths_in_words
     from .models.solver import Solver, checked_model
@@ -191,7 +191,7 @@ def sweep(
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
     check_fits(loaded, len(presses))
-    for line in in_words(loaded):
+    for line in describe_timing(loaded):
         note(f"{scene}: {line}")
     solver = Solver(loaded, rtol, checked_model(model))
     with on_terminal() as progress:

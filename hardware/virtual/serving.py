@@ -70,7 +70,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
 
     Raises InputError for other interfaces, or if the virtual meter lacks one of their frequencies.
     """
-    from ...simulator.measure.specimen import SessionErrors, Specimen
+    from ...simulator.measure.specimen import MeterSessionErrors, Specimen
     from ...simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
 
     names = checked_interfaces(interfaces, scene)
@@ -78,7 +78,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     beyond = outside_band(VIRTUAL_MODEL, read.sweep.frequencies)
     if beyond:
         raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
-    whole, errors = Specimen(scene, names[0]), SessionErrors(scene, seed)
+    whole, errors = Specimen(scene, names[0]), MeterSessionErrors(scene, seed)
     return ServedSkin(
         {name: whole.at(name) for name in names},
         lambda Z, conditions: errors.read(Z, conditions.range),

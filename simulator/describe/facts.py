@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
-from ..measure.symmetry import repeated_told
+from ..measure.symmetry import describe_repeated
 from ..models.line import cut_off_frequency
 from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
@@ -52,7 +52,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "foil", _foil(foil, scene)
     for each in scene.interfaces:
         yield "interface", f"{each.name}: {_and(each.high)} against {_and(each.low)}"
-    for each in repeated_told(scene):
+    for each in describe_repeated(scene):
         yield "repeated", each
     for each in scene.interfaces:
         if one_sheet(scene, each):

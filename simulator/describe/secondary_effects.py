@@ -22,7 +22,7 @@ from ..models.stray import (
     wall_share,
 )
 from ..models.uniform import equivalent_scene
-from ..models.validity import thickness_told
+from ..models.validity import describe_thickness
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
 from ..scene.contacts import Contact
@@ -108,8 +108,8 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
     share = straight_share(foam.thickness_or_assumed, scene.skin.depth(highest))
     there = "in the scene" if around and around.thickness else LEFT_OUT
     return (
-        f"{thickness_told(scene)}: a field that is not straight across the foam changes Rs and Cp "
-        f"by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
+        f"{describe_thickness(scene)}: a field that is not straight across the foam changes Rs and "
+        f"Cp by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
     )
 
 

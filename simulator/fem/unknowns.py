@@ -161,7 +161,7 @@ def _numbers(
     for index, terminal in enumerate(circuit.terminals):
         if terminal.faces is not None:
             continue
-        held = _held(terminal, trial, under_all)
+        held = _fixed_coefficients(terminal, trial, under_all)
         number[terminal.field, held] = DROPPED
         owner[terminal.field, held[trial.one[held] == 1]] = index
     degree = np.tile(trial.degree, (circuit.fields, 1))[number == free]
@@ -187,7 +187,7 @@ def _facing(
     return np.concatenate([*rows, themselves]), np.concatenate([*columns, themselves])
 
 
-def _held(
+def _fixed_coefficients(
     terminal: Terminal,
     trial: TrialSpace,
     under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],

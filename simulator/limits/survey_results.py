@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..bounds.touches.rasterization_errors import RasterizationErrors
-from ..measure.symmetry import repeated_told
+from ..measure.symmetry import describe_repeated
 from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
 from ..safe_text import say, terminal
@@ -81,7 +81,7 @@ class SurveyResults(NamedTuple):
         terminal().print(table(["", "median deviation of", *COLUMNS], rows))
         left = len(self.variants) - MAX_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
-        repeated = [f"  {line}" for line in repeated_told(self.scene)]
+        repeated = [f"  {line}" for line in describe_repeated(self.scene)]
         meaning = f"  {bound_text(self.options.against_rest, 'a known skin')}"
         say(*more, f"  {ERROR}", *repeated, *self.identity.lines(), meaning)
         say(f"maps and tables written to {folder}")

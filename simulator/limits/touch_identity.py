@@ -17,7 +17,7 @@ from scipy.special import ndtr
 from ..bounds.bayes import BayesAccuracy, bayes
 from ..bounds.touch_readings import Hypothesis, TouchReadings, hypotheses
 from ..bounds.touches.rasterization_errors import RasterizationErrors
-from ..measure.experiment import own_presses, quantiles, together
+from ..measure.experiment import combined_strengths, own_presses, quantiles
 from ..progress import ProgressCallback, silent
 from ..scene.randomisation import AnyDistribution
 from ..scene.scene import Scene
@@ -79,7 +79,7 @@ def _curve(
 ) -> NDArray[np.float64]:
     touches = len(hypothesis.pixels)
     each = round(STRENGTHS ** (1 / max(1, touches)))
-    factor = together([quantiles(presses, each)] * touches).factor
+    factor = combined_strengths([quantiles(presses, each)] * touches).factor
     return readings.of(hypothesis, factor)
 
 

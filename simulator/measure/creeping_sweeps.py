@@ -53,7 +53,7 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
     return np.where(reading.read, moment, now), now
 
 
-def in_words(scene: Scene) -> list[str]:
+def describe_timing(scene: Scene) -> list[str]:
     """A line on the timing of presses if the foam creeps, else none."""
     if not scene.skin.foam.in_time:
         return []
@@ -123,7 +123,7 @@ def interpolation(scene: Scene) -> Interpolation:
     return Interpolation(np.exp(-moments / time.reshape(-1, 1, 1)), (FIRST,) * len(time))
 
 
-def answered_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
+def solved_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
     """Each press with its readings, in a session of the scene's experiment.
 
     The foam is unpressed at first. Raises as `FoamState.then` and `Solver.solve`.

@@ -88,7 +88,7 @@ def quantiles(presses: AnyDistribution, count: int) -> Strengths:
     return Strengths(factor, np.full(count, 1 / count))
 
 
-def together(each: Sequence[Strengths]) -> Strengths:
+def combined_strengths(each: Sequence[Strengths]) -> Strengths:
     """All combinations of the strengths of several touches, factor of shape (touch, way)."""
     factor, weight = np.zeros((0, 1)), np.ones(1)
     for one in each:

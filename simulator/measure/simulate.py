@@ -19,7 +19,7 @@ from ..scene.scene_files import scene_text
 from ..sweeps import InputError, SweepTable, concatenate, tabled
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
-from .creeping_sweeps import answered_in_time
+from .creeping_sweeps import solved_in_time
 from .readout import read_out
 
 if TYPE_CHECKING:
@@ -53,11 +53,11 @@ def simulate(solver: Solver, presses: Iterable[Press]) -> xr.Dataset:
 def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
     """Each press with its solution; a repeated press is solved once.
 
-    For foam that creeps they are those of a session, see `answered_in_time`. Raises InputError if a
+    For foam that creeps they are those of a session, see `solved_in_time`. Raises InputError if a
     press does not fit the scene, ToleranceError if the tolerance is not reached.
     """
     if solver.scene.skin.foam.in_time:
-        yield from answered_in_time(solver, presses)
+        yield from solved_in_time(solver, presses)
         return
     known: dict[Press, Solution] = {}
     for press in presses:

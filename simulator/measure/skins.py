@@ -78,12 +78,12 @@ def _factor(drawn: AnyDistribution | None, random: np.random.Generator) -> float
 
 
 def _conductance(
-    scene: Scene, common: float, own: float, waves: NDArray[np.float64], modes: int
+    scene: Scene, common: float, own: float, draws: NDArray[np.float64], modes: int
 ) -> NDArray[np.float64]:
     """Coefficients of a sheet's conductance over nominal, shape (mode,)."""
     drawn = scene.dataset.session
     resistance = drawn.sheet_resistance.at(common) * drawn.sheet_mismatch.at(own)
-    slow = drawn.unevenness * truncated_normal(waves, CUT)
+    slow = drawn.unevenness * truncated_normal(draws, CUT)
     return np.concatenate([[1.0], slow])[:modes] / resistance
 
 

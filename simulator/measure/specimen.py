@@ -105,7 +105,7 @@ class Specimen:
         return found
 
 
-class SessionErrors:
+class MeterSessionErrors:
     """Errors of a meter in one session, with a fixed part for each range."""
 
     def __init__(self, scene: Scene, seed: int) -> None:

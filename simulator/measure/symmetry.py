@@ -24,13 +24,13 @@ from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the unpressed skin."""
-AT_REST: Pixel = (0, 0)
+UNPRESSED: Pixel = (0, 0)
 
 NEAR = 1e-9
 """Tolerance of equality: over the skin's longer side, and relatively for factors."""
-MARKS = 9
+FOIL_POINTS = 9
 """Points on each foil that are compared: both ends, and equidistant ones between."""
-LOOKED_AT = 17
+MAP_POINTS = 17
 """Points along each side at which maps are compared."""
 OTHER: dict[Electrode, Electrode] = {"top": "bottom", "bottom": "top"}
 
@@ -93,7 +93,7 @@ def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
     found = [] if scene.skin.mesh is not None else [m for m in MAPPINGS if _kept(scene, m)]
 
     def of(pixel: Pixel) -> Pixel:
-        if pixel == AT_REST:
+        if pixel == UNPRESSED:
             return pixel
         return min([pixel, *(mapping.pixel(pixel, scene.pixels.shape) for mapping in found)])
 
@@ -105,14 +105,14 @@ def _kept(scene: Scene, mapping: Mapping) -> bool:
     return (
         not mapping.none
         and _sides_kept(scene, mapping)
-        and (not mapping.exchanged or _alike_around(scene))
+        and (not mapping.exchanged or _equal_surroundings(scene))
         and _layers_kept(scene.skin, mapping)
         and _outline_kept(scene.skin, mapping)
         and _wiring_kept(scene, mapping)
     )
 
 
-def _alike_around(scene: Scene) -> bool:
+def _equal_surroundings(scene: Scene) -> bool:
     """True if both sheets have equal surroundings, and no finger touches one of them."""
     return scene.press.finger is None and (
         scene.surroundings is None or scene.surroundings.symmetric_sides
@@ -162,7 +162,7 @@ def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: Skin) -> 
 def _map_becomes(one: AnyMap | None, other: AnyMap | None, mapping: Mapping, skin: Skin) -> bool:
     if one is None or other is None:
         return one is other
-    lines = (np.linspace(0, side, LOOKED_AT) for side in skin.sides)
+    lines = (np.linspace(0, side, MAP_POINTS) for side in skin.sides)
     x = np.stack(np.meshgrid(*lines))
     moved = other.factors(mapping.place(x, skin.sides), skin.sides)
     return np.allclose(one.factors(x, skin.sides), moved, rtol=NEAR, atol=0)
@@ -199,8 +199,8 @@ class _Foil:
 
     @cached_property
     def places(self) -> NDArray[np.float64]:
-        """Points on it, m, shape (2, MARKS)."""
-        return path(self.contact, self.skin, MARKS - 1)
+        """Points on it, m, shape (2, FOIL_POINTS)."""
+        return path(self.contact, self.skin, FOIL_POINTS - 1)
 
     def becomes(self, other: _Foil, mapping: Mapping) -> bool:
         """True if a mapping maps it onto another foil."""
@@ -265,14 +265,14 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
 def _exchanged(scene: Scene) -> list[dict[str, str]]:
     """Image of every foil if the sheets can change places, or nothing."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
-    alike = _layers_kept(scene.skin, exchange) and _alike_around(scene)
+    alike = _layers_kept(scene.skin, exchange) and _equal_surroundings(scene)
     if scene.skin.mesh is not None or not alike:
         return []
     images = {name: image for name, image in _images(scene, exchange).items() if image is not None}
     return [images] if len(images) == len(scene.contacts) else []
 
 
-def repeated_told(scene: Scene) -> list[str]:
+def describe_repeated(scene: Scene) -> list[str]:
     """A sentence for each of those."""
     return [
         f"{name}: shows what {earlier} does, by symmetry; it adds nothing but averaging"

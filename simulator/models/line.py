@@ -18,7 +18,7 @@ from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .uniform import equivalent_scene, require_plain
+from .uniform import equivalent_scene, require_uniform
 
 LEVELS_OF_FRACTION = 12
 
@@ -28,7 +28,7 @@ class Line:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError, saying why, where the scene is no line."""
-        require_plain(scene, "the line")
+        require_uniform(scene, "the line")
         circuit = one_field(scene)
         if circuit is None:
             raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")

@@ -58,7 +58,7 @@ class Lumped:
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
-    def left_out(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def truncation_error(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
         Z = self.impedance(press, frequency)
         Rs, Cp = self.bounds(press, frequency)
@@ -75,7 +75,7 @@ class Lumped:
         return self._series[press]
 
 
-def least_left_out(scene: Scene, frequency: float) -> float:
+def min_truncation_error(scene: Scene, frequency: float) -> float:
     """Lower bound of the relative error of Cp by one R and one C, at a frequency in Hz.
 
     It is the error of a skin fed at both ends of its shorter side: two lines of u = omega R c (side

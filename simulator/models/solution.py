@@ -125,7 +125,7 @@ class SolutionProgress:
         """Frequencies that are left, Hz."""
         return self._all[self._left]
 
-    def offer(self, rung: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
+    def offer(self, result: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
         """Take the part of a result that keeps the tolerance, for the frequencies that are left.
 
         among: those of them that the result covers; all for None.
@@ -133,17 +133,17 @@ class SolutionProgress:
         left = np.ones(len(self._left), dtype=bool)
         among = left if among is None else among
         asked = self._left[among]
-        within = (rung.error <= self.rtol) & np.isfinite(rung.Z)
+        within = (result.error <= self.rtol) & np.isfinite(result.Z)
         kept = within.all(axis=(0, 1))
         taken = asked[kept]
-        self._Z[:, taken], self._error[:, :, taken] = rung.Z[:, kept], rung.error[:, :, kept]
+        self._Z[:, taken], self._error[:, :, taken] = result.Z[:, kept], result.error[:, :, kept]
         for index in taken:
-            self._served[index] = rung.model, rung.unknowns
+            self._served[index] = result.model, result.unknowns
         if not kept.all():
-            self.reject(self._reason(rung, self._all[asked]))
+            self.reject(self._reason(result, self._all[asked]))
         left[among] = ~kept
         self._left = self._left[left]
-        self._on_error(float(rung.error.max()))
+        self._on_error(float(result.error.max()))
 
     def reject(self, reason: str) -> None:
         """Note why a model was not used."""
@@ -163,10 +163,10 @@ class SolutionProgress:
             rejected=tuple(self.rejected),
         )
 
-    def _reason(self, rung: ModelResult, f: NDArray[np.float64]) -> str:
-        error = rung.error.max(axis=1)
+    def _reason(self, result: ModelResult, f: NDArray[np.float64]) -> str:
+        error = result.error.max(axis=1)
         Rs, Cp = (int(np.argmax(each)) for each in error)
         return (
-            f"{rung.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
+            f"{result.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
             f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, tolerance {self.rtol:g}"
         )

@@ -28,12 +28,12 @@ from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .heterogeneous.press_cache import PressCache, PressPlace
 from .line import Line
-from .lumped import Lumped, least_left_out
+from .lumped import Lumped, min_truncation_error
 from .resolution import ResolutionHierarchy
 from .sheet_model import SheetModel
 from .solution import ModelResult, Solution, SolutionProgress
 from .time_estimate import TimeEstimate
-from .uniform import equivalent_press, equivalent_scene, require_plain
+from .uniform import equivalent_press, equivalent_scene, require_uniform
 
 if TYPE_CHECKING:
     from .mechanics.deformation import Deformation
@@ -45,9 +45,9 @@ DEFAULT_RTOL = 1e-4
 GAIN = 0.1
 SHEETS_KEPT = 16
 GRIDS_KEPT = 256
-CLOSER = 0.1
+STRICTER = 0.1
 LUMPED = "one R and one C"
-ASKED = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
+SEQUENCES = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
 
 
 def checked_model(name: str) -> ModelName:
@@ -77,7 +77,7 @@ class Solver:
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
         self.scene, self.rtol = scene, rtol
         self.frequency = scene.frequencies if frequency is None else checked_frequencies(frequency)
-        self._even, self._outlook = equivalent_scene(scene), TimeEstimate(rtol)
+        self._uniform, self._time_estimate = equivalent_scene(scene), TimeEstimate(rtol)
         self.model: ModelName = model
         self._sheets: dict[Resolution, SheetModel] = {}
         self._places = PressCache()
@@ -94,7 +94,7 @@ class Solver:
 
     @cached_property
     def _first_level(self) -> int:
-        return self._ladder.first(self.rtol)
+        return self._hierarchy.first(self.rtol)
 
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
         """Solution by the cheapest model that keeps the tolerance, at each frequency.
@@ -111,7 +111,7 @@ class Solver:
             answer = solver._of_skin(press, asked).at_meter(self.scene.leads)
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
-            solver = solver._closer
+            solver = solver._stricter
 
     def _check_depth(self, press: Press, frequency: float) -> None:
         """Raise InputError if the field under the strongest touch is too shallow to resolve."""
@@ -122,15 +122,15 @@ class Solver:
             raise InputError(f"press {press}: {error}") from error
 
     @cached_property
-    def _closer(self) -> Solver:
-        return Solver(self.scene, CLOSER * self.rtol, self.model, self.frequency)
+    def _stricter(self) -> Solver:
+        return Solver(self.scene, STRICTER * self.rtol, self.model, self.frequency)
 
     def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Solution:
         """Solution at the skin's own contacts."""
         check_fingers(press, self.scene)
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
-        on_error = self._outlook.of(str(press))
+        on_error = self._time_estimate.of(str(press))
         progress = SolutionProgress(len(self.scene.interfaces), frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)
@@ -142,21 +142,21 @@ class Solver:
 
             place = self._places.of(press)
             sharp, pressed = deformed(self.scene, press, self.rtol, place=place)
-        even = None if pressed else equivalent_press(self.scene, sharp, self._even)
+        even = None if pressed else equivalent_press(self.scene, sharp, self._uniform)
         if even is None:
-            self._varied(sharp, pressed, progress, place)
+            self._solve_heterogeneous(sharp, pressed, progress, place)
         else:
-            self._plain(even, progress)
+            self._solve_uniform(even, progress)
         return progress.answer()
 
-    def _plain(self, press: Press, progress: SolutionProgress) -> None:
+    def _solve_uniform(self, press: Press, progress: SolutionProgress) -> None:
         rungs = {
             "line": self._line,
             "lumped": self._lumped,
             "sheet": self._elements,
             "reduced": self._reduced,
         }
-        asked = ASKED.get(self.model, [self.model])
+        asked = SEQUENCES.get(self.model, [self.model])
         for name in asked:
             try:
                 rungs[name](press, progress)
@@ -168,7 +168,7 @@ class Solver:
                 return
         raise ToleranceError(progress.rejected[-1])
 
-    def _varied(
+    def _solve_heterogeneous(
         self,
         press: Press,
         pressed: Deformation | None,
@@ -183,7 +183,7 @@ class Solver:
         from .heterogeneous.mesh_choice import meshes
 
         if self.model in ("line", "lumped"):
-            require_plain(self._even, f"the model {self.model!r}")
+            require_uniform(self._uniform, f"the model {self.model!r}")
             require_plain_press(press)
         if self.model == "reduced":
             self._reduced_first(press, pressed, progress)
@@ -219,12 +219,12 @@ class Solver:
     def _under_applicators(self, press: Press, progress: SolutionProgress) -> None:
         """Offer the results of a reduced model for pixels pressed by depth and force."""
         try:
-            return self._within_sweep(self._applied, press, progress)
+            return self._within_sweep(self._indentation_model, press, progress)
         except (InputError, ToleranceError) as reason:
             return progress.reject(f"reduced: {reason}")
 
     @cached_property
-    def _applied(self) -> IndentationPressModel:
+    def _indentation_model(self) -> IndentationPressModel:
         from .reduced.indentation.indentation_press_model import IndentationPressModel
 
         return IndentationPressModel(self.scene, self.rtol, self.frequency)
@@ -244,7 +244,7 @@ class Solver:
     def _exact_line(self) -> Line | str:
         """Exact line model of the scene, or the reason why there is none."""
         try:
-            return Line(self._even)
+            return Line(self._uniform)
         except InputError as no_line:
             return str(no_line)
 
@@ -255,11 +255,11 @@ class Solver:
             return progress.reject(
                 f"{LUMPED}: error of the unpressed skin is {unpressed:.1e} of Rs or Cp or more"
             )
-        sheet = self._sheet(self._ladder.resolution(self._first_level, press, frequency[-1]))
+        sheet = self._sheet(self._hierarchy.resolution(self._first_level, press, frequency[-1]))
         lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
         Z = lumped.impedance(press, frequency)
         resolved = UNIFORM * relative_difference(Z, finer.impedance(press, frequency))
-        error = resolved + lumped.left_out(press, frequency) + ROUNDING
+        error = resolved + lumped.truncation_error(press, frequency) + ROUNDING
         return progress.offer(ModelResult(LUMPED, sheet.nested.inner, Z, error))
 
     @cached_method(GRIDS_KEPT)
@@ -270,17 +270,17 @@ class Solver:
         If even the short line with the smallest error exceeds the tolerance, the skin is not
         solved.
         """
-        least = least_left_out(self._even, frequency[-1])
+        least = min_truncation_error(self._uniform, frequency[-1])
         if least > self.rtol:
             return least
-        sheet = self._sheet(self._ladder.resolution(self._first_level, Press(), frequency[-1]))
-        left_out = Lumped(sheet, sheet.nested).left_out(Press(), np.array(frequency))
+        sheet = self._sheet(self._hierarchy.resolution(self._first_level, Press(), frequency[-1]))
+        left_out = Lumped(sheet, sheet.nested).truncation_error(Press(), np.array(frequency))
         return float(left_out.max())
 
     def _elements(self, press: Press, progress: SolutionProgress) -> None:
         level = self._first_level
-        while not progress.done and level < len(self._ladder.levels):
-            rung = self._element_rung(level, press, progress.frequency)
+        while not progress.done and level < len(self._hierarchy.levels):
+            rung = self._element_result(level, press, progress.frequency)
             progress.offer(rung)
             level += self._levels_ahead(float(rung.error.max()))
 
@@ -290,10 +290,10 @@ class Solver:
             return 1
         return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
 
-    def _element_rung(
+    def _element_result(
         self, level: int, press: Press, frequency: NDArray[np.float64]
     ) -> ModelResult:
-        sheet = self._sheet(self._ladder.resolution(level, press, frequency[-1]))
+        sheet = self._sheet(self._hierarchy.resolution(level, press, frequency[-1]))
         Z, error = impedance_with_error(
             lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),
             self._circuit.excitations,
@@ -305,7 +305,7 @@ class Solver:
         return ModelResult(told, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: SolutionProgress) -> None:
-        self._within_sweep(self._of_pixels, press, progress)
+        self._within_sweep(self._factor_model, press, progress)
 
     def _within_sweep(
         self,
@@ -328,26 +328,26 @@ class Solver:
             )
 
     @cached_property
-    def _of_pixels(self) -> FactorPressModel:
+    def _factor_model(self) -> FactorPressModel:
         from .reduced.factor_press_model import FactorPressModel
 
-        return FactorPressModel(self._even, self.rtol, self.frequency)
+        return FactorPressModel(self._uniform, self.rtol, self.frequency)
 
     def _sheet(self, resolution: Resolution) -> SheetModel:
         """Sheet model at a resolution; the oldest ones are dropped, because they are large."""
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = SheetModel(self._even, self._circuit, resolution)
+            self._sheets[resolution] = SheetModel(self._uniform, self._circuit, resolution)
         return self._sheets[resolution]
 
     @cached_property
     def _circuit(self) -> Circuit:
-        return one_field(self._even) or two_fields(self._even)
+        return one_field(self._uniform) or two_fields(self._uniform)
 
     @cached_property
-    def _ladder(self) -> ResolutionHierarchy:
-        return ResolutionHierarchy(self._even, self._circuit)
+    def _hierarchy(self) -> ResolutionHierarchy:
+        return ResolutionHierarchy(self._uniform, self._circuit)
 
 
 def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:

@@ -43,12 +43,12 @@ def equivalent_skin(skin: Skin) -> Skin:
     return _stretched(even) if even.beyond_uniform == ["skin.stretch"] else even
 
 
-def equivalent_press(scene: Scene, press: Press, even: Scene | None = None) -> Press | None:
+def equivalent_press(scene: Scene, press: Press, uniform: Scene | None = None) -> Press | None:
     """Same press on `equivalent_scene(scene)`; None if press or scene are not uniform.
 
     even: `equivalent_scene(scene)`, if it is known.
     """
-    if not (press.plain and (even or equivalent_scene(scene)).uniform):
+    if not (press.plain and (uniform or equivalent_scene(scene)).uniform):
         return None
     ratios = scene.skin.stretch.ratios if scene.skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):
@@ -95,7 +95,7 @@ def require_static(scene: Scene, what: str) -> Scene:
     return scene
 
 
-def require_plain(scene: Scene, what: str) -> Scene:
+def require_uniform(scene: Scene, what: str) -> Scene:
     """The same scene, for `what` that takes plain scenes only.
 
     Raises InputError naming the key by which the scene is another one.

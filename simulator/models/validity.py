@@ -20,7 +20,7 @@ LATERAL_LIMIT, FRINGE_LIMIT = 0.01, 0.1
 PIXEL_LIMIT = 2.0
 
 
-def thickness_told(scene: Scene) -> str:
+def describe_thickness(scene: Scene) -> str:
     """Thickness of the foam in words, with the assumption if only its capacitance is given."""
     told = f"{1e3 * scene.skin.foam.thickness_or_assumed:.2g} mm"
     if scene.skin.foam.thickness is not None:
@@ -54,7 +54,7 @@ def _assumed(scene: Scene) -> str | None:
     if not keys:
         return None
     return (
-        f"`surroundings.{keys[0]}` takes the foam to be {thickness_told(scene)} thick; give "
+        f"`surroundings.{keys[0]}` takes the foam to be {describe_thickness(scene)} thick; give "
         "skin.foam.thickness beside capacitance_per_area"
     )
 
@@ -67,8 +67,8 @@ def _lateral(scene: Scene) -> str | None:
         return None
     return (
         f"at {scene.frequencies[-1]:.3g} Hz the field reaches {1e3 * depth:.2g} mm, not far "
-        f"enough beyond the foam's {thickness_told(scene)}: currents along the foam change Rs and "
-        f"Cp by up to {100 * error:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
+        f"enough beyond the foam's {describe_thickness(scene)}: currents along the foam change Rs "
+        f"and Cp by up to {100 * error:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
     )
 
 
@@ -78,7 +78,7 @@ def _fringe(scene: Scene) -> str | None:
         return None
     return (
         f"fields around the edges add {100 * fringe:.2g} % to the capacitance of a foam "
-        f"{thickness_told(scene)} thick (limit {100 * FRINGE_LIMIT:g} %); give "
+        f"{describe_thickness(scene)} thick (limit {100 * FRINGE_LIMIT:g} %); give "
         "capacitance_per_area as measured, or [surroundings] rim = true"
     )
 
@@ -90,7 +90,7 @@ def _pixels(scene: Scene) -> str | None:
         return None
     return (
         f"pixels of {1e3 * pixel:.2g} mm are less than {PIXEL_LIMIT:g} times the foam's "
-        f"{thickness_told(scene)}: the edge of a press is not as sharp as modelled"
+        f"{describe_thickness(scene)}: the edge of a press is not as sharp as modelled"
     )
 
 

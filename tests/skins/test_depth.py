@@ -174,7 +174,7 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
         ("disc(0.045,0.015,0.01):1mm", "answers pixels by depth or force alone"),
     ):
         with pytest.raises(InputError, match=reason):
-            solver._applied.result(parse_press(text, DEEP), scene.frequencies)
+            solver._indentation_model.result(parse_press(text, DEEP), scene.frequencies)
     answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
     assert answer.rejected[0].startswith("reduced: answers pixels")
 

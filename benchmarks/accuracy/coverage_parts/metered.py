@@ -13,7 +13,7 @@ from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.virtual.measurement import MeasurementSetup, written
 from rcskin.hardware.virtual.meter_state import Settings
-from rcskin.simulator.measure.specimen import SessionErrors, Specimen
+from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.scene.scene import Scene, interface_names
 from rcskin.simulator.sweeps import build
 
@@ -26,7 +26,7 @@ def metered(
     presses: of the skin, as text. called: what those who record say of each.
     Raises ReadingError where a reading is outside what the meter displays.
     """
-    errors = SessionErrors(scene, int(random.integers(2**31)))
+    errors = MeterSessionErrors(scene, int(random.integers(2**31)))
     names = interface_names(scene)
     one = Specimen(scene, names[0])
     benches = [

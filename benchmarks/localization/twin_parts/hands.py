@@ -21,7 +21,7 @@ from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
-from rcskin.simulator.measure.specimen import SessionErrors
+from rcskin.simulator.measure.specimen import MeterSessionErrors
 
 TALK = 0.008
 """s of a reading beside measuring: commands and their answers."""
@@ -71,7 +71,8 @@ class Stage:
         scene, number = self.twin.scene, 1000 * self.twin.number
         self._benches = {name: self.twin.at(name) for name in self.interfaces}
         self._errors = {
-            name: SessionErrors(scene, seed=number + k) for k, name in enumerate(self.interfaces)
+            name: MeterSessionErrors(scene, seed=number + k)
+            for k, name in enumerate(self.interfaces)
         }
 
     def pressed(self, asked: str) -> str:

@@ -19,7 +19,7 @@ from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
-from rcskin.simulator.measure.specimen import SessionErrors
+from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
 
@@ -36,7 +36,7 @@ def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> x
 def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     scene = twin.scene
     number = [each.name for each in scene.interfaces].index(interface)
-    errors = SessionErrors(scene, seed=1000 * twin.number + number)
+    errors = MeterSessionErrors(scene, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}
     first = scene.sweep.frequencies[0]
     readout = lambda Z, at_hand: errors.read(Z, at_hand.range)  # noqa: E731

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...models.mechanics.deformation import check_plane
 from ...models.mechanics.lattice.relaxed_presses import (
-    Applicators,
+    LatticeApplicators,
     Window,
     in_cells,
     rises_at_nodes,
@@ -88,7 +88,7 @@ class Deep:
         )
         return RasterizedTouch(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
-    def applied(self, place: Place, rise: float, beyond: float = SAME) -> Applicators:
+    def applied(self, place: Place, rise: float, beyond: float = SAME) -> LatticeApplicators:
         """The applicator under which c rises by `rise`.
 
         beyond: margin on each side, in steps. Raises InputError as `laid` does.
@@ -96,7 +96,7 @@ class Deep:
         (x, y), steps = place, np.array(self.lattice.steps)
         wide, high = np.divide(self._sides, 2) + beyond * steps
         box = [[x - wide, x + wide, y - high, y + high]]
-        return Applicators(
+        return LatticeApplicators(
             np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)])
         )
 
@@ -117,7 +117,7 @@ class Deep:
         return rises_at_nodes(self.lattice, self.applied(place, rise), here, STILL)
 
     def _alike(
-        self, what: str, applied: Applicators, here: Window, found: Callable[[], Array]
+        self, what: str, applied: LatticeApplicators, here: Window, found: Callable[[], Array]
     ) -> Array:
         """Cached result of `found` for a touch in a window.
 

@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from ...chebyshev import Interpolant, refined
 from ...mesh.finger_cells import with_fingers_at
 from ...mesh.pixel_coverage import pixel_coverage
-from ...models.mechanics.lattice.relaxed_presses import Applicators, Window, independent, raised
+from ...models.mechanics.lattice.relaxed_presses import (
+    LatticeApplicators,
+    Window,
+    independent,
+    raised,
+)
 from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.batch import PressBatch
@@ -29,7 +34,7 @@ COUNTS = (5, 129)
 """First and largest number of Chebyshev nodes of depth."""
 RTOL = 1e-4
 """Largest error of interpolation, over the largest rise of a cell."""
-NO_APPLICATOR = Applicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+NO_APPLICATOR = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 Index = NDArray[np.int64]
 
 
@@ -149,14 +154,16 @@ class DepthPixelTouches:
         """Lattice on which the touches are solved."""
         return self._deep.lattice
 
-    def applied(self, pixels: Index, rises: Array) -> Applicators:
+    def applied(self, pixels: Index, rises: Array) -> LatticeApplicators:
         """Touches of pixels as applicators."""
         each = [
             self._deep.applied(self._middles[pixel], rise, beyond=0.0)
             for pixel, rise in zip(pixels.tolist(), rises.tolist(), strict=True)
             if rise > 0
         ]
-        return Applicators(*(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True)))
+        return LatticeApplicators(
+            *(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True))
+        )
 
     def _of(self, pixel: int) -> _Depths:
         if pixel not in self._known:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...fem.error_estimate import relative_difference
 from ...fem.safety_factors import SAMPLED
-from ...models.mechanics.lattice.relaxed_presses import Applicators
+from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
 from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.mechanics.lattice.traced_deformation import as_press, traced
 from ...models.solver import Solver
@@ -54,7 +54,7 @@ class RasterizationErrors(NamedTuple):
 def laid_errors(
     scene: Scene,
     lattice: Lattice,
-    each: Sequence[Applicators],
+    each: Sequence[LatticeApplicators],
     own: PressBatch,
     impedances: Impedances,
 ) -> RasterizationErrors:

@@ -18,7 +18,7 @@ from ...scene.scene import Scene
 from ..strengths import written_strength
 
 if TYPE_CHECKING:
-    from ...models.mechanics.lattice.relaxed_presses import Applicators
+    from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
     from ...models.mechanics.lattice.skin_lattice import Lattice
 
 
@@ -63,12 +63,14 @@ def cell_presses_by_triangles(
     return PressBatch.of(traced(scene, lattice, own) for own in each)
 
 
-def applicators_of(scene: Scene, placed: Footprints, press: int, touches: int) -> Applicators:
+def applicators_of(
+    scene: Scene, placed: Footprints, press: int, touches: int
+) -> LatticeApplicators:
     """The first so many touches of a press as applicators."""
-    from ...models.mechanics.lattice.relaxed_presses import Applicators
+    from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
 
     own = press, slice(touches)
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
     radius = np.where(placed.disc[own], wide, 0.0)
-    return Applicators(boxes, radius, written_strength(scene, placed.factor[own])[0])
+    return LatticeApplicators(boxes, radius, written_strength(scene, placed.factor[own])[0])

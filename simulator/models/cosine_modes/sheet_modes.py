@@ -74,9 +74,9 @@ def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
     return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
 
 
-def map_of_sheet(scene: Scene, values: Mapping[str, float], waves: tuple[str, ...]) -> Grid:
+def map_of_sheet(scene: Scene, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:
     """Modes of a sheet's conductance as a map of its resistance."""
-    return nearest_map(scene, lambda x: 1 / modes_at(scene, values, waves, x))
+    return nearest_map(scene, lambda x: 1 / modes_at(scene, values, names, x))
 
 
 def check_uniform_sheets(scene: Scene) -> None:

@@ -66,7 +66,7 @@ def layered(
     )
 
 
-def beside_foils(scene: Scene, lines: Lines = NO_LINES) -> Lines:
+def with_foil_sides(scene: Scene, lines: Lines = NO_LINES) -> Lines:
     """Lines in m across x and y, with the sides of foils that have a width."""
     found = [list(each) for each in lines]
     for contact in scene.contacts:

@@ -82,7 +82,7 @@ def power_at(
         first = next(k for k in range(4) if within[k] and not within[k - 1])
         run = (first + np.arange(within.sum())) % 4
         ends = (at + away * TOWARDS[k] for k in (first, (run[-1] + 1) % 4))
-        begins, stops = (_held(contacts, sheet, end, scene) for end in ends)
+        begins, stops = (_foil_fixes_potential(contacts, sheet, end, scene) for end in ends)
         if len(run) > 1:
             wedges = list(zip(angles[run], conductances[run], strict=True))
             powers.append(min(between(wedges, begins, stops), 1.0))
@@ -110,7 +110,7 @@ def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.flo
     return found
 
 
-def _held(
+def _foil_fixes_potential(
     contacts: Sequence[Contact], sheet: Electrode, place: NDArray[np.float64], scene: Scene
 ) -> bool:
     """True if a foil without contact resistance fixes that sheet's potential at a position of the

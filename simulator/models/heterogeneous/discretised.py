@@ -72,10 +72,10 @@ class Discretised:
     coefficients: PressCoefficients
     coarse: SolvedLevel
     fine: SolvedLevel
-    told: str
+    description: str
     error: float = 0.0
     lower: tuple[SolvedLevel, ...] = ()
-    course: ErrorHistory = dataclasses.field(default_factory=ErrorHistory)
+    history: ErrorHistory = dataclasses.field(default_factory=ErrorHistory)
     deflection_error: NDArray[np.float64] | float = 0.0
 
     def result(self, frequency: NDArray[np.float64], rtol: float) -> ModelResult:
@@ -89,15 +89,15 @@ class Discretised:
             steps += [combined.relative_change(low, high) for high, low in pairwise(each)]
             off = by_orders(self.coarse.space.order, [smoothed(step) for step in steps])
         else:
-            off = self.course.effect(frequency, Z, combined.impedance(finer)) * smoothed(steps[0])
+            off = self.history.effect(frequency, Z, combined.impedance(finer)) * smoothed(steps[0])
         here = np.s_[:, : len(frequency)]
         told = VARIED * both(off) + change[here] + ROUNDING
         told = told + self.error + self.deflection_error
         if self.missed.max() > NEGLIGIBLE * rtol:
             told += self.changes(raised_by_rule(self.coefficients, self.missed), frequency, rtol)
-        self.course.record(frequency, told)
+        self.history.record(frequency, told)
         return ModelResult(
-            self.told + describe_accuracy(self.coefficients.materials),
+            self.description + describe_accuracy(self.coefficients.materials),
             self.coarse.space.inner,
             Z[here],
             told,
@@ -209,7 +209,7 @@ def _over_all(
     return parts / total if total > 0 else np.zeros_like(parts)
 
 
-def most(parts: NDArray[np.float64]) -> NDArray[np.int64]:
+def marked_cells(parts: NDArray[np.float64]) -> NDArray[np.int64]:
     """Fewest cells that hold KEPT of the whole. Source: W. Doerfler, SINUM 33 (1996) 1106."""
     return fewest(parts, KEPT * float(parts.sum()))
 

@@ -43,11 +43,11 @@ MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
 class Elements:
     """Trial functions on a mesh.
 
-    surface_at: geometry at the points of a rule, in some of the cells. cells_beside: a cell at each
-    facet and which of its edges the facet is, shapes (facet,). facets: those under a foil. inside:
-    the cells that a foil with a width covers. mesh: as scikit-fem numbers it, seen along z. groups:
-    the straight cells, and the curved ones. in_space: of triangles in space their first corners and
-    the two edges from there, m, each of shape (3, cell, 1); None in the plane.
+    surface_at: geometry at the points of a rule, in some of the cells. cells_at_facets: a cell at
+    each facet and the number of the facet among its edges, shapes (facet,). facets: those under a
+    foil. inside: cells that a foil with a width covers. mesh: in the numbering of scikit-fem, as
+    seen along z. groups: straight cells, and curved ones. in_space: of triangles in space their
+    first corners and the two edges from there, m, each of shape (3, cell, 1); None in the plane.
     """
 
     element: Element
@@ -55,7 +55,7 @@ class Elements:
     trial: TrialSpace
     rule: Rule
     surface_at: Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]
-    cells_beside: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
+    cells_at_facets: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
     facets: Callable[[Contact], NDArray[np.int64]]
     inside: Callable[[Contact], NDArray[np.int64]]
     mesh: Mesh2D
@@ -103,7 +103,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     middles = pixels.cells.p[:, pixels.cells.t].mean(axis=1)
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return _beside(pixels.mesh, facets)
+        return _cells_at_facets(pixels.mesh, facets)
 
     return Elements(
         element=element,
@@ -111,7 +111,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         trial=quadrilateral_trial(pixels.mesh, order),
         rule=_rule_on_squares(order),
         surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
-        cells_beside=beside,
+        cells_at_facets=beside,
         facets=pixels.facets,
         inside=lambda contact: _covered(contact, pixels.skin, middles),
         mesh=pixels.mesh,
@@ -142,7 +142,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
     mesh = domain.flat
 
     def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        return _beside(mesh, facets)
+        return _cells_at_facets(mesh, facets)
 
     return Elements(
         element=element,
@@ -150,7 +150,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
         trial=triangle_trial(mesh, order),
         rule=rule,
         surface_at=on_triangles(domain),
-        cells_beside=beside,
+        cells_at_facets=beside,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         inside=lambda contact: _covered(contact, skin, domain.middles),
         mesh=mesh,
@@ -220,7 +220,9 @@ def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
     return order[np.searchsorted(known[order], ends[0] * count + ends[1])]
 
 
-def _beside(mesh: Mesh2D, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _cells_at_facets(
+    mesh: Mesh2D, facets: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     cell = np.asarray(mesh.f2t, dtype=np.int64)[0, facets]
     return cell, np.argmax(np.asarray(mesh.t2f)[:, cell] == facets, axis=0)
 

@@ -51,27 +51,27 @@ class ErrorHistory:
         self._unseen, self._most = UNSEEN, MOST
         self._foreseen = np.ones(1), np.full(1, np.inf)
 
-    def foresees(self, frequency: NDArray[np.float64], k: NDArray[np.float64]) -> None:
+    def predict(self, frequency: NDArray[np.float64], k: NDArray[np.float64]) -> None:
         """Set the predicted k of the next mesh at some frequencies in Hz, ascending."""
         self._foreseen = frequency, k
 
-    def meets(self, exponents: NDArray[np.float64], order: int) -> None:
+    def account_for_corners(self, exponents: NDArray[np.float64], order: int) -> None:
         """Account for corners of these exponents, at which k may be larger than elsewhere."""
         slowest = float(at_corners(exponents.min(initial=np.inf), order))
         self._unseen, self._most = max(UNSEEN, slowest), max(MOST, slowest)
 
-    def lacks(self, rtol: float) -> float:
+    def relative_error(self, rtol: float) -> float:
         """Latest error over the tolerance; 1 before there is one."""
         return self._errors[-1] / rtol if self._errors else 1.0
 
-    def reaches(self, rtol: float, meshes: int) -> bool:
+    def will_reach(self, rtol: float, meshes: int) -> bool:
         """True if that many more meshes reach a tolerance, each gaining as much as the latest."""
         if len(self._errors) < 2:
             return True
         before, now = self._errors[-2:]
         return now * min(now / before, 1.0) ** meshes <= rtol
 
-    def again(self) -> ErrorHistory:
+    def for_other_depth(self) -> ErrorHistory:
         """History for another depth at the same place, whose k is much the same."""
         other = ErrorHistory()
         other._largest, other._unseen, other._most = self._largest, self._unseen, self._most

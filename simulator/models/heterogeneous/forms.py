@@ -92,7 +92,7 @@ def add_along(
     density: Density,
 ) -> None:
     """Add the form density u v along facets, between `fields`, shape (field, field)."""
-    cells, edges = elements.cells_beside(facets)
+    cells, edges = elements.cells_at_facets(facets)
     for edge in np.unique(edges):
         own = cells[edges == edge]
         rule, direction = elements.edge_rule(int(edge))

@@ -83,7 +83,7 @@ class DeflectedTriangles:
             if error.max() <= most:
                 return replace(found, deflection_error=error)
             self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
-            self._place.triangles = triangles = triangles.again(self._pressed)
+            self._place.triangles = triangles = triangles.for_other_depths(self._pressed)
 
 
 def deformed(
@@ -104,7 +104,11 @@ def deformed(
     from ..mechanics.indentation import deformation
 
     found = deformation(
-        scene, press, min(COARSEST_FACTOR, FACTOR_SHARE * rtol), progress, place and place.again
+        scene,
+        press,
+        min(COARSEST_FACTOR, FACTOR_SHARE * rtol),
+        progress,
+        place and place.deflections,
     )
     return (press.on_patches, found) if found.sharp is None else (found.sharp, None)
 
@@ -123,7 +127,7 @@ def meshes(
     """
     check_surroundings(scene)
     if pressed is not None and place and place.triangles:
-        return DeflectedTriangles(place, place.triangles.again(pressed), pressed, rtol)
+        return DeflectedTriangles(place, place.triangles.for_other_depths(pressed), pressed, rtol)
     circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
     if pressed is not None:
         first = Triangles(scene, circuit, press, rtol, pressed)

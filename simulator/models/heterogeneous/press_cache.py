@@ -29,7 +29,7 @@ class PressPlace:
     triangles: Triangles | None = None
 
     @cached_property
-    def again(self) -> DeflectionCache:
+    def deflections(self) -> DeflectionCache:
         """Cached deflections."""
         from ..mechanics.deflection_cache import DeflectionCache
 
@@ -46,7 +46,7 @@ class PressCache:
         """Place of a press."""
         key = press.on_patches, tuple(map(place_of, press.indented))
         place = self._known.pop(key, None) or PressPlace()
-        while sum(each.again.nodes for each in self._known.values()) > MOST_NODES:
+        while sum(each.deflections.nodes for each in self._known.values()) > MOST_NODES:
             del self._known[next(iter(self._known))]
         self._known[key] = place
         return place

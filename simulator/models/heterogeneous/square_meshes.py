@@ -19,7 +19,7 @@ from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, ResolutionHierarchy
-from .boundary_layers import beside_foils, jumping, layered
+from .boundary_layers import jumping, layered, with_foil_sides
 from .coefficients import PressCoefficients
 from .corners import ringed_corners
 from .discretised import Discretised, SolvedLevel
@@ -50,27 +50,27 @@ class Squares:
         self.scene, self.circuit, self.press = scene, circuit, press
         self.materials = Materials(scene)
         self.rtol = rtol
-        self._course = ErrorHistory()
-        self._ladder = ResolutionHierarchy(scene, circuit, own=rtol)
-        self._level = self._ladder.lowest(rtol)
+        self._history = ErrorHistory()
+        self._hierarchy = ResolutionHierarchy(scene, circuit, own=rtol)
+        self._level = self._hierarchy.lowest(rtol)
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """Next discretisation, for frequencies in Hz.
 
         Raises ToleranceError after the finest, and where the orders gain too little.
         """
-        lacks = self._course.lacks(self.rtol)
+        lacks = self._history.relative_error(self.rtol)
         self._level += math.floor(math.log(max(lacks / AN_ORDER, 1.0), AN_ORDER))
         if self._level >= len(ONE_CELL):
             raise ToleranceError("there is no finer mesh")
-        if not self._course.reaches(self.rtol, FEW):
+        if not self._history.will_reach(self.rtol, FEW):
             raise ToleranceError(f"orders gain too little: {lacks:.1g} times the tolerance is left")
         highest = float(frequency[-1])
         like = jumping(self.press, self.scene)
-        found = self._ladder.resolution(self._level, like, highest)
+        found = self._hierarchy.resolution(self._level, like, highest)
         self._level += 1
-        found = layered(self._ladder, found, like, highest)
-        return self._discretised(self._varied(found))
+        found = layered(self._hierarchy, found, like, highest)
+        return self._discretised(self._following_maps(found))
 
     def _discretised(self, resolution: Resolution) -> Discretised:
         scene, circuit = self.scene, self.circuit
@@ -100,13 +100,13 @@ class Squares:
             fine,
             f"2-D elements, {circuit.description}, heterogeneous, {answered}",
             lower=tuple(lower),
-            course=self._course,
+            history=self._history,
         )
 
-    def _varied(self, resolution: Resolution) -> Resolution:
+    def _following_maps(self, resolution: Resolution) -> Resolution:
         """Resolution with lines where maps have kinks, and cells that follow the shortest of
         them."""
-        kinks = beside_foils(self.scene, self.materials.lines)
+        kinks = with_foil_sides(self.scene, self.materials.lines)
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
         finer = replace(resolution, lines=lines)
         widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
@@ -121,7 +121,7 @@ class Squares:
     def _towards_foils(self, resolution: Resolution) -> Resolution:
         """Resolution with cells that narrow towards foils that have a width, as they do at
         edges."""
-        inner = beside_foils(self.scene)
+        inner = with_foil_sides(self.scene)
         if inner == NO_LINES:
             return resolution
         touched = (resolution.touched[0] + inner[0], resolution.touched[1] + inner[1])

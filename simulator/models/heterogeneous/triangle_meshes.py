@@ -84,15 +84,19 @@ class Triangles:
         self._domain: Domain | None = None
         self._ends = np.empty(0)
         self._spaces: tuple[SolvedLevel, ...] = ()
-        self._course = ErrorHistory()
+        self._history = ErrorHistory()
 
-    def again(self, pressed: Deformation) -> Triangles:
+    def for_other_depths(self, pressed: Deformation) -> Triangles:
         """Meshes for other depths of the same touches.
 
         The first one is the latest mesh. Solutions on it that the depths do not change are kept.
         """
         other = copy(self)
-        other.pressed, other._before, other._course = pressed, None, self._course.again()
+        other.pressed, other._before, other._history = (
+            pressed,
+            None,
+            self._history.for_other_depth(),
+        )
         return other
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
@@ -126,7 +130,9 @@ class Triangles:
         self._before = self.discretised(found, left_out, self._spaces)
         self._spaces = self._before.coarse, self._before.fine
         if crossed(self._before.coefficients):
-            self._course.meets(self._exponents(found, self._before.coefficients), self.order)
+            self._history.account_for_corners(
+                self._exponents(found, self._before.coefficients), self.order
+            )
         return self._before
 
     def _halved(
@@ -140,12 +146,12 @@ class Triangles:
         exponents = self._exponents(mesh, self._before.coefficients)
         share = parts / parts.sum(axis=1, keepdims=True)
         likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
-        expected = self._course.expected_at(frequency, float(likely.max()))
+        expected = self._history.expected_at(frequency, float(likely.max()))
         largest = float(expected.max())
         enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), LEAST_GAIN * largest)
         found, left = graded(mesh, expected[:, None] * share, enough, self.order, exponents)
         likely = (left * _shown(exponents, found, self.order)).sum(axis=1) / left.sum(axis=1)
-        self._course.foresees(frequency, likely)
+        self._history.predict(frequency, likely)
         return found
 
     def _exponents(self, mesh: Domain, coefficients: PressCoefficients) -> NDArray[np.float64]:
@@ -220,7 +226,7 @@ class Triangles:
             f"2-D elements, {self.circuit.description}, "
             f"{mesh.t.shape[1]} triangles of order {self.order}",
             left_out,
-            course=self._course,
+            history=self._history,
         )
 
     def _coefficients(self, mesh: Domain) -> PressCoefficients:

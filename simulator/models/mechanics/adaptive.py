@@ -89,7 +89,7 @@ def adaptive_deflection(
     meets another, ToleranceError if `rtol` is out of reach.
     """
     pushed = _pushed(press)
-    _check_apart(press, ground, pushed)
+    _check_separated(press, ground, pushed)
     _check_length(ground, mechanics, thickness)
     pressing, remaining = _Pressing(mechanics, thickness, pushed), RemainingTime(rtol)
     progress(PRESSING, 0.0)
@@ -151,7 +151,7 @@ class _Pressing:
         membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
         nodes = len(membrane.places.T)
         first = np.zeros(nodes) if start is None else start(membrane.places)
-        held = self._held(membrane, self._most(ground, membrane), first)
+        held = self._clamped(membrane, self._most(ground, membrane), first)
         rest = equilibrium(membrane, held, self.pushed, first)
         surface = MembraneSurface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
         return DeflectionLevel(ground, membrane, held, rest, surface, start is not None)
@@ -161,7 +161,7 @@ class _Pressing:
         start = known.start(level, self.pushed)
         most = self._most(level.ground, level.membrane)
         no_deeper = np.where(most < 0, start, np.fmin(start, self.pushed.depth[most]))
-        held = self._held(level.membrane, most, no_deeper)
+        held = self._clamped(level.membrane, most, no_deeper)
         return known.pressed(level, held, self.pushed, start, rtol)
 
     def _most(self, ground: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
@@ -169,7 +169,7 @@ class _Pressing:
         under = above(membrane.nodes, len(membrane.places.T), ground.covered)
         return deepest(under, self.pushed)
 
-    def _held(
+    def _clamped(
         self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         """Applicator that clamps each node, shape (node,). near: deflections close to the solution,
@@ -203,7 +203,7 @@ def _check_length(ground: ContactMesh, mechanics: Mechanics, thickness: float) -
         raise ToleranceError(TOO_FINE)
 
 
-def _check_apart(press: Press, ground: ContactMesh, pushed: ApplicatorLoads) -> None:
+def _check_separated(press: Press, ground: ContactMesh, pushed: ApplicatorLoads) -> None:
     t = ground.domain.t
     under = above(t, int(t.max()) + 1, ground.covered)
     for each in pushed.by_force:

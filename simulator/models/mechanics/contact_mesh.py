@@ -70,7 +70,7 @@ class ContactMesh:
 
 
 def contact_mesh(
-    scene: Scene, places: Sequence[Place], asked: Sequence[Place] | None = None
+    scene: Scene, places: Sequence[Place], named: Sequence[Place] | None = None
 ) -> ContactMesh:
     """Mesh of a scene's skin under applicators of the shapes of `places`.
 
@@ -87,7 +87,7 @@ def contact_mesh(
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
     meshed = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
-    for place, covered in zip(asked or places, meshed.covered, strict=True):
+    for place, covered in zip(named or places, meshed.covered, strict=True):
         if not covered.any():
             raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
     return meshed

@@ -26,7 +26,7 @@ SMALLEST = 1e-15
 """Smallest depth, m."""
 CHECKS = 4
 """Number of intermediate depths at which interpolation is compared with the membrane itself."""
-DOUBT = 2.0
+INTERPOLATION_SAFETY = 2.0
 """Assumed error of interpolation over the largest observed at those."""
 
 
@@ -73,7 +73,7 @@ class DepthSeries:
         near = np.argsort(self.depth[1:])[:NEAREST] + 1
         area[0] = lagrange(self.depth[near], 0.0) @ area[near]
         own, seen = np.split(area, [self.count])
-        off = DOUBT * np.abs(barycentric(nodes, between) @ own / seen - 1).max()
+        off = INTERPOLATION_SAFETY * np.abs(barycentric(nodes, between) @ own / seen - 1).max()
         if force > self.force[self.count - 1]:
             return np.inf, np.inf
 
@@ -168,12 +168,12 @@ def _order(count: int) -> NDArray[np.int64]:
     return np.concatenate([np.arange(count)[::-1], count + np.arange(CHECKS)])
 
 
-def interpolated_error(course: DepthSeries, mechanics: Mechanics, thickness: float) -> float:
+def interpolated_error(series: DepthSeries, mechanics: Mechanics, thickness: float) -> float:
     """Largest relative error of the factor at the nodes of the mesh, by depths between."""
-    factor = mechanics.factor(np.clip(course.w, 0, None) / thickness)
-    nodes, between = factor[: course.count], factor[course.count :]
-    told = course.weights(course.depth[course.count :]) @ nodes
-    return DOUBT * float(np.abs(told / between - 1).max())
+    factor = mechanics.factor(np.clip(series.w, 0, None) / thickness)
+    nodes, between = factor[: series.count], factor[series.count :]
+    told = series.weights(series.depth[series.count :]) @ nodes
+    return INTERPOLATION_SAFETY * float(np.abs(told / between - 1).max())
 
 
 def spread(scene: Scene) -> float:

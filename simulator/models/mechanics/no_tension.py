@@ -93,9 +93,9 @@ def _box(scene: Scene, place: Place) -> Box:
     return touched_box(scene, place) if isinstance(place, Touch) else place.box
 
 
-def _areas(scene: Scene, press: Press, shapes: Shapes, apart: bool) -> NDArray[np.float64]:
+def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> NDArray[np.float64]:
     """Area of the skin under each applicator, m²; where they overlap it counts for the deepest."""
-    if apart and scene.skin.outline is None and scene.skin.mesh is None:
+    if separated and scene.skin.outline is None and scene.skin.mesh is None:
         return np.array(
             [
                 np.pi * each.radius**2 if isinstance(each, Circle) else abs(area(each))

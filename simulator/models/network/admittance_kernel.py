@@ -60,7 +60,10 @@ def _of_few(
     """Admittances of presses that do not touch many cells, written into Y."""
     (cells, weights, starts), press = batch, 0
     while press < len(Y):
-        after, touched = _alike(cells, starts, press), cells[starts[press] : starts[press + 1]]
+        after, touched = (
+            _next_with_other_cells(cells, starts, press),
+            cells[starts[press] : starts[press + 1]],
+        )
         if not many[press]:
             W = weights[starts[press] : starts[after]].reshape(after - press, len(touched))
             by_touches(rest, known, touched, W, s, Y[press:after])
@@ -68,7 +71,7 @@ def _of_few(
 
 
 @compiled()
-def _alike(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no cover
+def _next_with_other_cells(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no cover
     """Index of the first press after this one that touches other cells."""
     touched, after = cells[starts[press] : starts[press + 1]], press + 1
     while after < len(starts) - 1:

@@ -48,12 +48,12 @@ def unpressed_network(rest: UnpressedMass, s: NDArray[np.complex128]) -> Unpress
     own = np.empty((*inside.shape[:2], inside.shape[1], 2, len(s)))
     for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
         damped = U * P[:, None]
-        seen[k] = _apart(U_at - each * (damped @ beside.T))
-        own[k] = _apart(damped @ U.T)
-    return UnpressedNetwork(between_terminals(rest, s), _apart(P), seen, own)
+        seen[k] = _real_and_imaginary(U_at - each * (damped @ beside.T))
+        own[k] = _real_and_imaginary(damped @ U.T)
+    return UnpressedNetwork(between_terminals(rest, s), _real_and_imaginary(P), seen, own)
 
 
-def _apart(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _real_and_imaginary(values: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Real and imaginary parts, shape (s, ...) to (..., 2, s)."""
     last = np.moveaxis(values, 0, -1)
     return np.stack([last.real, last.imag], axis=-2)

@@ -6,7 +6,7 @@ import numpy as np
 from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, BayesAccuracy
 from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
 from rcskin.simulator.bounds.touch_readings import Hypothesis
-from rcskin.simulator.measure.experiment import strengths, together
+from rcskin.simulator.measure.experiment import combined_strengths, strengths
 from rcskin.simulator.press.batch import PressBatch
 
 
@@ -23,7 +23,7 @@ def compared(readings, among, presses, seed, draws):
     steps = {pixel: _steps(readings, pixel, presses) for pixel in pixels}
     found, chance = [], []
     for each in among:
-        every = together([strengths(presses, steps[pixel]) for pixel in each.pixels])
+        every = combined_strengths([strengths(presses, steps[pixel]) for pixel in each.pixels])
         found.append(readings.of(each, every.factor))
         chance.append(each.chance * every.weight)
     starts = starts_of([each.answer for each in among], [len(each) for each in chance])

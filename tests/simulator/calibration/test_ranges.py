@@ -8,7 +8,7 @@ import pytest
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.measure.specimen import SessionErrors
+from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import build, impedance
 
@@ -38,7 +38,7 @@ def sheet():
 
 def recorded(scene, sweeps, automatic, seed):
     """As a meter records sweeps, in the range of each reading or all in one."""
-    errors = SessionErrors(scene, seed)
+    errors = MeterSessionErrors(scene, seed)
     ranged = [
         errors.read(z, math.ceil(math.log10(abs(z))) if automatic else 7)
         for z in impedance(sweeps).ravel().tolist()

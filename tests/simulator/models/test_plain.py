@@ -5,7 +5,7 @@ from rcskin.simulator.models.uniform import (
     equivalent_press,
     equivalent_scene,
     folded,
-    require_plain,
+    require_uniform,
 )
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
@@ -37,7 +37,7 @@ def test_a_plain_scene_is_returned_as_it_is(name):
     assert scene.uniform
     assert equivalent_scene(scene) is scene
     assert equivalent_press(scene, press) is press
-    assert require_plain(scene, "anything") is scene
+    assert require_uniform(scene, "anything") is scene
 
 
 def test_a_stretch_is_folded_by_hand_derived_figures(make_scene):
@@ -98,7 +98,7 @@ def test_what_is_not_plain_keeps_its_stretch_and_is_refused_by_its_key(make_scen
     assert equivalent_press(scene, Press((Touch(1, 1, 2.0),))) is None
     unstretched = skin_with(make_scene(), **tables)
     with pytest.raises(InputError, match=f"scene: a test cannot take `{key}`: it needs uniform"):
-        require_plain(unstretched, "a test")
+        require_uniform(unstretched, "a test")
 
 
 def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
@@ -109,7 +109,7 @@ def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
 def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
-        require_plain(scene, "a test")
+        require_uniform(scene, "a test")
     assert folded(scene, "a test") == equivalent_scene(scene)
 
 

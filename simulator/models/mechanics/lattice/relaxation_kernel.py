@@ -34,7 +34,7 @@ def relaxed_in_place(
     deflection.
     """
     rows, columns = w.shape
-    last, held = len(law) - 2, _held(right, up)
+    last, held = len(law) - 2, _conductance_sums(right, up)
     for sweep in range(most):
         moved = 0.0
         for i in range(rows):
@@ -66,7 +66,7 @@ def relaxed_in_place(
 
 
 @compiled()
-def _held(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
+def _conductance_sums(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
     """Sum of the conductances of each node to its neighbours, over the tension."""
     rows, columns = right.shape
     held = np.empty((rows, columns))

@@ -25,7 +25,7 @@ Window = tuple[slice, slice]
 """Rows and columns of cells."""
 
 
-class Applicators(NamedTuple):
+class LatticeApplicators(NamedTuple):
     """Applicators of one press.
 
     boxes: left, right, bottom and top in m, shape (touch, 4). radius: of discs in m, 0 of
@@ -37,7 +37,7 @@ class Applicators(NamedTuple):
     depth: NDArray[np.float64]
 
 
-def raised(lattice: Lattice, applied: Applicators) -> TouchedCells:
+def raised(lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
     """Cells that a press changes, and the rise of c averaged over the skin in each.
 
     Applicators that do not influence each other are relaxed one by one.
@@ -50,13 +50,15 @@ def raised(lattice: Lattice, applied: Applicators) -> TouchedCells:
     return TouchedCells(cells, rise.ravel()[cells])
 
 
-def rises_within(lattice: Lattice, applied: Applicators, here: Window) -> NDArray[np.float64]:
+def rises_within(
+    lattice: Lattice, applied: LatticeApplicators, here: Window
+) -> NDArray[np.float64]:
     """Rise of c averaged over the skin in each cell of a window, shape (row, column)."""
     return in_cells(lattice, rises_at_nodes(lattice, applied, here), here)
 
 
 def rises_at_nodes(
-    lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
+    lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
     """Rise of c at the nodes of a window, shape (row, column). still: as STILL."""
     w = deflected(lattice, applied, here, still)
@@ -64,7 +66,7 @@ def rises_at_nodes(
 
 
 def deflected(
-    lattice: Lattice, applied: Applicators, here: Window, still: float = STILL
+    lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
     """Deflection at the nodes of a window, m, shape (row, column). still: as STILL.
 
@@ -88,7 +90,7 @@ def deflected(
 
 
 def _first(
-    lattice: Lattice, applied: Applicators, x: NDArray[np.float64], y: NDArray[np.float64]
+    lattice: Lattice, applied: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Deflection as if each applicator's edge were straight, m, shape (row, column)."""
     found = np.zeros((len(y), len(x)))
@@ -115,14 +117,16 @@ def _summed(lattice: Lattice, values: NDArray[np.float64]) -> NDArray[np.float64
     return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))
 
 
-def _groups(lattice: Lattice, applied: Applicators) -> list[Applicators]:
+def _groups(lattice: Lattice, applied: LatticeApplicators) -> list[LatticeApplicators]:
     """Applicators in groups that influence each other."""
     if len(applied.depth) > 1 and independent(lattice, applied):
-        return [Applicators(*(each[[k]] for each in applied)) for k in range(len(applied.depth))]
+        return [
+            LatticeApplicators(*(each[[k]] for each in applied)) for k in range(len(applied.depth))
+        ]
     return [applied] if len(applied.depth) else []
 
 
-def independent(lattice: Lattice, applied: Applicators) -> bool:
+def independent(lattice: Lattice, applied: LatticeApplicators) -> bool:
     """True if no two of the applicators influence the same position."""
     far = [lattice.reach(depth) for depth in applied.depth]
     low = applied.boxes[:, ::2] - np.array(far)[:, None]
@@ -131,7 +135,7 @@ def independent(lattice: Lattice, applied: Applicators) -> bool:
     return int(np.count_nonzero(meet)) == len(far)
 
 
-def window(lattice: Lattice, applied: Applicators) -> Window:
+def window(lattice: Lattice, applied: LatticeApplicators) -> Window:
     """Cells that any of the applicators influences."""
     far = max(lattice.reach(depth) for depth in applied.depth)
     low, high = applied.boxes[:, ::2].min(axis=0) - far, applied.boxes[:, 1::2].max(axis=0) + far

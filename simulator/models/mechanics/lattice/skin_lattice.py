@@ -20,7 +20,7 @@ SAMPLES = 8
 """Samples along each side of a node's area where an edge of the skin passes."""
 LAW = 4096
 PROFILE = 2048
-FELT = 3e-4
+FOLLOWED = 3e-4
 """Smallest deflection that is followed, over an applicator's depth."""
 
 
@@ -86,7 +86,7 @@ class Lattice:
     def reach(self, depth: float) -> float:
         """Distance at which the straight edge of an applicator of a depth has no more influence,
         m."""
-        return self._where(FELT * depth) - self._where(depth)
+        return self._where(FOLLOWED * depth) - self._where(depth)
 
     def falls_within(self, depth: float) -> float:
         """Distance over which the deflection falls to a tenth from there, m."""
@@ -117,7 +117,7 @@ def _lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice
     )
     step_x, step_y = length / columns / along, width / rows / across
     x, y = _nodes(columns * along, step_x), _nodes(rows * across, step_y)
-    part, right, up = _held_together(scene, x, y)
+    part, right, up = _skin_shares(scene, x, y)
     distance, w = _profile(mechanics, thickness)
     ratio = step_y / step_x
     foam = mechanics, thickness
@@ -135,13 +135,13 @@ def _profile(
 
     Next to a straight edge T w'² / 2 = d W(w / d), with W the foam's energy per volume.
     """
-    strain = mechanics.elastic.greatest_strain * np.geomspace(1.0, FELT**2, PROFILE)
+    strain = mechanics.elastic.greatest_strain * np.geomspace(1.0, FOLLOWED**2, PROFILE)
     slope = np.sqrt(2 * thickness * mechanics.elastic.energy(strain) / mechanics.tension)
     falls = -np.diff(strain * thickness) * (1 / slope[1:] + 1 / slope[:-1]) / 2
     return np.concatenate([[0.0], np.cumsum(falls)]), strain * thickness
 
 
-def _held_together(
+def _skin_shares(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
     """Share of each node's area that is skin, and of each edge to the next node along x and y."""
@@ -157,7 +157,7 @@ def _held_together(
 def _cut(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
-    """Shares as of `_held_together` for a skin of any outline, by samples where an edge is near."""
+    """Shares as of `_skin_shares` for a skin of any outline, by samples where an edge is near."""
     skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
     middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
     around = np.pad(middle, 1, mode="edge")

@@ -11,7 +11,7 @@ from ....press.touch import Depth, Disc, Indentation, Rectangle
 from ....scene.scene import Scene
 from ....scene.skin import covers
 from ..indentation import deformation
-from .relaxed_presses import Applicators, window
+from .relaxed_presses import LatticeApplicators, window
 from .skin_lattice import Lattice
 
 FACTOR_RTOL = 1e-3
@@ -20,7 +20,7 @@ POINTS = 24
 """Sample points along each side of a cell."""
 
 
-def traced(scene: Scene, lattice: Lattice, applied: Applicators) -> TouchedCells:
+def traced(scene: Scene, lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
     """Rises as of `relaxed_presses.raised`, to FACTOR_RTOL of the factor; some tenths of a second
     each."""
     if not len(applied.depth):
@@ -41,7 +41,7 @@ def traced(scene: Scene, lattice: Lattice, applied: Applicators) -> TouchedCells
     return TouchedCells(cells, every.ravel()[cells])
 
 
-def as_press(applied: Applicators) -> Press:
+def as_press(applied: LatticeApplicators) -> Press:
     """Press by these applicators, for the mechanics on triangles."""
     touches = []
     each = zip(*(own.tolist() for own in applied), strict=True)

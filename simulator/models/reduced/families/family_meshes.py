@@ -21,7 +21,7 @@ from ....press.press import Press
 from ....press.touch import Touch
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
-from ...heterogeneous.discretised import indicators, most
+from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...resolution import ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
@@ -159,7 +159,7 @@ def _triangulations(
     each = [Triangles(scene, circuit, _on_skin(press, domain, scene), rtol) for press in presses]
     while domain.t.shape[1] <= MOST_TRIANGLES:
         yield Triangulation(domain, bare.order)
-        marked = [most(_uncertain(press, domain, ends)) for press in each]
+        marked = [marked_cells(_uncertain(press, domain, ends)) for press in each]
         domain = finer(domain, np.unique(np.concatenate(marked)))
 
 

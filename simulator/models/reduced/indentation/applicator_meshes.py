@@ -12,7 +12,7 @@ from ....mesh.domain import Domain
 from ....mesh.refining.untangled import finer
 from ....press.press import Press
 from ....scene.scene import Scene
-from ...heterogeneous.discretised import indicators, most
+from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
 from ...mechanics.deformation import Deformation
 from ..cases import Case
@@ -86,7 +86,9 @@ def _triangulations(
     each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
 
     def refined(domain: Domain) -> Domain:
-        marked = [most(indicators(press.discretised(domain), ends).sum(axis=0)) for press in each]
+        marked = [
+            marked_cells(indicators(press.discretised(domain), ends).sum(axis=0)) for press in each
+        ]
         return finer(domain, np.unique(np.concatenate(marked)))
 
     domain = bare.coarsest(float(ends[-1])) if domain is None else refined(domain)

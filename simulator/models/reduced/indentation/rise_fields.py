@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ....chebyshev import barycentric
 from ....mesh.domain import Domain
 from ...heterogeneous.elements import Elements
-from ...mechanics.depth_series import DOUBT
+from ...mechanics.depth_series import INTERPOLATION_SAFETY
 from .applicators import PixelApplicators
 
 DROPPED = 1e-8
@@ -56,7 +56,7 @@ def field_of(known: PixelApplicators, pixel: int, elements: Elements, domain: Do
     modes = turn.T @ nodes
     left_out = LEBESGUE * np.abs(nodes - turn @ modes).max(axis=0)
     told = course.weights(course.depth[course.count :]) @ nodes
-    left_out += DOUBT * np.abs(told - between).max(axis=0)
+    left_out += INTERPOLATION_SAFETY * np.abs(told - between).max(axis=0)
     under = known.mechanics.factor(course.depth / known.thickness) - 1
     pushed = under > 0
     shares = ((raised - rise)[pushed] / under[pushed, None]).max(axis=0)

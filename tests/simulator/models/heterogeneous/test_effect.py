@@ -44,14 +44,14 @@ def test_what_corners_tell_of_a_mesh_in_advance_is_believed_where_it_is_less():
     """What the meshes before it told may be of corners that it has done with."""
     course = ErrorHistory()
     course.effect(FREQUENCY, off_by(1e-2), off_by(6e-3))
-    course.foresees(FREQUENCY[[0, -1]], np.array([1.0, 3.0]))
+    course.predict(FREQUENCY[[0, -1]], np.array([1.0, 3.0]))
     found = course.effect(FREQUENCY, off_by(1e-3), off_by(6e-4))
     assert found == pytest.approx([FORESEEN, 2.5, 2.5])
 
 
 def test_where_a_corner_is_weaker_than_elsewhere_more_is_believed_to_be_left():
     course, power = ErrorHistory(), np.array([0.1, np.inf])
-    course.meets(power, 3)
+    course.account_for_corners(power, 3)
     k = at_corners(power[0], 3)
     assert course.effect(FREQUENCY, off_by(1e-2), off_by(9e-3)) == pytest.approx([k] * 3)
     assert course.effect(FREQUENCY, off_by(5e-3), off_by(4.5e-3)) == pytest.approx([k] * 3)
@@ -105,14 +105,14 @@ def test_orders_that_gain_by_twos_are_not_believed():
 
 def test_meshes_that_gain_too_little_will_not_reach_a_tolerance():
     course = ErrorHistory()
-    assert course.lacks(1e-5) == 1.0
-    assert course.reaches(1e-5, 2)
+    assert course.relative_error(1e-5) == 1.0
+    assert course.will_reach(1e-5, 2)
     course.record(np.ones(1), np.array([8e-4]))
-    assert course.lacks(1e-5) == pytest.approx(80)
-    assert course.reaches(1e-5, 2)
+    assert course.relative_error(1e-5) == pytest.approx(80)
+    assert course.will_reach(1e-5, 2)
     course.record(np.ones(1), np.array([2e-4]))
-    assert not course.reaches(1e-5, 2)
-    assert course.reaches(1e-5, 3)
+    assert not course.will_reach(1e-5, 2)
+    assert course.will_reach(1e-5, 3)
 
 
 def test_what_grows_with_frequency_is_told_as_it_is_and_what_changes_sign_is_not_lost():

@@ -87,11 +87,11 @@ def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
     asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in asked:
         place = kept.of(press)
-        place.again.__dict__["level"] = type("Level", (), {"held": np.zeros(4)})()
+        place.deflections.__dict__["level"] = type("Level", (), {"held": np.zeros(4)})()
     assert kept.of(asked[2]) is place
     assert kept.of(parse_press("1,3:2mm", 2.0)) is place
     assert len(kept._known) == 2
-    assert kept.of(asked[0]).again.level is None
+    assert kept.of(asked[0]).deflections.level is None
 
 
 def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):

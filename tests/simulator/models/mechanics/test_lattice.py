@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models.mechanics.lattice import relaxed_presses as presses
 from rcskin.simulator.models.mechanics.lattice.relaxation_kernel import rasterized, relaxed_in_place
 from rcskin.simulator.models.mechanics.lattice.relaxed_presses import (
-    Applicators,
+    LatticeApplicators,
     deflected,
     raised,
     window,
@@ -44,7 +44,7 @@ def lattice_on(make_scene):
 
 
 def one(left, right, bottom, top, depth, radius=0.0):
-    return Applicators(
+    return LatticeApplicators(
         np.array([[left, right, bottom, top]]), np.array([radius]), np.array([depth])
     )
 
@@ -133,7 +133,7 @@ def test_arms_end_at_the_edges_of_applicators():
 def test_presses_far_apart_are_those_of_each_alone(lattice_on):
     lattice = lattice_on()
     first, second = disc(0.02, 0.02, 0.006, 2e-3), one(0.09, 0.1, 0.08, 0.1, 1e-3)
-    both = Applicators(*(np.concatenate(each) for each in zip(first, second, strict=True)))
+    both = LatticeApplicators(*(np.concatenate(each) for each in zip(first, second, strict=True)))
     expected = np.zeros(64)
     for each in (first, second):
         cells, rises = raised(lattice, each)
@@ -146,7 +146,7 @@ def test_presses_far_apart_are_those_of_each_alone(lattice_on):
 def test_presses_that_meet_are_no_sum(lattice_on):
     lattice = lattice_on()
     near = disc(0.05, 0.06, 0.006, 2e-3), disc(0.0645, 0.06, 0.006, 2e-3)
-    both = Applicators(*(np.concatenate(each) for each in zip(*near, strict=True)))
+    both = LatticeApplicators(*(np.concatenate(each) for each in zip(*near, strict=True)))
     whole = slice(0, 8), slice(0, 8)
     w, (one_alone, other) = (
         deflected(lattice, both, whole),
