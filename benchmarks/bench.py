@@ -20,6 +20,7 @@ from shutil import which
 from typing import TypeVar
 
 import pandas as pd
+from rcskin.simulator.sweeps.writing.replacing import WriteContext, in_write_context
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
@@ -85,7 +86,8 @@ def launch(
         folder = asked.into or (Path(scratch) if asked.quick else HERE)
         run = Run(asked.quick, folder, asked)
         run.results.mkdir(parents=True, exist_ok=True)
-        sys.exit(main(run))
+        with in_write_context(WriteContext(overwrite=True)):
+            sys.exit(main(run))
 
 
 def best_time(work: Callable[[], object], repetitions: int = 7) -> float:
