@@ -111,7 +111,7 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     for kind, sheet, error in cases():
         read = readings(scene, kind)
         on = trained.readout(None, Material(sheet, sheet), read)
-        share, deviation = judges[error].judged(on.skin, on.reading(scene.frequencies)).accuracy
+        share, deviation = judges[error].score(on.skin, on.reading(scene.frequencies)).accuracy
         yield {
             "pixels": pixels,
             "wires": wires,

@@ -32,13 +32,13 @@ from .template_tiles import in_tiles, posterior_of_tiles
 from .touch_readings import Hypothesis, TouchReadings
 
 STEP = 1.5
-FIRST_LOOK = 9
-MOST_TEMPLATES = 3_000_000
-LEFT_OUT = 0.015
+FIRST_STRENGTHS = 9
+MAX_TEMPLATES = 3_000_000
+MAX_RESIDUAL = 0.015
 """Largest error of interpolation, and of the projection on axes, over the meter's error."""
 NODES = (3, 65)
 """First and largest number of strengths of a touch between which others are interpolated."""
-KEPT = 256
+CACHED = 256
 """Number of counts of strengths whose weights are cached."""
 
 Array = NDArray[np.float64]
@@ -55,16 +55,16 @@ class BayesAccuracy(NamedTuple):
 class DrawScores:
     """Probability that the best answer to each draw is correct, shape (draw,)."""
 
-    right: Array
+    correct: Array
 
     @property
     def accuracy(self) -> BayesAccuracy:
         """The mean, and its standard error by the number of draws."""
-        return _mean(self.right)
+        return _mean(self.correct)
 
-    def above(self, other: DrawScores) -> BayesAccuracy:
+    def gain_over(self, other: DrawScores) -> BayesAccuracy:
         """Difference of the accuracy from another of the same draws, and its standard error."""
-        return _mean(self.right - other.right)
+        return _mean(self.correct - other.correct)
 
 
 def bayes(
@@ -78,18 +78,20 @@ def bayes(
     """Bayes' accuracy. among: hypotheses by answer. Raises InputError for too small noise."""
     readings.train(progress)
     random = np.random.default_rng(seed)
-    drawn = Draws(among, presses, random, draws, _enough(readings, among, presses))
+    drawn = Draws(among, presses, random, draws, _node_count(readings, among, presses))
     each = [
-        readings.of_each(drawn.batch([own], readings.scene))
+        readings.of_batch(drawn.batch([own], readings.scene))
         for own in tracked(among, "readings", progress)
     ]
     nodes = np.stack(each)
     errors = random.standard_normal((draws, nodes.shape[-1]))
-    return drawn.judged(nodes, errors).accuracy
+    return drawn.score(nodes, errors).accuracy
 
 
-def _enough(readings: TouchReadings, among: Sequence[Hypothesis], presses: AnyDistribution) -> int:
-    """Number of nodes at which interpolated readings of every single pixel reach LEFT_OUT."""
+def _node_count(
+    readings: TouchReadings, among: Sequence[Hypothesis], presses: AnyDistribution
+) -> int:
+    """Number of nodes at which interpolated readings of every single pixel reach MAX_RESIDUAL."""
     low, high = float(presses.low), float(presses.high)
     if low == high:
         return 1
@@ -100,16 +102,16 @@ def _enough(readings: TouchReadings, among: Sequence[Hypothesis], presses: AnyDi
 
     def values(factors: Array) -> Array:
         each = (own.on(readings.scene, f) for f in factors[:, None] - 1 for own in ordered)
-        return readings.of_each(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
+        return readings.of_batch(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
 
     def close(found: Array, truth: Array) -> bool:
-        return bool(np.linalg.norm(found - truth, axis=-1).max() <= LEFT_OUT)
+        return bool(np.linalg.norm(found - truth, axis=-1).max() <= MAX_RESIDUAL)
 
     found = refined(values, (low, high), NODES, close)
     if found is None:
         raise InputError(
             f"the meter's noise is too small: interpolation between {NODES[1]} strengths does not "
-            f"reach {LEFT_OUT:g} of it"
+            f"reach {MAX_RESIDUAL:g} of it"
         )
     return (len(found.nodes) + 1) // 2  # half the intervals were close already
 
@@ -141,13 +143,13 @@ class Draws:
         ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
         return PressBatch.of(each.on(scene, way) for each in among for way in ways - 1)
 
-    def judged(self, nodes: Array, errors: Array) -> DrawScores:
+    def score(self, nodes: Array, errors: Array) -> DrawScores:
         """Scores of all draws.
 
         nodes: whitened readings of `batch`, shape (hypothesis, combination, number). errors:
         whitened errors of the meter, shape (draw, number). Raises InputError for too small noise.
         """
-        axes = axes_of(nodes.reshape(-1, nodes.shape[-1]), LEFT_OUT)
+        axes = axes_of(nodes.reshape(-1, nodes.shape[-1]), MAX_RESIDUAL)
         nodes = axes.of(nodes)
         clean = np.einsum("dk,dkn->dn", self._at_draws, nodes[self._which])
         measured = clean + errors @ axes.turn
@@ -171,7 +173,7 @@ class Draws:
             return np.ones((len(factors), 1))
         return barycentric(self._nodes, factors)
 
-    @cached_method(KEPT)
+    @cached_method(CACHED)
     def _strengths(self, count: int) -> tuple[Array, Array]:
         """Interpolation from nodes of one touch to `count` strengths, shape (strength, node).
 
@@ -184,10 +186,10 @@ class Draws:
         """Templates of all hypotheses at all strengths, and the starts of their tiles."""
         counts = [self._steps(own) for own in nodes]
         sizes = [math.prod(own) for own in counts]
-        if sum(sizes) > MOST_TEMPLATES:
+        if sum(sizes) > MAX_TEMPLATES:
             raise InputError(
                 f"the meter's noise is too small for a sum over strengths: {sum(sizes)} templates, "
-                f"at most {MOST_TEMPLATES} are supported"
+                f"at most {MAX_TEMPLATES} are supported"
             )
         readings, chance, tiles = [], [], []
         for own, each, count in zip(nodes, self._among, counts, strict=True):
@@ -200,7 +202,7 @@ class Draws:
         known = Templates(np.concatenate(readings), np.concatenate(chance), answers)
         return known, begun + np.concatenate(tiles)
 
-    @cached_method(KEPT)
+    @cached_method(CACHED)
     def _tiled(self, counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Order and starts of `in_tiles`, and the weight of each strength in that order."""
         order, starts = in_tiles(counts)
@@ -222,11 +224,11 @@ class Draws:
         """
         if len(self._nodes) == 1:
             return (1,) * self._touches
-        found, (turn, _), counts = self._by_touch(nodes), self._strengths(FIRST_LOOK), []
+        found, (turn, _), counts = self._by_touch(nodes), self._strengths(FIRST_STRENGTHS), []
         for touch in range(self._touches):
             apart = np.diff(np.tensordot(turn, found, axes=(1, touch)), axis=0)
             speed = float(np.linalg.norm(apart, axis=-1).max())
-            counts.append(max(1, math.ceil(speed * FIRST_LOOK / STEP)))
+            counts.append(max(1, math.ceil(speed * FIRST_STRENGTHS / STEP)))
         return tuple(counts)
 
     def _by_touch(self, nodes: Array) -> Array:

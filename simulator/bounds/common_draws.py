@@ -26,8 +26,8 @@ from .touch_readings import hypotheses
 NODES = 6
 """Number of strengths of each touch, the same for all skins. Interpolation between them has an
 error far below the meter's."""
-TOLD = ("column", "row", "pixel", "pair")
-KEPT = 256
+TARGETS = ("column", "row", "pixel", "pair")
+CACHED = 256
 """Number of interfaces whose errors are cached."""
 
 
@@ -49,51 +49,53 @@ class CommonDraws:
         Raises InputError for a target other than column, row, pixel and pair, and for a meter
         without noise.
         """
-        if target not in TOLD:
-            raise InputError(f"`target` must be one of {', '.join(TOLD)}, got {target!r}")
+        if target not in TARGETS:
+            raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
         self._scene, self._seed, self._against_rest = scene, seed, against_rest
         self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
 
-    def judged(
-        self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_] | None = None
+    def score(
+        self, skin: ReducedSkin, reading: ReadingSetup, taken: NDArray[np.bool_] | None = None
     ) -> DrawScores:
         """Scores for one skin with these readings.
 
         told: True for readings that are used, shape (interface, frequency); None: all of `reading`.
         """
-        told = reading.read if told is None else told
-        each = zip(reading.interfaces, told, strict=True)
+        taken = reading.read if taken is None else taken
+        each = zip(reading.interfaces, taken, strict=True)
         noise = [self._noise(interface.name, len(f))[..., f] for interface, f in each]
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1)
-        return self._draws.judged(self._whitened(skin, reading, told), errors)
+        return self._draws.score(self._whitened(skin, reading, taken), errors)
 
-    @cached_method(KEPT)
+    @cached_method(CACHED)
     def _noise(self, interface: str, frequencies: int) -> Array:
         """Whitened errors of one interface, shape (draw, 2, frequency)."""
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._draws), 2, frequencies))
 
-    def _whitened(self, skin: ReducedSkin, reading: ReadingSetup, told: NDArray[np.bool_]) -> Array:
+    def _whitened(
+        self, skin: ReducedSkin, reading: ReadingSetup, taken: NDArray[np.bool_]
+    ) -> Array:
         """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
         frequency = reading.frequency
         batch = self._draws.batch(self._among, self._scene)
         Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
         seen = observed(reading.leads.at_meter(Z, frequency))
         numbers = np.moveaxis(seen.reshape(-1, 2, *reading.shape), 1, 2)
-        whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(told)]
+        whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(taken)]
         flat = np.concatenate(whitened, axis=1)
         return flat.reshape(len(self._among), -1, flat.shape[1])
 
-    def _of_interface(self, numbers: Array, told: NDArray[np.bool_]) -> Array:
+    def _of_interface(self, numbers: Array, taken: NDArray[np.bool_]) -> Array:
         """Whitens numbers (press, 2, frequency) of one interface, to shape (press, n).
 
         The session's errors, common to all frequencies, reduce the mean over frequencies.
         """
-        readout, kept = self._scene.readout, numbers[..., told]
+        readout, kept = self._scene.readout, numbers[..., taken]
         noise = errors_of(self._scene, self._against_rest).noise[:, None]
         shared = np.array([[readout.magnitude_accuracy], [readout.phase_accuracy]])
-        lessened = 1 - 1 / np.sqrt(1 + told.sum() * (shared / noise) ** 2)
-        if told.any() and not self._against_rest:
+        lessened = 1 - 1 / np.sqrt(1 + taken.sum() * (shared / noise) ** 2)
+        if taken.any() and not self._against_rest:
             kept = kept - lessened * kept.mean(axis=-1, keepdims=True)
         return (kept / noise).reshape(len(kept), -1)

@@ -33,12 +33,12 @@ from .fisher_information import (
     session_errors,
     summed,
 )
-from .touches.area_rasterizer import CellGrid, Place
-from .touches.depth_rasterizer import Deep, touches_on
-from .touches.rasterization_errors import RasterizationErrors, laid_errors, some
+from .touches.area_rasterizer import AreaRasterizer, Point
+from .touches.depth_rasterizer import DepthRasterizer, rasterizer_for
+from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
 
-WANTED = ("x", "y", "strength")
-WHOLE = 1 - 1e-6
+ESTIMATED = ("x", "y", "strength")
+MIN_SHARE = 1 - 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class PositionBounds:
 class Slopes:
     """Derivatives of all readings by the unknowns, over the meter's noise.
 
-    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), WANTED
+    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), ESTIMATED
     first, then a finger's capacitance. prior: 1/deviation² of each unknown, shape (unknown,).
     frequency: Hz. room: range of the middle of a touch along x and y, m; a deviation above it
     resolves nothing.
@@ -114,7 +114,7 @@ class Slopes:
 
     def of_information(self, information: NDArray[np.float64]) -> PositionBounds:
         """Bounds from the information without priors, shape (place, unknown, unknown)."""
-        covariance = covariances(information + np.diag(self.prior), len(WANTED))
+        covariance = covariances(information + np.diag(self.prior), len(ESTIMATED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
         x, y = (np.where(spread[:, k] < self.room[k], spread[:, k], np.inf) for k in (0, 1))
         told = np.isfinite(x) & np.isfinite(y)
@@ -148,40 +148,42 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
     return TouchSize(width, height, factor - 1, finger)
 
 
-def places_on(scene: Scene, touch: TouchSize, cells: int, most: int | None = None) -> list[Place]:
+def places_on(
+    scene: Scene, touch: TouchSize, cells: int, max_places: int | None = None
+) -> list[Point]:
     """Middles of touches inside the skin: the middles of cells, at most `most` on each side.
 
     Where no cell fits along a side, it is the middle of the skin. Other outlines: see `_on_skin`.
     """
     skin, grid = scene.skin, scene.divided(cells).pixels.shape
-    x = _along(skin.length, grid[1], touch.width, most)
-    y = _along(skin.width, grid[0], touch.height, most)
+    x = _along(skin.length, grid[1], touch.width, max_places)
+    y = _along(skin.width, grid[0], touch.height, max_places)
     places = [(each, other) for other in y for each in x]
     return places if skin.rectangular else _on_skin(scene, places, touch, grid)
 
 
 def _on_skin(
-    scene: Scene, places: Sequence[Place], touch: TouchSize, grid: tuple[int, int]
-) -> list[Place]:
+    scene: Scene, places: Sequence[Point], touch: TouchSize, grid: tuple[int, int]
+) -> list[Point]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
     part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
-    cells = CellGrid.of(scene.skin.length, scene.skin.width, grid)
+    cells = AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])
-    whole = shares >= min(WHOLE, shares.max())
+    whole = shares >= min(MIN_SHARE, shares.max())
     return [place for place, kept in zip(places, whole.tolist(), strict=True) if kept]
 
 
 def position_slopes(
     fields: AnyFields,
-    places: Sequence[Place],
+    places: Sequence[Point],
     touch: TouchSize,
     frequency: NDArray[np.float64],
     *,
     against_rest: int = 0,
     unknown_skin: bool = False,
     progress: ProgressCallback = silent,
-    laying: CellGrid | Deep | None = None,
+    rasterizer: AreaRasterizer | DepthRasterizer | None = None,
     model: ErrorModel | None = None,
 ) -> Slopes:
     """Slopes at every position, for all interfaces at all frequencies, in Hz, ascending.
@@ -195,12 +197,12 @@ def position_slopes(
     model = model or error_model(scene, len(frequency), against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
-    laying = laying or touches_on(scene, fields.grid, touch)
-    cells = CellGrid.of(scene.skin.length, scene.skin.width, fields.grid)
-    unknown = (*WANTED, "finger") if touch.finger else WANTED
+    rasterizer = rasterizer or rasterizer_for(scene, fields.grid, touch)
+    cells = AreaRasterizer.of(scene.skin.length, scene.skin.width, fields.grid)
+    unknown = (*ESTIMATED, "finger") if touch.finger else ESTIMATED
     found = []
     for place in tracked(places, "places", progress):
-        factors, changes = cells.with_finger(laying.laid(place, touch), place, touch)
+        factors, changes = cells.with_finger(rasterizer.rasterized(place, touch), place, touch)
         of_foam = skin.maps(factors) if skin else None
         answer = fields.respond(factors, changes, frequency, of_foam)
         own = in_noise(answer.Z, [answer.by_parameter[name] for name in unknown], model)
@@ -211,18 +213,18 @@ def position_slopes(
 
 
 def errors_of_places(
-    fields: AnyFields, places: Sequence[Place], touch: TouchSize
+    fields: AnyFields, places: Sequence[Point], touch: TouchSize
 ) -> RasterizationErrors | None:
     """Errors of touches rasterized on cells, at a sample of positions.
 
-    None where presses are factors, which end at their edges. Raises as `laid_errors`.
+    None where presses are factors, which end at their edges. Raises as `rasterization_errors`.
     """
     scene = fields.scene
-    deep = touches_on(scene, fields.grid, touch)
-    if not isinstance(deep, Deep):
+    deep = rasterizer_for(scene, fields.grid, touch)
+    if not isinstance(deep, DepthRasterizer):
         return None
-    sample = [places[k] for k in some(len(places))]
-    own = np.stack([deep.laid(place, touch).factors.ravel() for place in sample]) - 1
+    sample = [places[k] for k in sample_indices(len(places))]
+    own = np.stack([deep.rasterized(place, touch).factors.ravel() for place in sample]) - 1
 
     def impedances(batch: PressBatch) -> NDArray[np.complex128]:
         found = []
@@ -233,7 +235,7 @@ def errors_of_places(
         return np.stack(found)
 
     each = [deep.applied(place, touch.rise, beyond=0.0) for place in sample]
-    return laid_errors(scene, deep.lattice, each, PressBatch.on_grid(own), impedances)
+    return rasterization_errors(scene, deep.lattice, each, PressBatch.on_grid(own), impedances)
 
 
 class SkinUnknowns:
@@ -245,11 +247,11 @@ class SkinUnknowns:
         scene = fields.scene
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
         rest = np.ones(fields.grid)
-        self._rest = fields.respond(rest, {}, frequency, self.maps(rest))
+        self._unpressed = fields.respond(rest, {}, frequency, self.maps(rest))
         self.deviations = {
             name: spread.deviation
             for name, spread in session_spreads(scene).items()
-            if spread.deviation > 0 and name in self._rest.by_parameter
+            if spread.deviation > 0 and name in self._unpressed.by_parameter
         }
         if spread := scene.dataset.session.foam_spread:
             self.deviations |= dict.fromkeys(self._pixels, spread)
@@ -263,7 +265,7 @@ class SkinUnknowns:
     def slopes(self, answer: Response) -> NDArray[np.float64]:
         """Slopes of a press, minus those of the baseline where one is subtracted."""
         found = self._in_noise(answer)
-        return found - self._in_noise(self._rest) if self._model.against_rest else found
+        return found - self._in_noise(self._unpressed) if self._model.against_rest else found
 
     def _in_noise(self, answer: Response) -> NDArray[np.float64]:
         return in_noise(
@@ -271,12 +273,14 @@ class SkinUnknowns:
         )
 
 
-def _along(length: float, cells: int, size: float, most: int | None) -> list[float]:
+def _along(length: float, cells: int, size: float, max_places: int | None) -> list[float]:
     middles = (np.arange(cells) + 0.5) * length / cells
     rounding = 1e-9 * length
     fitting = middles[(middles >= size / 2 - rounding) & (middles <= length - size / 2 + rounding)]
     if not fitting.size:
         return [length / 2]
-    if most is not None and fitting.size > most:
-        fitting = fitting[np.unique(np.linspace(0, fitting.size - 1, most).round().astype(int))]
+    if max_places is not None and fitting.size > max_places:
+        fitting = fitting[
+            np.unique(np.linspace(0, fitting.size - 1, max_places).round().astype(int))
+        ]
     return fitting.tolist()

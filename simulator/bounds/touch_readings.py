@@ -32,11 +32,11 @@ from ..sweeps.free_space import check_memory
 from .touches.pixel_touches import (
     DepthPixelTouches,
     PixelTouches,
-    about_pixels,
-    laid_with_fingers,
     middles,
+    rasterized_with_fingers,
+    touches_around_pixels,
 )
-from .touches.rasterization_errors import RasterizationErrors, laid_errors, some
+from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
 
 Target = Literal["column", "row", "pixel", "pair", "touches"]
 TARGETS: tuple[str, ...] = get_args(Target)
@@ -46,7 +46,7 @@ Pixel = tuple[int, int]
 BYTES_FOR_HYPOTHESIS = 400
 """Memory for a pair, its container and its answer as Python objects."""
 
-NONE = (-1, -1)
+UNPRESSED = (-1, -1)
 """Pixel of the unpressed skin, which becomes row and column 0."""
 
 
@@ -158,7 +158,7 @@ def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]
             for count, kind in enumerate(kinds)
             for pressed in kind
         ]
-    pressed = [((), _answer(target, NONE))] if scene.experiment.unpressed else []
+    pressed = [((), _answer(target, UNPRESSED))] if scene.experiment.unpressed else []
     pressed += [((pixel,), _answer(target, pixel)) for pixel in pixels]
     return [Hypothesis(each, answer, 1 / len(pressed)) for each, answer in pressed]
 
@@ -179,7 +179,7 @@ RTOL = 1e-4
 CELLS = 3
 """Number of cells along each side of a pixel, for touches of another size."""
 
-LEAST_FACTOR, LARGEST_FACTOR = 0.5, 3.0
+MIN_FACTOR, MAX_FACTOR = 0.5, 3.0
 """Smallest range of factors for training."""
 
 
@@ -202,31 +202,31 @@ class TouchReadings:
         self.scene, self._size = scene.for_rods, size
         self.model = errors_of(scene, against_rest)
         self._factors = (
-            min(LEAST_FACTOR, float(presses.low)),
-            max(LARGEST_FACTOR, float(presses.high)),
+            min(MIN_FACTOR, float(presses.low)),
+            max(MAX_FACTOR, float(presses.high)),
         )
         if size is not None and scene_spreads_presses(scene):
-            self._factors = 1.0, max(min(LARGEST_FACTOR, scene.max_factor), float(presses.high))
+            self._factors = 1.0, max(min(MAX_FACTOR, scene.max_factor), float(presses.high))
 
     def train(self, progress: ProgressCallback = silent) -> None:
         """Trains the reduced model, unless it is trained, and reports progress."""
         for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
 
-    def of(self, pressed: Hypothesis, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def of_presses(self, pressed: Hypothesis, factors: NDArray[np.float64]) -> NDArray[np.float64]:
         """Readings of many presses of the same pixels, shape (press, number).
 
         factors: shape (pixel, press).
         """
-        return self.of_each(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
+        return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
-    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
+    def of_batch(self, batch: PressBatch) -> NDArray[np.float64]:
         """Readings of many presses, shape (press, number)."""
         if self._size is not None:
-            batch = self._laid(batch)
-        return self.model.whitened(observed(self._seen(batch)))
+            batch = self._rasterized(batch)
+        return self.model.whitened(observed(self._impedances(batch)))
 
-    def laid_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
+    def rasterization_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
         """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.
 
         None where touches are whole pixels, or presses end at their edges.
@@ -234,25 +234,25 @@ class TouchReadings:
         if self._size is None or not isinstance(self._touches, DepthPixelTouches):
             return None
         pixels = pixel_coverage(self.scene).numbers
-        pixels = pixels[some(len(pixels))]
+        pixels = pixels[sample_indices(len(pixels))]
         rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
         each = [self._touches.applied(*touch) for touch in own]
-        lattice, laid = self._touches.lattice, self._laid(PressBatch.of(own))
-        return laid_errors(self.scene, lattice, each, laid, self._seen)
+        lattice, laid = self._touches.lattice, self._rasterized(PressBatch.of(own))
+        return rasterization_errors(self.scene, lattice, each, laid, self._impedances)
 
-    def _seen(self, batch: PressBatch) -> NDArray[np.complex128]:
+    def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Z in ohm of presses of the model's cells, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Z = self._reduced.skin(None).sweeps(batch, s)
         return self.scene.leads.at_meter(Z, frequency)
 
-    def _laid(self, batch: PressBatch) -> PressBatch:
+    def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""
         assert self._size is not None
         grid = self.scene.divided(CELLS).pixels.shape
-        return laid_with_fingers(self.scene, grid, self._touches, batch, self._size)
+        return rasterized_with_fingers(self.scene, grid, self._touches, batch, self._size)
 
     @cached_property
     def _divided(self) -> Scene:
@@ -263,7 +263,7 @@ class TouchReadings:
     def _touches(self) -> PixelTouches:
         assert self._size is not None
         grid = self.scene.divided(CELLS).pixels.shape
-        return about_pixels(self.scene, grid, self._size, self._factors[1] - 1)
+        return touches_around_pixels(self.scene, grid, self._size, self._factors[1] - 1)
 
     @cached_property
     def _reduced(self) -> Reduced:
@@ -273,6 +273,6 @@ class TouchReadings:
 
         def laid(random: np.random.Generator) -> Case:
             case = touches(random)
-            return Case(None, *self._laid(PressBatch.of([(case.cells, case.rises)])).one(0))
+            return Case(None, *self._rasterized(PressBatch.of([(case.cells, case.rises)])).one(0))
 
         return reduced_for(self._divided, RTOL, laid)

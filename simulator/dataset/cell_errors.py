@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds.touches.rasterization_errors import off_the_solver
+from ..bounds.touches.rasterization_errors import error_against_solver
 from ..fem.error_estimate import relative_difference
 from ..fem.safety_factors import SAMPLED
 from ..measure.creeping_sweeps import reading_moments
@@ -37,7 +37,9 @@ def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float
     if creeps:
         _, whole = reading_moments(scene)
         texts = (FoamState(scene).then(press, 0.0).after(whole) for press in texts)
-    return (SAMPLED if spreading(scene) else 1.0) * off_the_solver(scene, texts, on_cells, rtol)
+    return (SAMPLED if spreading(scene) else 1.0) * error_against_solver(
+        scene, texts, on_cells, rtol
+    )
 
 
 def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:

@@ -15,51 +15,53 @@ from numpy.typing import NDArray
 from .merits import AccuracyMerit, LowerTriangle, Merit, lower_triangle
 from .pair_separation import Pairs
 
-RIGHT = AccuracyMerit()
+ACCURACY = AccuracyMerit()
 MERIT_DIGITS = 6
 """Digits of a merit that are compared."""
 NUMBERS_AT_ONCE = 4_000_000
 
 
 @dataclass(frozen=True)
-class SessionErrors:
+class SessionPrecision:
     """Prior 1/deviation² of the meter's gain and phase errors of a session, in units of noise.
 
     Infinite where these errors cancel.
     """
 
     gain: float = math.inf
-    turn: float = math.inf
+    phase: float = math.inf
 
     @property
     def both(self) -> NDArray[np.float64]:
         """Both values, shape (2,)."""
-        return np.array([self.gain, self.turn])
+        return np.array([self.gain, self.phase])
 
 
-def by_reading(pairs: Pairs, ties: SessionErrors, merit: Merit = RIGHT) -> AdditiveCandidates:
+def by_reading(
+    pairs: Pairs, session: SessionPrecision, merit: Merit = ACCURACY
+) -> AdditiveCandidates:
     """Readings as candidates, each at all the frequencies of the pairs."""
     x, count = pairs.separation, pairs.separation.shape[2]
     found = np.einsum("prfqa,prfqb->prab", x, x, optimize=True)
     common = x.sum(axis=2)
     return AdditiveCandidates(
-        found - _hidden_information(common, ties.both + count), pairs.weight, merit
+        found - _hidden_information(common, session.both + count), pairs.weight, merit
     )
 
 
 def by_frequency(
-    pairs: Pairs, ties: SessionErrors, merit: Merit = RIGHT
+    pairs: Pairs, session: SessionPrecision, merit: Merit = ACCURACY
 ) -> AdditiveCandidates | TiedFrequencies:
     """Frequencies as candidates, each for all the readings of the pairs."""
-    if not math.isinf(ties.gain) or not math.isinf(ties.turn):
-        return TiedFrequencies(pairs, ties, merit)
+    if not math.isinf(session.gain) or not math.isinf(session.phase):
+        return TiedFrequencies(pairs, session, merit)
     x = pairs.separation
     return AdditiveCandidates(
         np.einsum("prfqa,prfqb->pfab", x, x, optimize=True), pairs.weight, merit
     )
 
 
-def by_both(pairs: Pairs, merit: Merit = RIGHT) -> AdditiveCandidates:
+def by_both(pairs: Pairs, merit: Merit = ACCURACY) -> AdditiveCandidates:
     """Frequencies of single readings as candidates, ordered by reading; needs a baseline."""
     x = pairs.separation
     found = np.einsum("prfqa,prfqb->prfab", x, x, optimize=True)
@@ -77,7 +79,7 @@ class AdditiveCandidates:
     """Candidates whose information adds up, shape (case, candidate, p, p), symmetric."""
 
     def __init__(
-        self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = RIGHT
+        self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = ACCURACY
     ) -> None:
         """weight: of each case, shape (case,)."""
         _, self.candidates, p, _ = information.shape
@@ -122,7 +124,7 @@ class AdditiveCandidates:
 class TiedFrequencies:
     """Frequencies of readings with unknown gain and phase errors that are common to all of them."""
 
-    def __init__(self, pairs: Pairs, ties: SessionErrors, merit: Merit = RIGHT) -> None:
+    def __init__(self, pairs: Pairs, ties: SessionPrecision, merit: Merit = ACCURACY) -> None:
         self.candidates, self._pairs, self._ties = pairs.separation.shape[2], pairs, ties
         self._merit = merit
 

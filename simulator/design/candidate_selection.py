@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..bounds.exchange import Score, best_choice
 
-ALL_AT_ONCE = 6000
+MAX_EXHAUSTIVE = 6000
 """Largest number of choices that are all evaluated."""
 STEPS = 40
 """Steps of the relaxation; its bound is valid after any of them."""
@@ -51,7 +51,7 @@ def best_selection(
         everything = np.arange(candidates)
         share = slope(np.ones(candidates))[0]
         return Selection(tuple(everything.tolist()), share, share, True)
-    every = math.comb(candidates, n) <= ALL_AT_ONCE
+    every = math.comb(candidates, n) <= MAX_EXHAUSTIVE
     best = _of_all(score, candidates, n) if every else _exchanged(score, candidates, n, starts)
     share = slope(_weights(best, candidates))[0]
     most = share if every else selection_bound(slope, best, candidates)

@@ -15,7 +15,7 @@ from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from .picking import GRID, Picked, Picker, PixelPairs, TouchedPlaces
+from .picking import GRID, Picked, Picker, PixelPairs, PositionPairs
 from .reading_pool import own_readings, pool, terminals, wirings
 from .scoring import AccuracyScorer, Layout, PositionScorer, merits
 from .search_journal import SearchJournal
@@ -56,7 +56,7 @@ class SceneEvaluator:
             )
         else:
             comparison, scorer = (
-                TouchedPlaces(touches, request),
+                PositionPairs(touches, request),
                 PositionScorer(touches, request.against_rest),
             )
         self._scorer: AccuracyScorer | PositionScorer = scorer

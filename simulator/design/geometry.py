@@ -13,7 +13,7 @@ from .reading_pool import terminals
 
 LENGTHS, PLACES = 3, (0.0, 0.5, 1.0)
 """Number of lengths of a foil within its bounds, and its positions between the ends of its edge."""
-UNEVEN = 1.0 + 1e-9
+MIN_GRADING = 1.0 + 1e-9
 
 
 Others = Callable[[Scene], list[Scene]]
@@ -34,7 +34,7 @@ def geometries(scene: Scene, request: Design) -> list[tuple[str, Others]]:
         for (edge, _), names in same_span.items():
             found.append((f"foils on the {edge} edge", partial(moved, names, request.foil_length)))
     even = scene.skin.top.map is None and scene.skin.bottom.map is None
-    if request.grading > UNEVEN and even:
+    if request.grading > MIN_GRADING and even:
         found.append(("graded sheets", partial(graded, request.grading)))
     return found
 

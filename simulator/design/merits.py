@@ -38,13 +38,13 @@ class MeritValue(NamedTuple):
     """
 
     value: NDArray[np.float64]
-    ways: NDArray[np.float64]
+    vectors: NDArray[np.float64]
     coefficients: NDArray[np.float64]
 
     def slope(self) -> NDArray[np.float64]:
         """Derivative by the information of each case, shape (..., case, p, p)."""
-        weighed = self.ways * self.coefficients[..., None]
-        return np.einsum("...ka,...kb->...ab", weighed, self.ways)
+        weighed = self.vectors * self.coefficients[..., None]
+        return np.einsum("...ka,...kb->...ab", weighed, self.vectors)
 
 
 class Merit(Protocol):

@@ -16,7 +16,7 @@ from ..scene.design_goals import Design
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.reading_time import SETTLE, reading_time
-from .candidate_merit import RIGHT, SessionErrors, by_both, by_frequency, by_reading
+from .candidate_merit import ACCURACY, SessionPrecision, by_both, by_frequency, by_reading
 from .candidate_selection import Selection, best_selection, exchanged_by_slope, selection_bound
 from .merits import Merit
 from .pair_separation import Pairs, check_comparable, pairs
@@ -88,7 +88,7 @@ def budgets(scene: Scene, request: Design, low: float, pool: int) -> list[tuple[
     return found
 
 
-class Comparison(Protocol):
+class PairSource(Protocol):
     """Function from one skin and frequencies in Hz to pairs, with their merit."""
 
     merit: Merit
@@ -101,7 +101,7 @@ class Comparison(Protocol):
 class PixelPairs:
     """Comparison of pairs of hypotheses; see `pair_separation`."""
 
-    merit: Merit = RIGHT
+    merit: Merit = ACCURACY
 
     def __init__(self, scene: Scene, request: Design) -> None:
         """Raises InputError for a meter without noise, and for too many pixels for the memory."""
@@ -115,7 +115,7 @@ class PixelPairs:
         return pairs(on, self._among, frequency, self._noise)
 
 
-class TouchedPlaces:
+class PositionPairs:
     """Comparison of positions of touches; see `touch_positions`."""
 
     def __init__(self, touches: TouchPositions, request: Design) -> None:
@@ -133,22 +133,22 @@ class Picker:
     def __init__(
         self,
         trained: TrainedSkins,
-        comparison: Comparison,
+        pair_source: PairSource,
         pool: Sequence[Interface],
         frequency: NDArray[np.float64],
         request: Design,
     ) -> None:
         """comparison: of pairs or positions. Raises InputError for a meter without noise."""
         scene = trained.scene
-        self._trained, self._comparison, self._pool = trained, comparison, list(pool)
+        self._trained, self._comparison, self._pool = trained, pair_source, list(pool)
         self.frequency = frequency
         self._budgets = budgets(scene, request, float(frequency[0]), len(self._pool))
         self._casts = min(CASTS, request.casts)
         readout = scene.readout
-        self._ties = (
-            SessionErrors()
+        self._session = (
+            SessionPrecision()
             if request.against_rest
-            else SessionErrors(
+            else SessionPrecision(
                 _known(readout.magnitude_noise, readout.magnitude_accuracy),
                 _known(readout.phase_noise, readout.phase_accuracy),
             )
@@ -160,7 +160,7 @@ class Picker:
     ) -> float:
         """Merit of these readings and frequencies."""
         own = self._pairs(material).of(readings, frequencies)
-        candidates = by_reading(own, self._ties, self._comparison.merit)
+        candidates = by_reading(own, self._session, self._comparison.merit)
         return candidates.slope(np.ones(candidates.candidates))[0]
 
     def readings_at(
@@ -179,7 +179,7 @@ class Picker:
 
         None without baseline sweeps: the errors of a session are then common to all frequencies.
         """
-        if self._ties != SessionErrors():
+        if self._session != SessionPrecision():
             return None
         every = len(self.frequency)
         candidates = by_both(
@@ -239,7 +239,7 @@ class Picker:
         by = self._readings(material, budget[0], readings, frequencies)
         everything = self._pairs(material)
         some = everything.of(by.candidates, range(len(self.frequency)))
-        candidates = by_frequency(some, self._ties, self._comparison.merit)
+        candidates = by_frequency(some, self._session, self._comparison.merit)
         return by, best_selection(
             candidates.score, candidates.slope, candidates.candidates, budget[1], [frequencies]
         )
@@ -252,7 +252,7 @@ class Picker:
         frequencies: Sequence[int],
     ) -> Selection:
         everything = self._pairs(material).of(range(len(self._pool)), frequencies)
-        candidates = by_reading(everything, self._ties, self._comparison.merit)
+        candidates = by_reading(everything, self._session, self._comparison.merit)
         return best_selection(
             candidates.score, candidates.slope, candidates.candidates, count, [readings]
         )

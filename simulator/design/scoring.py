@@ -67,7 +67,7 @@ class AccuracyScorer:
 
         Raises InputError where the meter's noise is too small.
         """
-        return float(self._common.judged(on.skin, on.reading(frequency)).accuracy.share)
+        return float(self._common.score(on.skin, on.reading(frequency)).accuracy.share)
 
 
 class PositionScorer:

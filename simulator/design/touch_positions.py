@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced_fields import ReducedFields
-from ..bounds.position_bound import WANTED, Slopes, chosen_touch, places_on, position_slopes
-from ..bounds.touches.area_rasterizer import CellGrid, Place
+from ..bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
+from ..bounds.touches.area_rasterizer import AreaRasterizer, Point
 from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.scene import Scene
@@ -34,10 +34,10 @@ class TouchPositions:
         rows, columns = (CELLS * count for count in scene.pixels.shape)
         self.divided = scene.on_grid(rows, columns)
         self.size: TouchSize = chosen_touch(scene)
-        self.places: list[Place] = places_on(scene, self.size, CELLS, ALONG)
+        self.places: list[Point] = places_on(scene, self.size, CELLS, ALONG)
         self.sides = scene.skin.length, scene.skin.width
         self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
-        self.cells = CellGrid.of(*self.sides, (rows, columns))
+        self.cells = AreaRasterizer.of(*self.sides, (rows, columns))
 
     @property
     def merit(self) -> PositionMerit:
@@ -57,10 +57,10 @@ class TouchPositions:
             self.size,
             frequency,
             model=errors_of(on.scene, against_rest, reading=reading),
-            laying=self.cells,
+            rasterizer=self.cells,
         )
 
     def pairs(self, on: SkinReadout, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
         """The slopes as `Pairs`, each position with its share of the weight."""
-        by = self.slopes(on, frequency, against_rest).by[..., : len(WANTED)]
+        by = self.slopes(on, frequency, against_rest).by[..., : len(ESTIMATED)]
         return Pairs(by, np.full(len(by), 1 / len(by)))

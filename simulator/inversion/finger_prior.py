@@ -15,13 +15,13 @@ from ..press.finger import finger_capacitance
 from ..press.touch import Touch
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .normal_mixture import covered
+from .normal_mixture import normal_mixture
 
 COUNT = 6
 """Number of capacitances, where they are drawn."""
 
 
-class Way(NamedTuple):
+class PixelTouch(NamedTuple):
     """One touch of a pixel: factor, capacitance of the finger in F, and probability.
 
     presses: True if the touch presses; its factor is uncertain then.
@@ -45,29 +45,31 @@ class FingerPrior(NamedTuple):
     deviation: float
     alone: float
 
-    def ways(self, factors: NDArray[np.float64], chances: NDArray[np.float64]) -> list[Way]:
+    def pixel_touches(
+        self, factors: NDArray[np.float64], chances: NDArray[np.float64]
+    ) -> list[PixelTouch]:
         """All touches of a pixel, those that press first; their probabilities sum to 1."""
         each = list(zip(self.capacitance.tolist(), self.chance.tolist(), strict=True))
         pressed = [
-            Way(factor, C, (1 - self.alone) * by_factor * by_C, True)
+            PixelTouch(factor, C, (1 - self.alone) * by_factor * by_C, True)
             for factor, by_factor in zip(factors.tolist(), chances.tolist(), strict=True)
             for C, by_C in each
         ]
-        return pressed + [Way(1.0, C, self.alone * p, False) for C, p in each if self.alone]
+        return pressed + [PixelTouch(1.0, C, self.alone * p, False) for C, p in each if self.alone]
 
 
-def fingers_of(scene: Scene, presses: str) -> FingerPrior:
+def finger_prior(scene: Scene, presses: str) -> FingerPrior:
     """Fingers of [dataset.press] or, for presses "press", the finger of [press]."""
     drawn = scene.dataset.press
     if presses == "dataset" and drawn.finger is not None:
-        return FingerPrior(*covered(drawn.finger.at, COUNT), drawn.without_press or 0.0)
+        return FingerPrior(*normal_mixture(drawn.finger.at, COUNT), drawn.without_press or 0.0)
     alone = (drawn.without_press or 0.0) if presses == "dataset" else 0.0
     return FingerPrior(np.array([_own(scene)]), np.ones(1), 0.0, alone)
 
 
 def require_rods(scene: Scene, presses: str, target: str) -> None:
     """Raises InputError where touches have fingers, which tables of some targets do not support."""
-    if fingers_of(scene, presses).capacitance.any():
+    if finger_prior(scene, presses).capacitance.any():
         raise InputError(
             f"{scene.name}: localizers that invert the simulator support the target {target} for "
             "presses by a rod only; train another localizer on a data set with these fingers, or "

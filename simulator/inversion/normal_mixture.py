@@ -11,7 +11,9 @@ OVERLAP = 0.5
 """Standard deviation of each value over the step to the next: their sum is flat to 1 %."""
 
 
-def covered(quantile: Callable[[NDArray], NDArray], count: int) -> tuple[NDArray, NDArray, float]:
+def normal_mixture(
+    quantile: Callable[[NDArray], NDArray], count: int
+) -> tuple[NDArray, NDArray, float]:
     """Values at `count` equal steps of a distribution, their probabilities and their deviation."""
     draws = quantile((np.arange(2000) + 0.5) / 2000)
     low, high = quantile(np.array([0.0, 1.0]))

@@ -16,12 +16,12 @@ from ..scene.skin import covers
 from .unknown_skin import UnknownSkin
 
 NODES, STRENGTH_NODES = 15, 4
-CELLS_PER_TOUCH, MOST_CELLS = 3, 40
+CELLS_PER_TOUCH, MAX_CELLS = 3, 40
 """Number of cells along a side of a touch; largest number of cells along a side of the skin."""
 SQUARE = math.sqrt(math.pi) / 2
 """Side of a square over the diameter of a disc of the same area."""
 SIZE_STEP = 0.05
-GROUND = 96
+MASK_CELLS = 96
 """Number of cells along each side of the mask of the skin."""
 QUANTILES = (np.arange(512) + 0.5) / 512
 
@@ -31,11 +31,11 @@ def cells_per_pixel(scene: Scene) -> int:
     side, _ = touch_size(scene)
     skin, pixels = scene.skin, scene.pixels
     needed = CELLS_PER_TOUCH / side * max(skin.length / pixels.columns, skin.width / pixels.rows)
-    most = MOST_CELLS // max(pixels.rows, pixels.columns)
+    most = MAX_CELLS // max(pixels.rows, pixels.columns)
     return max(1, min(math.ceil(needed - 1e-9), most))
 
 
-def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[str, NDArray]:
+def position_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[str, NDArray]:
     """Tables of square touches inside the skin, of the mean size in the data set.
 
     x, y [m], strength_nodes: nodes. values (x, y, strength, number): observed change from the
@@ -56,7 +56,7 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
     touched = [unknown.forward.cells(_touch(u, v, side, side, middle)) for u, v in places]
     skin, moved = map(np.array, zip(*(unknown.of_touch(*each) for each in touched), strict=True))
     own, narrow, low = (
-        _seen(unknown, [_touch(u, v, *size, middle) for u, v in places])
+        _observed(unknown, [_touch(u, v, *size, middle) for u, v in places])
         for size in (
             (side, side),
             ((1 - SIZE_STEP) * side, side),
@@ -65,7 +65,7 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
     )
     by_size = np.stack([own - narrow, own - low], axis=-1) * deviation / (SIZE_STEP * side)
     values = [
-        _seen(unknown, [_touch(u, v, side, side, f) for u, v in places])
+        _observed(unknown, [_touch(u, v, side, side, f) for u, v in places])
         + (f - 1) / (middle - 1) * moved
         for f in nodes
     ]
@@ -82,7 +82,7 @@ def place_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[s
 
 def _on_cells(scene: Scene) -> NDArray[np.bool_]:
     """True where the middle of a uniform cell is on the skin, shape (y, x)."""
-    x, y = ((np.arange(GROUND) + 0.5) / GROUND * side for side in scene.skin.sides)
+    x, y = ((np.arange(MASK_CELLS) + 0.5) / MASK_CELLS * side for side in scene.skin.sides)
     return covers(scene.skin, np.stack(np.meshgrid(x, y)))
 
 
@@ -110,8 +110,8 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
     return Press((Rectangle(x, y, width, height, factor),))
 
 
-def _seen(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
+def _observed(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
     """Observed changes of uniform skins from the baseline, shape (press, number)."""
     touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
-    seen = unknown.seen(unknown.forward.impedances(touched, unknown.values))
+    seen = unknown.observed(unknown.forward.impedances(touched, unknown.values))
     return seen[1:] - seen[0]

@@ -22,9 +22,9 @@ from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of
 from ..scene.scene import Scene
-from .finger_prior import Way, fingers_of, require_rods
-from .normal_mixture import covered
-from .position_tables import cells_per_pixel, place_tables
+from .finger_prior import PixelTouch, finger_prior, require_rods
+from .normal_mixture import normal_mixture
+from .position_tables import cells_per_pixel, position_tables
 from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]
@@ -42,7 +42,7 @@ def templates(
     scene: Scene,
     target: str,
     presses: str = "dataset",
-    rest: NDArray[np.float64] | None = None,
+    baseline: NDArray[np.float64] | None = None,
     averaged: int = 1,
     drift: float = DRIFT,
 ) -> Tables:
@@ -60,16 +60,16 @@ def templates(
     strength, number): a touch; slope, same shape: derivative by strength; skin (place, strength,
     number, unknown): effect of one deviation of each unknown of the skin, and of drift; shift
     (place, strength, number): known effect of the skin. For two touches also pairs (pair, 2):
-    places, and pair (pair, strength, strength, number). For positions: see `place_tables`.
+    places, and pair (pair, strength, strength, number). For positions: see `position_tables`.
     Raises InputError for a meter without noise, and as `require_rods` does for more than one touch
     and for positions.
     """
     if target in (POSITION, *TWO_TOUCHES):
         require_rods(scene, presses, target)
-    if rest is None:
+    if baseline is None:
         return _of_mean_skin(scene, target, presses)  # pyright: ignore[reportArgumentType]
     unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
-    return _tables(unknown.resting_as(rest, averaged), target, presses, drift)
+    return _tables(unknown.conditioned_on_baseline(baseline, averaged), target, presses, drift)
 
 
 @lru_cache(maxsize=8)
@@ -83,8 +83,8 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
     strengths, weights, spread = strength_prior(scene, presses)
-    fingers = fingers_of(scene, presses)
-    ways = fingers.ways(strengths, weights)
+    fingers = finger_prior(scene, presses)
+    ways = fingers.pixel_touches(strengths, weights)
     common = {
         "deviation": errors_of(scene).deviation,
         "chances": chances,
@@ -93,7 +93,7 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
         "spread": np.array(spread),
     }
     of_touches = (
-        place_tables(unknown, strengths)
+        position_tables(unknown, strengths)
         if target == POSITION
         else pixel_tables(unknown, ways, fingers.deviation)
     )
@@ -118,16 +118,16 @@ def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]
     """Strengths, the probability of each, and their common deviation."""
     drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
     if presses == "press":
-        return covered(own_presses(scene).at, STRENGTHS)
+        return normal_mixture(own_presses(scene).at, STRENGTHS)
     if scene.press.by_factor or deep is None:
-        return covered(drawn.at, STRENGTHS)
-    return covered(lambda chance: scene.pressed_factors(deep.at(chance)), STRENGTHS)
+        return normal_mixture(drawn.at, STRENGTHS)
+    return normal_mixture(lambda chance: scene.pressed_factors(deep.at(chance)), STRENGTHS)
 
 
-def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) -> Tables:
+def pixel_tables(unknown: UnknownSkin, ways: Sequence[PixelTouch], of_finger: float) -> Tables:
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
-    rest = unknown.seen(forward.respond(*NOTHING, unknown.values).Z)
+    rest = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
     places = pixel_coverage(forward.scene).numbers
     found = [[_touch(unknown, pixel, way, of_finger) for way in ways] for pixel in places.tolist()]
     single, slope, skin, shift = (
@@ -143,7 +143,9 @@ def pixel_tables(unknown: UnknownSkin, ways: Sequence[Way], of_finger: float) ->
     }
 
 
-def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tuple[NDArray, ...]:
+def _touch(
+    unknown: UnknownSkin, pixel: int, way: PixelTouch, of_finger: float
+) -> tuple[NDArray, ...]:
     """Observed values of a touch, slope by strength, effect of the unknown skin, and shift.
 
     An uncertain capacitance of a finger is one more unknown of the touch.
@@ -154,12 +156,12 @@ def _touch(unknown: UnknownSkin, pixel: int, way: Way, of_finger: float) -> tupl
         cells, rises = np.append(cells, own), np.append(rises, way.finger)
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
-    slope = way.presses * unknown.seen_slope(response.Z, by_strength[..., pixel])
+    slope = way.presses * unknown.observed_slope(response.Z, by_strength[..., pixel])
     skin, shift = unknown.of_touch(cells, rises)
     if of_finger:
-        by_finger = of_finger * unknown.seen_slope(response.Z, response.by_parameter["finger"])
+        by_finger = of_finger * unknown.observed_slope(response.Z, response.by_parameter["finger"])
         skin = np.column_stack([skin, by_finger])
-    return unknown.seen(response.Z), slope, skin, shift
+    return unknown.observed(response.Z), slope, skin, shift
 
 
 def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
@@ -172,5 +174,5 @@ def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     batch = PressBatch.even(cells, np.tile(rises, (len(pairs), 1)))
     Z = unknown.forward.impedances(batch, unknown.values)
     rest = unknown.forward.respond(*NOTHING, unknown.values).Z
-    change = unknown.seen(Z) - unknown.seen(rest)
+    change = unknown.observed(Z) - unknown.observed(rest)
     return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

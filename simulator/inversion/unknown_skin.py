@@ -30,7 +30,7 @@ FARTHEST = 5.0
 DRIFTING = ("capacitance", "sheet_resistance")
 
 
-class Known(NamedTuple):
+class SkinDistribution(NamedTuple):
     """Distribution of the unknowns in their deviations: mean, and a root of the covariance."""
 
     mean: NDArray[np.float64]
@@ -58,16 +58,16 @@ class UnknownSkin:
             for name, spread in session_spreads(forward.scene).items()
             if spread.deviation > 0 and name in forward.free
         }
-        self._waves, self._foam = _wave_terms(forward), _foam_terms(forward)
-        unknowns = len(self._deviations) + len(self._foam) + len(self._waves)
-        self._known = Known(np.zeros(unknowns), np.eye(unknowns))
-        self._at_rest = self._columns(*NOTHING)
+        self._sheet_modes, self._foam = _sheet_mode_terms(forward), _foam_terms(forward)
+        unknowns = len(self._deviations) + len(self._foam) + len(self._sheet_modes)
+        self._distribution = SkinDistribution(np.zeros(unknowns), np.eye(unknowns))
+        self._baseline_columns = self._columns(*NOTHING)
 
-    def seen(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
+    def observed(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Observed values at the frequencies of the scene's interfaces, shape (..., number)."""
         return observed(Z, self.forward.scene.taken)
 
-    def seen_slope(
+    def observed_slope(
         self, Z: NDArray[np.complex128], dZ: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
         """Derivative of `observed` from that of Z."""
@@ -82,47 +82,49 @@ class UnknownSkin:
         unknown); after conditioning on a baseline, for independent sums of the remaining ones. The
         second is the effect of known heterogeneous foam and sheets, shape (number,).
         """
-        change, shared = self._columns(cells, rises) - self._at_rest, len(self._deviations)
-        return change @ self._known.factor, change[:, shared:] @ self._known.mean[shared:]
+        change, shared = self._columns(cells, rises) - self._baseline_columns, len(self._deviations)
+        return change @ self._distribution.factor, change[:, shared:] @ self._distribution.mean[
+            shared:
+        ]
 
-    def at_rest(self) -> NDArray[np.float64]:
+    def baseline(self) -> NDArray[np.float64]:
         """Observed values of the unpressed skin, shape (number,)."""
         shared = len(self._deviations)
-        even = self.seen(self.forward.respond(*NOTHING, self.values).Z)
-        return even + self._at_rest[:, shared:] @ self._known.mean[shared:]
+        even = self.observed(self.forward.respond(*NOTHING, self.values).Z)
+        return even + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
 
     def drift(self, step: float) -> NDArray[np.float64]:
         """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
         response = self.forward.respond(*NOTHING, self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
-        return step * np.stack([self.seen_slope(response.Z, each) for each in slopes], axis=-1)
+        return step * np.stack([self.observed_slope(response.Z, each) for each in slopes], axis=-1)
 
-    def resting_as(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
+    def conditioned_on_baseline(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
         """The unknowns after the observation of a baseline, by Gauss-Newton steps.
 
         rest: mean of `averaged` baseline sweeps in the order of `observed`, with the meter's errors
         of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly. With
         hundreds of sweeps the data would be more precise than this linearization.
         """
-        skin, error = self, _error_at_rest(self.forward.scene, rest, averaged)
+        skin, error = self, _baseline_covariance(self.forward.scene, rest, averaged)
         for _ in range(STEPS):
-            weighed = np.linalg.solve(error, skin._at_rest).T
-            information = weighed @ skin._at_rest + np.eye(len(weighed))
-            told = skin._known.mean
-            step = np.linalg.solve(information, weighed @ (rest - skin.at_rest()) - told)
+            weighed = np.linalg.solve(error, skin._baseline_columns).T
+            information = weighed @ skin._baseline_columns + np.eye(len(weighed))
+            told = skin._distribution.mean
+            step = np.linalg.solve(information, weighed @ (rest - skin.baseline()) - told)
             left = np.linalg.inv(np.linalg.cholesky(information)).T
             told = np.clip(told + step, -FARTHEST, FARTHEST)
-            skin = skin._with(Known(told, left.astype(np.float64)))
+            skin = skin._with(SkinDistribution(told, left.astype(np.float64)))
         return skin
 
-    def _with(self, known: Known) -> UnknownSkin:
+    def _with(self, known: SkinDistribution) -> UnknownSkin:
         skin = copy(self)
-        skin._known, skin.values = known, _moved(self._mean, self._deviations, known.mean)
-        skin._at_rest = skin._columns(*NOTHING)
+        skin._distribution, skin.values = known, _moved(self._mean, self._deviations, known.mean)
+        skin._baseline_columns = skin._columns(*NOTHING)
         return skin
 
     def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        waves = math.exp(-self.values["sheet_resistance"]) * self._waves
+        waves = math.exp(-self.values["sheet_resistance"]) * self._sheet_modes
         response = self.forward.respond(cells, rises, self.values, waves)
         shared = [
             deviation * response.by_parameter[name] for name, deviation in self._deviations.items()
@@ -134,8 +136,8 @@ class UnknownSkin:
                 np.moveaxis(response.by_term, -1, 0),
             ]
         )
-        columns = [self.seen_slope(response.Z, each) for each in dZ]
-        return np.reshape(columns, (-1, self.seen(response.Z).size)).T
+        columns = [self.observed_slope(response.Z, each) for each in dZ]
+        return np.reshape(columns, (-1, self.observed(response.Z).size)).T
 
     def _of_foam(
         self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
@@ -147,7 +149,9 @@ class UnknownSkin:
         return np.tensordot(self._foam * pressed, by_cell, axes=1)
 
 
-def _error_at_rest(scene: Scene, rest: NDArray[np.float64], averaged: int) -> NDArray[np.float64]:
+def _baseline_covariance(
+    scene: Scene, rest: NDArray[np.float64], averaged: int
+) -> NDArray[np.float64]:
     """Covariance of observed values: errors of the session are common within a meter's range.
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
@@ -183,7 +187,7 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
     return (session.foam_spread * waves.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
-def _wave_terms(forward: Forward) -> NDArray[np.float64]:
+def _sheet_mode_terms(forward: Forward) -> NDArray[np.float64]:
     """K of the cosine modes at one standard deviation, in the reduced model's coordinates.
 
     Where one field describes both sheets, modes of each add, weighted by its share of resistance.

@@ -27,7 +27,7 @@ from ..bounds.fisher_information import (
 from ..bounds.position_bound import Slopes, chosen_touch
 from ..bounds.touch_readings import Hypothesis, hypotheses
 from ..bounds.touches.area_rasterizer import RasterizedTouch
-from ..bounds.touches.depth_rasterizer import touches_on
+from ..bounds.touches.depth_rasterizer import rasterizer_for
 from ..bounds.touches.pixel_touches import middles
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
@@ -140,8 +140,8 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
     if scene.pixels.groups is not None and not of_its_size:
         raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
     if scene.pixels.groups is None and (scene_spreads_presses(scene) or not of_its_size):
-        laying = touches_on(scene, fields.grid, touch)
-        return [laying.laid(middle, touch) for middle in middles(scene)]
+        laying = rasterizer_for(scene, fields.grid, touch)
+        return [laying.rasterized(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()
     return [RasterizedTouch(1 + touch.rise * each, {"strength": each}) for each in maps]
 

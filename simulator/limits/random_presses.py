@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
-from ..bounds.touch_readings import CELLS, LARGEST_FACTOR, LEAST_FACTOR, Hypothesis
+from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
 from ..measure.readout import errors_of, observed
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
@@ -127,7 +127,7 @@ class RandomPresses:
     def _reduced(self) -> Reduced:
         divided = self.scene.on_grid(*self.grid)
         low, high = float(self._presses.low), float(self._presses.high)
-        range_of = min(LEAST_FACTOR, low), max(LARGEST_FACTOR, high)
+        range_of = min(MIN_FACTOR, low), max(MAX_FACTOR, high)
 
         def draw(random: np.random.Generator) -> Case:
             touches = int(random.integers(1, MAX_TOUCHES, endpoint=True))

@@ -77,7 +77,7 @@ class SurveyResults(NamedTuple):
         )
         say(f"bounds for a touch: {self.options.assumptions}")
         if self.rasterization is not None:
-            say(f"  {self.rasterization.told}")
+            say(f"  {self.rasterization.sentence}")
         terminal().print(table(["", "median deviation of", *COLUMNS], rows))
         left = len(self.variants) - MAX_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []

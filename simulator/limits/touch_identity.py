@@ -66,7 +66,7 @@ def distances(
         presses.low, presses.high, DISTANCE_STRENGTHS if presses.low < presses.high else 1
     )
     off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
-    curves = [readings.of(each, np.tile(factor, (len(each.pixels), 1))) for each in among]
+    curves = [readings.of_presses(each, np.tile(factor, (len(each.pixels), 1))) for each in among]
     apart = np.zeros((len(among), len(among)))
     for i, j in itertools.combinations(range(len(among)), 2):
         square = cdist(curves[i], curves[j], "sqeuclidean") + off[:, None] + off
@@ -80,7 +80,7 @@ def _curve(
     touches = len(hypothesis.pixels)
     each = round(STRENGTHS ** (1 / max(1, touches)))
     factor = combined_strengths([quantiles(presses, each)] * touches).factor
-    return readings.of(hypothesis, factor)
+    return readings.of_presses(hypothesis, factor)
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class IdentityBounds:
 
     def lines(self) -> list[str]:
         """Lines for the terminal."""
-        laid = [] if self.rasterization is None else [f"  {self.rasterization.told}"]
+        laid = [] if self.rasterization is None else [f"  {self.rasterization.sentence}"]
         own = [
             f"  accuracy of {target}s: at most {percent(found)} "
             f"for any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
@@ -169,7 +169,7 @@ def identity(
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
         _assumptions(scene, size),
-        readings.laid_errors(presses),
+        readings.rasterization_errors(presses),
         kind_accuracies(scene, among, size, accuracy),
     )
 

@@ -10,10 +10,10 @@ from rcskin.simulator.bounds.fields import FullFields, TouchSize, fields_of
 from rcskin.simulator.bounds.fisher_information import error_model, in_noise, session_errors
 from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, position_slopes
 from rcskin.simulator.bounds.touch_readings import TouchReadings
-from rcskin.simulator.bounds.touches import rasterization_errors as errors
-from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
-from rcskin.simulator.bounds.touches.depth_rasterizer import Deep
-from rcskin.simulator.bounds.touches.node_sharing import shared_by_cells
+from rcskin.simulator.bounds.touches import rasterization_errors
+from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
+from rcskin.simulator.bounds.touches.depth_rasterizer import DepthRasterizer
+from rcskin.simulator.bounds.touches.node_sharing import distributed_to_cells
 from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
@@ -40,7 +40,7 @@ def foam():
 @pytest.fixture
 def compared(monkeypatch):
     """A function: errors are told of so many touches."""
-    return lambda count: monkeypatch.setattr(errors, "SAMPLE", count)
+    return lambda count: monkeypatch.setattr(rasterization_errors, "SAMPLE", count)
 
 
 def pressed_at(scene, touch, solver, x, y, rise):
@@ -54,9 +54,9 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
     scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
     touch, solver, frequency = chosen_touch(scene, size), Solver(scene, 1e-4), scene.frequencies
     fields = fields_of(scene, float(frequency[-1]), touch)
-    deep = Deep(scene, fields.grid, (touch.width, touch.height))
+    deep = DepthRasterizer(scene, fields.grid, (touch.width, touch.height))
     x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
-    found = fields.respond(*deep.laid((x, y), touch), frequency)
+    found = fields.respond(*deep.rasterized((x, y), touch), frequency)
 
     def impedance(dx, dy, more):
         return pressed_at(scene, touch, solver, x + dx, y + dy, rise * (1 + more))
@@ -100,9 +100,12 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
     )
     touch = TouchSize(0.01, 0.01, 0.02)
     sides = loose.skin.length, loose.skin.width
-    deep = Deep(loose, (12, 12), (touch.width, touch.height))
+    deep = DepthRasterizer(loose, (12, 12), (touch.width, touch.height))
     for place in ((0.0158, 0.0147), (0.0112, 0.016)):
-        found, sharp = deep.laid(place, touch), CellGrid.of(*sides, (12, 12)).laid(place, touch)
+        found, sharp = (
+            deep.rasterized(place, touch),
+            AreaRasterizer.of(*sides, (12, 12)).rasterized(place, touch),
+        )
         np.testing.assert_allclose(found.factors, sharp.factors, atol=0.1 * touch.rise)
         total = sharp.changes["strength"].sum()
         assert found.changes["strength"].sum() == pytest.approx(total, rel=0.08)
@@ -117,10 +120,10 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
     scene = foam.with_({"pixels": 2, "sweep": {"frequencies": [2e4]}})
     presses = own_presses(scene)
     whole, laid = (TouchReadings(scene, presses, size=size) for size in (None, SIDE / 2))
-    told = laid.laid_errors(presses)
-    assert whole.laid_errors(presses) is None and 0 < told.deflection < told.cells
+    told = laid.rasterization_errors(presses)
+    assert whole.rasterization_errors(presses) is None and 0 < told.deflection < told.cells
     batch = PressBatch.even(np.arange(4)[:, None], np.full((4, 1), foam.pressed_factor - 1))
-    own, other = whole._seen(batch), laid._seen(laid._laid(batch))
+    own, other = whole._impedances(batch), laid._impedances(laid._rasterized(batch))
     assert 0 < relative_difference(other, own).max() <= told.cells
 
 
@@ -129,9 +132,12 @@ def test_errors_told_of_places_cover_those_of_others(foam, compared):
     touch, fields = chosen_touch(foam, 0.012), FullFields(foam, float(foam.frequencies[-1]))
     inside = np.linspace(0.006, SIDE - 0.006, 5).tolist()
     told = errors_of_places(fields, [(x, y) for x in inside for y in inside], touch)
-    deep, solver = Deep(foam, fields.grid, (touch.width, touch.height)), Solver(foam, 1e-4)
+    deep, solver = (
+        DepthRasterizer(foam, fields.grid, (touch.width, touch.height)),
+        Solver(foam, 1e-4),
+    )
     for place in ((0.0071, 0.0082), (0.033, 0.0071), (0.1083, 0.0577)):
-        Z = fields.respond(deep.laid(place, touch).factors, {}, foam.frequencies).Z
+        Z = fields.respond(deep.rasterized(place, touch).factors, {}, foam.frequencies).Z
         exact = pressed_at(foam, touch, solver, *place, touch.rise)
         assert relative_difference(Z, exact).max() <= told.cells
     plain = foam.with_({"press": {"capacitance_factor": 2.0}})
@@ -142,7 +148,7 @@ def test_touches_of_any_depth_run_through_those_of_a_few(foam):
     deep = DepthPixelTouches(foam, (9, 9), 0.015, 2.0)
     for touches in ([(0, 0.37)], [(4, 1.91)], [(0, 1.1), (1, 0.6)], [(0, 1.1), (8, 0.6)]):
         cells, rises = (np.array(each) for each in zip(*touches, strict=True))
-        found = deep.laid(PressBatch.of([(cells, rises)])).one(0)
+        found = deep.rasterized(PressBatch.of([(cells, rises)])).one(0)
         solved = raised(deep.lattice, deep.applied(cells, rises))
         each = np.zeros((2, 81))
         for own, laid in zip(each, (found, solved), strict=True):
@@ -151,13 +157,13 @@ def test_touches_of_any_depth_run_through_those_of_a_few(foam):
 
 
 def test_what_nodes_share_acts_on_straight_functions_as_the_nodes_do(foam):
-    lattice = Deep(foam, (12, 12), (0.02, 0.02)).lattice
+    lattice = DepthRasterizer(foam, (12, 12), (0.02, 0.02)).lattice
     here = slice(0, 12), slice(2, 9)
     rows, columns = lattice.nodes(here)
     values = np.random.default_rng(1).standard_normal(
         (len(lattice.y[rows]), len(lattice.x[columns]))
     )
-    shared = shared_by_cells(lattice, values, here)
+    shared = distributed_to_cells(lattice, values, here)
     nodes = np.prod(lattice.within)
     cell = SIDE / 12
     x, y = (np.arange(2, 9) + 0.5) * cell, (np.arange(12) + 0.5) * cell
@@ -213,10 +219,10 @@ def test_touches_that_lie_alike_are_solved_once(foam):
     touch = chosen_touch(foam, 0.012)
     fields = FullFields(foam, float(foam.frequencies[-1]))
     places = [(0.045, 0.055), (0.055, 0.055)]
-    fresh = [Deep(foam, fields.grid, (touch.width, touch.height)) for _ in places]
-    one = Deep(foam, fields.grid, (touch.width, touch.height))
+    fresh = [DepthRasterizer(foam, fields.grid, (touch.width, touch.height)) for _ in places]
+    one = DepthRasterizer(foam, fields.grid, (touch.width, touch.height))
     for place, alone in zip(places, fresh, strict=True):
-        found, expected = one.laid(place, touch), alone.laid(place, touch)
+        found, expected = one.rasterized(place, touch), alone.rasterized(place, touch)
         np.testing.assert_allclose(found.factors, expected.factors, rtol=1e-6)
         for name, change in expected.changes.items():
             scale = np.abs(change).max()

@@ -77,7 +77,7 @@ def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
     starts = np.cumsum([0, *(len(cells[k]) for k in which)])
     rises = own_presses(scene).at(random.random(starts[-1])) - 1
-    clean = known.of_each(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
+    clean = known.of_batch(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
     read = clean + random.standard_normal(clean.shape)
     classifier.fit(read[:sweeps], which[:sweeps])
     return float(classifier.score(read[sweeps:], which[sweeps:]))

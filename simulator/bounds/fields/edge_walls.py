@@ -25,7 +25,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class Edges:
+class EdgeWalls:
     """cover: what part of each part of the foam a touch covers, shape (part,). rise: of c under it,
     over that at rest. grid: rows and columns of cells."""
 
@@ -35,9 +35,9 @@ class Edges:
     grid: tuple[int, int]
 
     @classmethod
-    def of(
+    def of_touch(
         cls, parts: Parts, foam: Array, by: Mapping[str, Array], grid: tuple[int, int]
-    ) -> Edges | None:
+    ) -> EdgeWalls | None:
         """Of foam that one touch presses, (part,), and how that changes; None without any wall."""
         if not parts.walls.count or (foam == 1).all():
             return None
@@ -50,7 +50,7 @@ class Edges:
         """How much of each there is, shape (wall,)."""
         return float(self.parts.wall(*self._sides)) * np.abs(self._steps(self.cover))
 
-    def changed(self, name: str, change: Array) -> Array:
+    def change_by(self, name: str, change: Array) -> Array:
         """How that changes with something of this name by which the foam changes, (part,)."""
         if name == STRENGTH:
             return float(self.parts.wall_slope(*self._sides)) * np.abs(self._steps(self.cover))

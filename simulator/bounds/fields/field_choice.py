@@ -16,7 +16,7 @@ from .reduced_fields import ReducedFields, trained
 AnyFields = FullFields | ReducedFields
 
 
-UNDER_DEEP, MOST_CELLS = 6, 36
+CELLS_UNDER_TOUCH, MAX_CELLS = 6, 36
 """Smallest number of cells along a touch by depth, and largest along each side of a pixel."""
 ROUNDING = 1e-6
 """Tolerance of a number of cells."""
@@ -43,18 +43,19 @@ def fields_of(
 def cells_under(scene: Scene, touch: TouchSize) -> int:
     """Number of cells along each side of a pixel.
 
-    Where a touch by depth also changes the foam next to it, a touch has at least UNDER_DEEP
+    Where a touch by depth also changes the foam next to it, a touch has at least CELLS_UNDER_TOUCH
     cells; with fewer, its slopes by position would be wrong. This does not hold for sheets with
-    piezoresistance, where each cell is a term of K. Raises InputError for more than MOST_CELLS.
+    piezoresistance, where each cell is a term of K. Raises InputError for more than MAX_CELLS.
     """
     if not scene_spreads_presses(scene) or gauged(scene.skin):
         return CELLS_PER_PIXEL
     (rows, columns), skin = scene.pixels.shape, scene.skin
     across = max(skin.length / columns / touch.width, skin.width / rows / touch.height)
-    cells = max(CELLS_PER_PIXEL, math.ceil(UNDER_DEEP * across - ROUNDING))
-    if cells > MOST_CELLS:
+    cells = max(CELLS_PER_PIXEL, math.ceil(CELLS_UNDER_TOUCH * across - ROUNDING))
+    if cells > MAX_CELLS:
+        smallest = CELLS_UNDER_TOUCH / MAX_CELLS
         raise InputError(
-            f"{scene.name}: a touch by depth must be at least {UNDER_DEEP / MOST_CELLS:.3g} of "
+            f"{scene.name}: a touch by depth must be at least {smallest:.3g} of "
             f"a pixel wide, got {1 / across:.3g}; use a larger touch, or more and smaller `pixels`"
         )
     return cells

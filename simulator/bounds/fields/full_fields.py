@@ -80,7 +80,7 @@ class FullFields:
         skin is known, by the skin's (see `parameters`). Raises InputError where frequencies are too
         far above cut-off.
         """
-        laying, edges = self._laying, self._laying.edges(factors, directions)
+        laying, edges = self._maps, self._maps.edges(factors, directions)
         pressed = laying.pressed(factors, edges)
         foam = pressed[laying.foam]
         weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
@@ -101,7 +101,7 @@ class FullFields:
         s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [
-                self._of_drive(excitation, on, s, frequency)
+                self._excitation_response(excitation, on, s, frequency)
                 for excitation in self._circuit.excitations
             ]
         Y = combined.admittance(np.stack([own for own, _ in found])).astype(np.complex128)
@@ -116,7 +116,7 @@ class FullFields:
         return combination(self._circuit.excitations)
 
     @cached_property
-    def _laying(self) -> PartMaps:
+    def _maps(self) -> PartMaps:
         return PartMaps(self._family.scene)
 
     @cached_property
@@ -137,9 +137,9 @@ class FullFields:
         if not gauged(scene.skin):
             return None
         by_factor = gauge_slopes(scene.skin, foam)[: self._circuit.fields]
-        return (by_factor * self._laying.of_foam(change, 0.0)).ravel()
+        return (by_factor * self._maps.of_foam(change, 0.0)).ravel()
 
-    def _of_drive(
+    def _excitation_response(
         self,
         excitation: Excitation,
         on: _Pressed,

@@ -12,7 +12,7 @@ from ...models.parameters import of_parts
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
-from .edge_walls import Edges
+from .edge_walls import EdgeWalls
 
 Array = NDArray[np.float64]
 
@@ -42,15 +42,17 @@ class PartMaps:
         own = map_of if map_of.ndim == 2 else map_of[0]
         return of_parts(self._scene, own, beside)
 
-    def edges(self, factors: Array, directions: Mapping[str, Array]) -> Edges | None:
+    def edges(self, factors: Array, directions: Mapping[str, Array]) -> EdgeWalls | None:
         """The walls of one touch by its map and how that changes; None where there are none, as
         where a tension spreads how the scene is pressed."""
         if not self.parts.walls.count or scene_spreads_presses(self._scene):
             return None
         by = {name: self.of_foam(change, 0.0) for name, change in directions.items()}
-        return Edges.of(self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape)
+        return EdgeWalls.of_touch(
+            self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape
+        )
 
-    def pressed(self, factors: Array, edges: Edges | None = None) -> Array:
+    def pressed(self, factors: Array, edges: EdgeWalls | None = None) -> Array:
         """How much of each part there is under a map, shape (part,). edges: of the touch."""
         found, kind = self._with_fingers(self.parts.resting, factors), self.parts.kind
         foam, _, across, walls = kind
@@ -61,17 +63,19 @@ class PartMaps:
             found[walls] = edges.walls
         return found
 
-    def by_press(self, name: str, change: Array, foam: Array, edges: Edges | None = None) -> Array:
+    def by_press(
+        self, name: str, change: Array, foam: Array, edges: EdgeWalls | None = None
+    ) -> Array:
         """How that changes as a press does by a map with something of this name.
 
         foam: as it is pressed, shape (foam part,). edges: of the touch.
         """
         found = self._change(change, self.parts.across_slope(foam))
         if edges:
-            found[self.parts.kind[3]] = edges.changed(name, self.of_foam(change, 0.0))
+            found[self.parts.kind[3]] = edges.change_by(name, self.of_foam(change, 0.0))
         return found
 
-    def by_foam(self, change: Array, foam: Array, edges: Edges | None = None) -> Array:
+    def by_foam(self, change: Array, foam: Array, edges: EdgeWalls | None = None) -> Array:
         """The same as the foam's own capacitance does; the field across it and its walls go with
         that."""
         found = self._change(change, self.parts.across(foam) / foam)

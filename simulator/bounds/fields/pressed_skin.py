@@ -49,7 +49,7 @@ class PressedSkin:
         self._skin = skin
 
     @cached_property
-    def rest(self) -> NDArray[np.float64]:
+    def unpressed(self) -> NDArray[np.float64]:
         """M of the unpressed skin in F, shape (N + n, N + n)."""
         return mass_of(self._skin.rest, np.zeros(0, dtype=np.int64), np.zeros(0))
 

@@ -24,7 +24,7 @@ from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import Leads
 from ...scene.scene import Scene
-from ..touches.area_rasterizer import CellGrid, TouchSize
+from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
 from .part_maps import PartMaps
@@ -43,7 +43,7 @@ class ReducedFields:
         self.scene, self.cells, self._leads = scene, cells, leads or scene.leads
         self.grid = scene.divided(cells).pixels.shape
         self._skin, self._pressed = skin, PressedSkin(skin)
-        self._laying = PartMaps(skin.reduced.scene)
+        self._maps = PartMaps(skin.reduced.scene)
 
     def respond(
         self,
@@ -53,7 +53,7 @@ class ReducedFields:
         of_foam: Maps | None = None,
     ) -> Response:
         """Response of one map of c; see `FullFields.respond`."""
-        s, laying, skin = laplace_variable(frequency, self._skin.loss), self._laying, self._pressed
+        s, laying, skin = laplace_variable(frequency, self._skin.loss), self._maps, self._pressed
         edges = laying.edges(factors, directions)
         pressed = laying.pressed(factors, edges)
         foam = pressed[laying.foam]
@@ -64,7 +64,7 @@ class ReducedFields:
             maps |= {name: laying.by_foam(change, foam, edges) for name, change in of_foam.items()}
             maps |= laying.by_skin(pressed)
         with one_blas_thread():
-            M = skin.rest + skin.mass(pressed - laying.parts.resting)
+            M = skin.unpressed + skin.mass(pressed - laying.parts.resting)
             u = skin.solved(M, s)
             by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
             if of_foam is not None:
@@ -99,7 +99,7 @@ def trained(
     scene.require_sheets_alone("the information of readings")
     grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
     driven, band = equivalent_scene(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
-    lines = CellGrid.of(scene.skin.length, scene.skin.width, grid)
+    lines = AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
 
     def draw(random: np.random.Generator) -> Case:
         return Case(None, *lines.drawn(touch, random))

@@ -15,8 +15,8 @@ from ...press.batch import TouchedCells
 from ...scene.planar import SAME_LINE, covered
 
 Array = NDArray[np.float64]
-Place = tuple[float, float]
-ABOUT = 0.2
+Point = tuple[float, float]
+RISE_SPREAD = 0.2
 """Largest relative deviation of the rise of a random touch."""
 
 
@@ -45,18 +45,18 @@ class RasterizedTouch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class CellGrid:
+class AreaRasterizer:
     """Grid of cells by its lines across x and y, m."""
 
     x: Array
     y: Array
 
     @classmethod
-    def of(cls, length: float, width: float, grid: tuple[int, int]) -> CellGrid:
+    def of(cls, length: float, width: float, grid: tuple[int, int]) -> AreaRasterizer:
         """A uniform grid of rows and columns over a skin."""
         return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
 
-    def raised(self, place: Place, touch: TouchSize) -> dict[str, Array]:
+    def raised(self, place: Point, touch: TouchSize) -> dict[str, Array]:
         """Derivatives of c over the unpressed c by x, y [1/m] and rise, shape (row, column)."""
         along, by_x = covered_about(self.x, place[0], touch.width)
         across, by_y = covered_about(self.y, place[1], touch.height)
@@ -67,34 +67,36 @@ class CellGrid:
         }
 
     def drawn(self, touch: TouchSize, random: np.random.Generator) -> TouchedCells:
-        """A touch at a random position with a rise within ABOUT, to train a model."""
+        """A touch at a random position with a rise within RISE_SPREAD, to train a model."""
         sides = (self.x[-1], touch.width), (self.y[-1], touch.height)
         x, y = (own / 2 + random.uniform(0, side - own) for side, own in sides)
-        rise = touch.rise * random.uniform(1 - ABOUT, 1 + ABOUT)
+        rise = touch.rise * random.uniform(1 - RISE_SPREAD, 1 + RISE_SPREAD)
         rises = (rise * self.raised((x, y), touch)["strength"]).ravel()
         cells = np.flatnonzero(rises)
         return TouchedCells(cells, rises[cells])
 
-    def laid(self, place: Place, touch: TouchSize) -> RasterizedTouch:
+    def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m."""
         changes = self.raised(place, touch)
         return RasterizedTouch(1 + touch.rise * changes["strength"], changes)
 
-    def with_finger(self, laid: RasterizedTouch, place: Place, touch: TouchSize) -> RasterizedTouch:
+    def with_finger(
+        self, rasterized: RasterizedTouch, place: Point, touch: TouchSize
+    ) -> RasterizedTouch:
         """The map with the touch's finger added; unchanged for a rod."""
         if not touch.finger:
-            return laid
+            return rasterized
         sides = np.multiply.outer(np.diff(self.y), np.diff(self.x)) / (touch.width * touch.height)
         own = self.raised(place, touch._replace(rise=touch.finger))
         fingers = {name: own[name] * sides for name in own}
-        none = np.zeros_like(laid.factors)
+        none = np.zeros_like(rasterized.factors)
         changes = {
             name: np.stack([change, none if name == "strength" else fingers[name]])
-            for name, change in laid.changes.items()
+            for name, change in rasterized.changes.items()
         }
         changes["finger"] = np.stack([none, fingers["strength"]])
         return RasterizedTouch(
-            np.stack([laid.factors, touch.finger * fingers["strength"]]), changes
+            np.stack([rasterized.factors, touch.finger * fingers["strength"]]), changes
         )
 
 

@@ -27,22 +27,22 @@ from ...models.mechanics.lattice.relaxed_presses import (
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...scene.scene import Scene
-from .area_rasterizer import Array, CellGrid, Place, RasterizedTouch, TouchSize
-from .node_sharing import shared_by_cells
+from .area_rasterizer import AreaRasterizer, Array, Point, RasterizedTouch, TouchSize
+from .node_sharing import distributed_to_cells
 
 STRIDE = 1
 """Steps of the lattice for central differences by position: whole steps keep a touch's position
 relative to the nodes."""
-STILL = 1e-7
+DEFLECTION_RTOL = 1e-7
 """Tolerance of the deflection over the depth, where presses are subtracted."""
-PART = 0.01
+RISE_STEP = 0.01
 """Relative step of the rise for the difference by strength."""
 SAME = 1e-6
 """Smallest distinct difference of positions, in steps. Applicators are wider by this, so that
 rounding does not decide whether nodes on an edge are inside."""
 
 
-class Deep:
+class DepthRasterizer:
     """Rectangular touches of one size at any position on a scene."""
 
     def __init__(
@@ -57,7 +57,7 @@ class Deep:
         self.lattice: Lattice = lattice_of(scene, grid, min(sides))
         self._known: dict[tuple[object, ...], Array] = {}
 
-    def laid(self, place: Place, touch: TouchSize) -> RasterizedTouch:
+    def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m.
 
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
@@ -66,10 +66,10 @@ class Deep:
         (x, y), rise = place, touch.rise
         step_x, step_y = np.multiply(self._stride, self.lattice.steps).tolist()
         corners = [(x + i * step_x, y + j * step_y) for i in (-1, 1) for j in (-1, 1)]
-        here = around([self.window(corner, rise) for corner in corners])
+        here = enclosing_window([self.window(corner, rise) for corner in corners])
 
         def found() -> Array:
-            ends = rise * (1 - PART), min(rise * (1 + PART), self._scene.max_factor - 1)
+            ends = rise * (1 - RISE_STEP), min(rise * (1 + RISE_STEP), self._scene.max_factor - 1)
             own = self._at_nodes(place, rise, here)
             each = [in_cells(self.lattice, own, here)]
             for by_x, by_y in ((step_x, 0.0), (0.0, step_y)):
@@ -78,17 +78,17 @@ class Deep:
                     for side in (1, -1)
                 )
                 slope = (ahead - behind) / (2 * (by_x + by_y))
-                each.append(shared_by_cells(self.lattice, slope, here))
+                each.append(distributed_to_cells(self.lattice, slope, here))
             weak, strong = (self._at_nodes(place, end, here) for end in ends)
             slope = (strong - weak) / (ends[1] - ends[0])
             return np.stack([*each, in_cells(self.lattice, slope, here)])
 
         rises, by_x, by_y, by_strength = self._everywhere(
-            self._alike("laid", self.applied(place, rise), here, found), here
+            self._cached("laid", self.applied(place, rise), here, found), here
         )
         return RasterizedTouch(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
-    def applied(self, place: Place, rise: float, beyond: float = SAME) -> LatticeApplicators:
+    def applied(self, place: Point, rise: float, beyond: float = SAME) -> LatticeApplicators:
         """The applicator under which c rises by `rise`.
 
         beyond: margin on each side, in steps. Raises InputError as `laid` does.
@@ -100,23 +100,23 @@ class Deep:
             np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)])
         )
 
-    def window(self, place: Place, rise: float) -> Window:
+    def window(self, place: Point, rise: float) -> Window:
         """The cells that a touch changes."""
         return window(self.lattice, self.applied(place, rise))
 
-    def rises(self, place: Place, rise: float, here: Window) -> Array:
+    def rises(self, place: Point, rise: float, here: Window) -> Array:
         """Rises of c in the cells of a window by a touch, shape (row, column)."""
         applied = self.applied(place, rise)
         if not rise:
             return np.zeros([part.stop - part.start for part in here])
-        return self._alike(
+        return self._cached(
             "rises", applied, here, lambda: rises_within(self.lattice, applied, here)
         )
 
-    def _at_nodes(self, place: Place, rise: float, here: Window) -> Array:
-        return rises_at_nodes(self.lattice, self.applied(place, rise), here, STILL)
+    def _at_nodes(self, place: Point, rise: float, here: Window) -> Array:
+        return rises_at_nodes(self.lattice, self.applied(place, rise), here, DEFLECTION_RTOL)
 
-    def _alike(
+    def _cached(
         self, what: str, applied: LatticeApplicators, here: Window, found: Callable[[], Array]
     ) -> Array:
         """Cached result of `found` for a touch in a window.
@@ -142,7 +142,7 @@ class Deep:
         return every
 
 
-def around(windows: Sequence[Window]) -> Window:
+def enclosing_window(windows: Sequence[Window]) -> Window:
     """The smallest window that contains all of these."""
     rows, columns = (
         slice(min(part.start for part in own), max(part.stop for part in own))
@@ -151,8 +151,10 @@ def around(windows: Sequence[Window]) -> Window:
     return rows, columns
 
 
-def touches_on(scene: Scene, grid: tuple[int, int], touch: TouchSize) -> CellGrid | Deep:
+def rasterizer_for(
+    scene: Scene, grid: tuple[int, int], touch: TouchSize
+) -> AreaRasterizer | DepthRasterizer:
     """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
     if scene_spreads_presses(scene):
-        return Deep(scene, grid, (touch.width, touch.height))
-    return CellGrid.of(scene.skin.length, scene.skin.width, grid)
+        return DepthRasterizer(scene, grid, (touch.width, touch.height))
+    return AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)

@@ -11,7 +11,7 @@ from ...models.mechanics.lattice.skin_lattice import Lattice
 Array = NDArray[np.float64]
 
 
-def shared_by_cells(lattice: Lattice, values: Array, here: Window) -> Array:
+def distributed_to_cells(lattice: Lattice, values: Array, here: Window) -> Array:
     """Cell values in a window that weight linear functions as the nodes do.
 
     A function that is linear between the middles of cells has the same weighted sum with the cell

@@ -27,8 +27,8 @@ from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from .area_rasterizer import Array, Place
-from .depth_rasterizer import Deep, around
+from .area_rasterizer import Array, Point
+from .depth_rasterizer import DepthRasterizer, enclosing_window
 
 COUNTS = (5, 129)
 """First and largest number of Chebyshev nodes of depth."""
@@ -41,12 +41,12 @@ Index = NDArray[np.int64]
 class PixelTouches(Protocol):
     """Square touches around the middles of a scene's pixels."""
 
-    def laid(self, batch: PressBatch, /) -> PressBatch:
+    def rasterized(self, batch: PressBatch, /) -> PressBatch:
         """Touches of pixels by rises, as touches of cells."""
         ...
 
 
-def about_pixels(
+def touches_around_pixels(
     scene: Scene, grid: tuple[int, int], size: float, strongest: float
 ) -> PixelTouches:
     """Square touches of one size on a grid of cells.
@@ -58,16 +58,16 @@ def about_pixels(
     return SharpPixelTouches(scene, grid, size)
 
 
-def laid_with_fingers(
+def rasterized_with_fingers(
     scene: Scene, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
 ) -> PressBatch:
-    """Result of `PixelTouches.laid` for presses that may have fingers, see `Parts`.
+    """Result of `PixelTouches.rasterized` for presses that may have fingers, see `Parts`.
 
     size: of a side, m.
     """
     foam = parts_of(scene).foam
     finger = batch.cells >= foam
-    laid = touches.laid(batch.where(~finger))
+    laid = touches.rasterized(batch.where(~finger))
     if not finger.any():
         return laid
     own = batch.where(finger)
@@ -87,7 +87,7 @@ def by_touch(batch: PressBatch) -> tuple[Index, Array]:
     return cells, rises
 
 
-def middles(scene: Scene) -> list[Place]:
+def middles(scene: Scene) -> list[Point]:
     """Middle of the skin of each pixel, m."""
     if not scene.skin.rectangular:
         return [(float(x), float(y)) for x, y in pixel_coverage(scene).middle.T]
@@ -106,7 +106,7 @@ class SharpPixelTouches:
         self._scene, self._grid, self._size = scene, grid, size
         self._middles = np.array(middles(scene))
 
-    def laid(self, batch: PressBatch) -> PressBatch:
+    def rasterized(self, batch: PressBatch) -> PressBatch:
         """See `PixelTouches`."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
@@ -125,11 +125,11 @@ class DepthPixelTouches:
     """Touches by depth. A press with touches that interact is solved for on its own."""
 
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:
-        self._scene, self._deep = scene, Deep(scene, grid, (size, size))
+        self._scene, self._deep = scene, DepthRasterizer(scene, grid, (size, size))
         self._strongest, self._middles = strongest, middles(scene)
         self._known: dict[int, _Depths] = {}
 
-    def laid(self, batch: PressBatch) -> PressBatch:
+    def rasterized(self, batch: PressBatch) -> PressBatch:
         """See `PixelTouches`.
 
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
@@ -170,7 +170,7 @@ class DepthPixelTouches:
             self._known[pixel] = self._through(self._middles[pixel])
         return self._known[pixel]
 
-    def _through(self, place: Place) -> _Depths:
+    def _through(self, place: Point) -> _Depths:
         """Rises over depth with twice as many nodes as RTOL needs."""
         here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
 
@@ -185,12 +185,12 @@ class DepthPixelTouches:
             )
         return _Depths(here, rises)
 
-    def _window(self, place: Place) -> Window:
+    def _window(self, place: Point) -> Window:
         """The cells that touches of any depth change."""
         rises = np.linspace(0.0, self._strongest, COUNTS[0])[1:].tolist()
-        return around([self._deep.window(place, rise) for rise in rises])
+        return enclosing_window([self._deep.window(place, rise) for rise in rises])
 
-    def _at(self, place: Place, here: Window, depth: Array) -> Array:
+    def _at(self, place: Point, here: Window, depth: Array) -> Array:
         """Rises of the cells of a window at depths in m, shape (depth, row, column)."""
         rise = (self._scene.pressed_factors(depth) - 1).tolist()
         return np.stack([self._deep.rises(place, own, here) for own in rise])

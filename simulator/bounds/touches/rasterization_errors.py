@@ -43,7 +43,7 @@ class RasterizationErrors(NamedTuple):
         }
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """Line for the terminal."""
         return (
             f"touches by depth are rasterized on cells: error of Rs and Cp up to {self.cells:.1e}, "
@@ -51,7 +51,7 @@ class RasterizationErrors(NamedTuple):
         )
 
 
-def laid_errors(
+def rasterization_errors(
     scene: Scene,
     lattice: Lattice,
     each: Sequence[LatticeApplicators],
@@ -64,13 +64,13 @@ def laid_errors(
     cells to ohm behind the leads. Raises InputError and ToleranceError as `Solver` does.
     """
     found = impedances(own)
-    cells = off_the_solver(scene, map(as_press, each), found, RTOL)
+    cells = error_against_solver(scene, map(as_press, each), found, RTOL)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
     deflection = float(relative_difference(found, by_triangles).max())
     return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection)
 
 
-def off_the_solver(
+def error_against_solver(
     scene: Scene, presses: Iterable[Press], found: NDArray[np.complex128], rtol: float
 ) -> float:
     """Largest relative error of Rs and Cp of given Z in ohm behind the leads, for some presses.
@@ -82,6 +82,6 @@ def off_the_solver(
     return float(relative_difference(found, exact).max())
 
 
-def some(count: int) -> list[int]:
+def sample_indices(count: int) -> list[int]:
     """Indices of at most SAMPLE of `count` items, evenly spread."""
     return np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).round().astype(int)).tolist()

@@ -33,17 +33,18 @@ def sections_of(
     scene = designed(found.evaluator.scene, found.best.layout)
     return [
         ReportSection("", [_bounds_meaning(settings, scale)]),
-        _gained(found, scale, folder),
-        _wiring(found, table, lost, scale, folder),
-        ReportSection("What to make", [Items(_cast(scene, flat, scale))]),
-        _flatness(flat, scale, folder),
-        ReportSection("Distance from the best choice", [_far(found, scale)]),
+        _gain_section(found, scale, folder),
+        _wiring_section(found, table, lost, scale, folder),
+        ReportSection("What to make", [Items(_material_items(scene, flat, scale))]),
+        _sensitivity_section(flat, scale, folder),
+        ReportSection("Distance from the best choice", [_distance_from_best(found, scale)]),
     ]
 
 
 def _bounds_meaning(settings: SearchSettings, scale: MeritScale) -> str:
     """Meaning of the bounds."""
     request = settings.request
+    readings = _baseline_text(request.against_rest)
     casts = (
         f"The value is what nine of ten of {request.casts} skin samples reach, drawn from "
         "[dataset.session] of the scene"
@@ -51,17 +52,17 @@ def _bounds_meaning(settings: SearchSettings, scale: MeritScale) -> str:
     if scale.guess is None:
         return (
             f"Bounds are Bayes' accuracy of a {request.target}, which no classifier of a known "
-            f"skin exceeds: {_against(request.against_rest)}. {casts}; each over {settings.draws} "
+            f"skin exceeds: {readings}. {casts}; each over {settings.draws} "
             "presses, the same for all designs."
         )
     return (
         "Bounds are those of Cramér and Rao on the position of a touch of the size of a pixel, of "
-        f"unknown strength, on a known skin: {_against(request.against_rest)}. Half of all errors "
+        f"unknown strength, on a known skin: {readings}. Half of all errors "
         f"of an unbiased estimate are larger. {casts}."
     )
 
 
-def _gained(found: SearchResult, scale: MeritScale, folder: Path) -> ReportSection:
+def _gain_section(found: SearchResult, scale: MeritScale, folder: Path) -> ReportSection:
     of = f"nine of ten samples ({scale.unit})", "gain", f"nominal skin ({scale.unit})"
     sheets = "top, bottom sheet (kohm/sq)"
     heads = ["step", *of, sheets, "readings", "frequencies", "sweep (s)", "taken"]
@@ -87,7 +88,7 @@ def _row(step: SearchStep, before: SearchStep | None, scale: MeritScale) -> list
     ]
 
 
-def _wiring(
+def _wiring_section(
     found: SearchResult,
     table: Sequence[WiringRow],
     lost: Sequence[float],
@@ -112,13 +113,15 @@ def _wiring(
     )
 
 
-def _flatness(flat: Sequence[SensitivityCurve], scale: MeritScale, folder: Path) -> ReportSection:
+def _sensitivity_section(
+    flat: Sequence[SensitivityCurve], scale: MeritScale, folder: Path
+) -> ReportSection:
     chart = Picture(folder / "flat.png", "The bound at other values than designed", below=False)
     lines = [_sensitivity_sentence(each, scale) for each in flat]
     return ReportSection("Sensitivity of the optimum", [chart, Items(lines)])
 
 
-def _cast(scene: Scene, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:
+def _material_items(scene: Scene, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:
     """Properties to make: sheets with their tolerance, and the foam."""
     within, foam = flat[0].within(scale.point), scene.skin.foam
     sheets = [
@@ -157,7 +160,7 @@ def _listed(layout: Layout) -> str:
     )
 
 
-def _far(found: SearchResult, scale: MeritScale) -> str:
+def _distance_from_best(found: SearchResult, scale: MeritScale) -> str:
     picked, by_each = found.picked, bound_with_own_frequencies(found)
     apart = ""
     if by_each is not None:
@@ -179,7 +182,7 @@ def _far(found: SearchResult, scale: MeritScale) -> str:
     )
 
 
-def _against(rests: int) -> str:
+def _baseline_text(rests: int) -> str:
     if not rests:
         return "a sweep alone, with the meter's errors of the session"
     return f"a sweep compared with {counted(rests, 'baseline sweep')} of the same session"

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from rcskin.simulator.bounds.bayes import FIRST_LOOK, STEP, BayesAccuracy
+from rcskin.simulator.bounds.bayes import FIRST_STRENGTHS, STEP, BayesAccuracy
 from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
 from rcskin.simulator.bounds.touch_readings import Hypothesis
 from rcskin.simulator.measure.experiment import combined_strengths, strengths
@@ -34,17 +34,17 @@ def compared(readings, among, presses, seed, draws):
 
 
 def _steps(readings, pixel, presses):
-    look = strengths(presses, FIRST_LOOK).factor
+    look = strengths(presses, FIRST_STRENGTHS).factor
     if look.size == 1:
         return 1
     alone = Hypothesis((pixel,), (), 1.0)
     speed = np.linalg.norm(np.diff(readings.of(alone, look[None]), axis=0), axis=1).max()
-    return max(1, math.ceil(float(speed) * FIRST_LOOK / STEP))
+    return max(1, math.ceil(float(speed) * FIRST_STRENGTHS / STEP))
 
 
 def _drawn(readings, among, presses, random, draws):
     which = random.choice(len(among), draws, p=[each.chance for each in among])
     factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
     pressed = (among[k].on(readings.scene, f - 1) for k, f in zip(which, factors, strict=True))
-    clean = readings.of_each(PressBatch.of(pressed))
+    clean = readings.of_batch(PressBatch.of(pressed))
     return clean + random.standard_normal(clean.shape)

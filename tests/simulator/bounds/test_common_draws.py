@@ -49,7 +49,7 @@ def read_by(model, scene, count=None):
 def judged(scene, model):
     """A function from a number of readings to what they tell."""
     draws = CommonDraws(scene, draws=3000)
-    return lambda count: draws.judged(*read_by(model, scene, count))
+    return lambda count: draws.score(*read_by(model, scene, count))
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
@@ -81,8 +81,8 @@ def test_a_difference_errs_far_less_than_each(scene, model):
     asked = ReadingSetup(scene.interfaces[:2], scene.frequencies)
     gains = []
     for seed in range(12):
-        one, two = (CommonDraws(scene, draws=500, seed=seed).judged(skin, asked) for skin in skins)
-        gains.append(one.above(two))
+        one, two = (CommonDraws(scene, draws=500, seed=seed).score(skin, asked) for skin in skins)
+        gains.append(one.gain_over(two))
     assert gains[0].error < 0.2 * one.accuracy.error
     spread = np.std([gain.share for gain in gains], ddof=1)
     assert 0.4 < np.mean([gain.error for gain in gains]) / spread < 2.5
@@ -92,8 +92,8 @@ def test_readings_left_out_are_not_told(scene, model, judged):
     """At no frequency of the others, the first is alone."""
     told = np.zeros((len(READINGS), 3), dtype=bool)
     told[0] = True
-    found = CommonDraws(scene, draws=3000).judged(*read_by(model, scene), told)
-    np.testing.assert_allclose(found.right, judged(1).right, atol=1e-3)
+    found = CommonDraws(scene, draws=3000).score(*read_by(model, scene), told)
+    np.testing.assert_allclose(found.correct, judged(1).right, atol=1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +112,7 @@ def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
     draws = CommonDraws(pair_scene, "pair", draws=3000)
-    common = draws.judged(*read_by(model, pair_scene)).accuracy
+    common = draws.score(*read_by(model, pair_scene)).accuracy
     for found in (common, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 

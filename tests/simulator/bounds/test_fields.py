@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
 from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
-from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid, covered_about
+from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer, covered_about
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import scene_with
@@ -17,7 +17,7 @@ STEP = 1e-3
 
 
 def answered(fields, place, touch, frequency):
-    grid = CellGrid.of(fields.scene.skin.length, fields.scene.skin.width, fields.grid)
+    grid = AreaRasterizer.of(fields.scene.skin.length, fields.scene.skin.width, fields.grid)
     changes = grid.raised(place, touch)
     return fields.respond(1 + touch.rise * changes["strength"], changes, frequency)
 

@@ -5,12 +5,17 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.design.candidate_merit import SessionErrors, by_both, by_frequency, by_reading
+from rcskin.simulator.design.candidate_merit import (
+    SessionPrecision,
+    by_both,
+    by_frequency,
+    by_reading,
+)
 from rcskin.simulator.design.candidate_selection import best_selection, selection_bound
 from rcskin.simulator.design.merits import AccuracyMerit, PositionMerit, lower_triangle
 from rcskin.simulator.design.pair_separation import Pairs
 
-KNOWN, UNKNOWN = SessionErrors(), SessionErrors(gain=0.5, turn=2.0)
+KNOWN, UNKNOWN = SessionPrecision(), SessionPrecision(gain=0.5, phase=2.0)
 
 
 def some_pairs(seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
@@ -80,7 +85,7 @@ def test_every_choice_is_looked_at_where_there_are_few_and_none_exceeds_the_boun
 def test_exchanges_come_close_to_a_bound_that_holds(monkeypatch):
     share = by_reading(some_pairs(size=0.3), KNOWN)
     exact = best_selection(share.score, share.slope, 7, 3)
-    monkeypatch.setattr("rcskin.simulator.design.candidate_selection.ALL_AT_ONCE", 0)
+    monkeypatch.setattr("rcskin.simulator.design.candidate_selection.MAX_EXHAUSTIVE", 0)
     found = best_selection(share.score, share.slope, 7, 3)
     assert not found.exhaustive
     assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.upper_bound + 1e-5

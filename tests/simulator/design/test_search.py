@@ -107,7 +107,7 @@ def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
 
 
 class CastReadings:
-    """As `bounds.readings.Readings`, of one skin that is known, against some sweeps at rest."""
+    """Readings like `TouchReadings`, of one known skin, compared with baseline sweeps."""
 
     def __init__(self, on, frequency, against_rest):
         self.scene, self._on, self._frequency = on.scene, on, frequency
@@ -116,11 +116,11 @@ class CastReadings:
             on.scene.readout, np.ones((readings, len(frequency)), bool), against_rest=against_rest
         )
 
-    def of_each(self, batch):
+    def of_batch(self, batch):
         return self.model.whitened(self._on.observed(batch, self._frequency))
 
-    def of(self, pressed, factors):
-        return self.of_each(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
+    def of_presses(self, pressed, factors):
+        return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
 
 def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):

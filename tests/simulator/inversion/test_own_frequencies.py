@@ -44,10 +44,10 @@ def test_they_are_rows_of_the_tables_of_all_readings(scenes, target):
 def test_a_skin_is_told_by_the_readings_that_are_taken(scenes):
     """As by all readings of which those that are not taken err without bounds."""
     part, whole = (_unknown_skin(scene, False) for scene in scenes)
-    curve = whole.at_rest() + 0.05 * np.cos(np.arange(KEPT.size))
-    found = part.resting_as(curve[KEPT], 8)
-    assert found.at_rest().shape == (KEPT.sum(),)
-    tables = templates(scenes[0], "pixel", rest=curve[KEPT], averaged=8)
+    curve = whole.baseline() + 0.05 * np.cos(np.arange(KEPT.size))
+    found = part.conditioned_on_baseline(curve[KEPT], 8)
+    assert found.baseline().shape == (KEPT.sum(),)
+    tables = templates(scenes[0], "pixel", baseline=curve[KEPT], averaged=8)
     assert tables["single"].shape[-1] == KEPT.sum() and np.isfinite(tables["skin"]).all()
-    before = np.linalg.norm(part.at_rest() - curve[KEPT])
-    assert np.linalg.norm(found.at_rest() - curve[KEPT]) < before
+    before = np.linalg.norm(part.baseline() - curve[KEPT])
+    assert np.linalg.norm(found.baseline() - curve[KEPT]) < before

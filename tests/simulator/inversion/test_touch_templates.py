@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.inversion import position_tables as templates_places
-from rcskin.simulator.inversion.normal_mixture import covered
+from rcskin.simulator.inversion import position_tables
+from rcskin.simulator.inversion.normal_mixture import normal_mixture
 from rcskin.simulator.inversion.touch_templates import STRENGTHS, strength_prior, templates
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
@@ -120,7 +120,7 @@ def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
     for seed in range(40):
         rest, change = _seen(drawn, family, seed)
         noise = random.multivariate_normal(np.zeros(rest.size), error.covariance)
-        skin = unknown.resting_as(rest + noise, 20)
+        skin = unknown.conditioned_on_baseline(rest + noise, 20)
         told, effect = _foretold(skin)
         before.append(change - _foretold(unknown)[0])
         after.append(change - told)
@@ -141,14 +141,14 @@ def _foretold(skin):
 
 def test_a_curve_at_rest_that_no_skin_has_leaves_unknowns_within_bounds(scene):
     unknown = UnknownSkin(Forward(scene, rtol=1e-3))
-    far = unknown.resting_as(unknown.at_rest() + 5.0, 10**6)
-    assert np.isfinite(far.at_rest()).all()
+    far = unknown.conditioned_on_baseline(unknown.baseline() + 5.0, 10**6)
+    assert np.isfinite(far.baseline()).all()
 
 
 def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
     tables = templates(scene, "pixel", "dataset", _resting(scene), 20, 1e-3)
     forward = Forward(scene, rtol=1e-3)
-    values = UnknownSkin(forward).resting_as(_resting(scene), 20).values
+    values = UnknownSkin(forward).conditioned_on_baseline(_resting(scene), 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
@@ -158,7 +158,7 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
 
 
 def _resting(scene):
-    return UnknownSkin(Forward(scene, rtol=1e-3)).at_rest() + 0.01
+    return UnknownSkin(Forward(scene, rtol=1e-3)).baseline() + 0.01
 
 
 def test_a_skin_without_variation_is_known(make_scene):
@@ -184,7 +184,7 @@ def test_strengths_cover_their_distribution(scene):
     density = np.exp(-(((fine - strengths) / spread) ** 2) / 2) @ weights
     np.testing.assert_allclose(density / density.mean(), 1.0, rtol=0.03)
     assert weights.sum() == pytest.approx(1.0, abs=0.01)
-    assert len(covered(lambda chance: np.full(np.shape(chance), 2.0), STRENGTHS)[0]) == 1
+    assert len(normal_mixture(lambda chance: np.full(np.shape(chance), 2.0), STRENGTHS)[0]) == 1
     assert len(strengths) == STRENGTHS
 
 
@@ -201,10 +201,10 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
 
 
 def test_positions_are_tabulated_by_the_full_solver(scene, monkeypatch):
-    monkeypatch.setattr(templates_places, "NODES", 3)
+    monkeypatch.setattr(position_tables, "NODES", 3)
     tables = templates(scene, "position")
     x, y, f = (tables[name][1] for name in ("x", "y", "strength_nodes"))
-    side, _ = templates_places.touch_size(scene)
+    side, _ = position_tables.touch_size(scene)
     press = Press((Rectangle(x, y, side, side, f),))
     off = tables["values"][1, 1, 1] - change(scene_with(scene, expected(scene)), press)
     assert np.abs(off / tables["deviation"]).max() < 0.3

@@ -5,7 +5,7 @@ import json
 
 import pytest
 from matplotlib.image import imread
-from rcskin.simulator.limits import survey_results as findings
+from rcskin.simulator.limits import survey_results
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--draws", "50", "-n", "2")
@@ -99,8 +99,8 @@ def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undr
 
 
 def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch, undrawn):
-    others, few = 24 - findings.MAX_ROWS, 4
-    monkeypatch.setattr(findings, "MOST_ROWS", few)
+    others, few = 24 - survey_results.MAX_ROWS, 4
+    monkeypatch.setattr(survey_results, "MAX_ROWS", few)
     many = "1e4,2e4"
     asked = (*QUICK, "--sheet-resistance", many, "-o", tmp_path / "found")
     code, out, _ = run("limits", scene_file(frequencies=[1e4, 1e5]), *asked)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch
-from rcskin.simulator.bounds.touches.area_rasterizer import CellGrid
+from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
 from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits.survey import with_finger
 from rcskin.simulator.limits.touch_identity import Sampling, identity
@@ -32,8 +32,8 @@ def fields():
 
 
 def laid(fields, place, touch):
-    cells = CellGrid.of(0.12, 0.12, fields.grid)
-    return cells.with_finger(cells.laid(place, touch), place, touch)
+    cells = AreaRasterizer.of(0.12, 0.12, fields.grid)
+    return cells.with_finger(cells.rasterized(place, touch), place, touch)
 
 
 def test_a_touch_by_a_finger_reads_as_the_full_model_has_it(fields):

@@ -9,7 +9,7 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 from rcskin.simulator.bounds.position_bound import PositionBounds
 from rcskin.simulator.chart_style import FOIL_COLOURS
-from rcskin.simulator.limits import limit_charts as figures
+from rcskin.simulator.limits import limit_charts
 from rcskin.simulator.limits.limit_charts import draw_maps, draw_sheet
 from rcskin.simulator.limits.survey import Variant
 from rcskin.simulator.scene.scene_files import load_scene
@@ -54,7 +54,7 @@ def test_maps_of_any_skin_stand_in_rows_and_columns_with_their_labels_apart(
         drawn.set_size_inches(width, height)
         yield drawn
 
-    monkeypatch.setattr(figures, "chart", chart)
+    monkeypatch.setattr(limit_charts, "chart", chart)
     scene = load_scene("sheet-3x3").with_({"skin.length": sides[0], "skin.width": sides[1]})
     places = np.array(sides) * [[0.3, 0.3], [0.3, 0.7], [0.7, 0.3], [0.7, 0.7]]
     x = np.array([1e-3, 3e-3, 1e-2, 0.1])

@@ -187,7 +187,7 @@ def test_two_bounds_agree_and_less_is_told_by_less(shared, own, own_skin, agains
     known = {"draws": 300, "against_rest": against_rest}
     part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
-    other = CommonDraws(own, "pixel", **known).judged(own_skin, own.reading).accuracy
+    other = CommonDraws(own, "pixel", **known).score(own_skin, own.reading).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 
