@@ -35,11 +35,11 @@ def describe(
         checked_output(output, ENDINGS)
     loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
-    told = facts(loaded)
-    room = max(len(each.about) for each in told) + 2
+    found = facts(loaded)
+    room = max(len(each.about) for each in found) + 2
     about = f": {loaded.description}" if loaded.description else ""
     say(f"{loaded.name}{about}")
-    for each in told:
-        say(f"  {each.about:{room}}{each.told}")
+    for each in found:
+        say(f"  {each.about:{room}}{each.text}")
     if output is not None:
         report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))

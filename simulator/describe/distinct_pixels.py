@@ -21,18 +21,22 @@ NAME_SHAPE = 1.8
 def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
     """Describes pixels with equal sweeps. pixels: those that can be pressed."""
     if scene.skin.mesh is not None:
-        return "not looked into on a mesh"
+        return "not examined on a mesh"
     groups = equal_sweep_groups(scene, pixels)
     if len(groups) == len(pixels):
-        return "every pixel shows sweeps of its own"
-    told = [
-        f"{name}s {'; '.join(map(_and, lines))} look alike at every frequency"
+        return "none: every pixel gives a sweep of its own"
+    equal = {name: _lines(groups, axis) for axis, name in enumerate(("row", "column"))}
+    lines_in_words = [
+        f"{name}s {'; '.join(map(_and, lines))} give the same sweeps"
         if lines
         else f"all {name}s differ"
-        for name, lines in (("row", _lines(groups, 0)), ("column", _lines(groups, 1)))
+        for name, lines in equal.items()
     ]
+    if not any(equal.values()):
+        lines_in_words = ["some pixels give the same sweeps"]
     example = " and ".join(f"{row},{column}" for row, column in max(groups, key=len))
-    return f"{', '.join(told)}: {len(groups)} of {len(pixels)} pixels (not, say, {example})"
+    distinct = f"{len(groups)} of {len(pixels)} pixels can be distinguished"
+    return f"{', '.join(lines_in_words)}: {distinct} (not {example}, for example)"
 
 
 def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:

@@ -33,7 +33,7 @@ class Fact(NamedTuple):
     """One fact about a scene: its topic and its text."""
 
     about: str
-    told: str
+    text: str
 
 
 def facts(scene: Scene) -> list[Fact]:
@@ -56,7 +56,10 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "repeated", each
     for each in scene.interfaces:
         if one_sheet(scene, each):
-            yield "one sheet", f"{each.name}: its sides conduct to each other, Cp is no capacitance"
+            yield (
+                "one sheet",
+                f"{each.name}: a sheet conducts between its sides, so Cp is no capacitance",
+            )
     size = _size(skin.length / pixels.columns, skin.width / pixels.rows)
     rows, columns = _count(pixels.rows, "row"), _count(pixels.columns, "column")
     yield "pixels", f"{rows} x {columns}, {size} each"
@@ -65,9 +68,9 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
     yield from secondary_effects(scene)
-    yield "told apart", indistinguishable_pixels(scene, pixels_with_skin(scene))
+    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
     yield "noise", _noise(scene)
-    yield "assumed", ", ".join(assumed(scene)) or "nothing: the file says all"
+    yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 
 
 def one_sheet(scene: Scene, interface: Interface) -> bool:
@@ -89,19 +92,19 @@ def _size(x: float, y: float) -> str:
 def _skin(skin: Skin) -> str:
     size = _size(skin.length, skin.width)
     if skin.mesh is not None:
-        told = f"as {skin.mesh.source} has it, its pixels on {size}"
+        text = f"mesh of {skin.mesh.source}, grid of pixels {size}"
     elif skin.outline is None:
-        told = f"rectangle of {size}"
+        text = f"rectangle of {size}"
     else:
-        told = f"{_curve(skin.outline.shape)} within {size}, {1e4 * surface(skin):.4g} cm²"
+        text = f"{_curve(skin.outline.shape)} within {size}, {1e4 * surface(skin):.4g} cm²"
         holes = len(skin.outline.holes)
-        told += f", {_count(holes, 'hole')}" if holes else ""
+        text += f", {_count(holes, 'hole')}" if holes else ""
     if skin.stretch is not None:
         x, y = skin.stretch.ratios
-        told += f"; stretched to {x:.3g} times its length and {y:.3g} times its width"
+        text += f"; stretched to {x:.3g} times its length and {y:.3g} times its width"
     if skin.shape is not None:
-        told += f"; on a {skin.shape.kind} of radius {1e3 * skin.shape.radius:.4g} mm"
-    return told
+        text += f"; on a {skin.shape.kind} of radius {1e3 * skin.shape.radius:.4g} mm"
+    return text
 
 
 def _curve(shape: Circle | np.ndarray) -> str:
@@ -111,41 +114,43 @@ def _curve(shape: Circle | np.ndarray) -> str:
 
 
 def _sheet(sheet: Sheet) -> str:
-    told = prefixed(sheet.sheet_resistance, "ohm/sq")
+    text = prefixed(sheet.sheet_resistance, "ohm/sq")
     if sheet.map is not None:
-        told += f", {_varying(sheet.map)}"
+        text += f", {_varying(sheet.map)}"
     if sheet.anisotropy is not None:
-        degrees = math.degrees(sheet.anisotropy.angle)
-        told += f", conducts {sheet.anisotropy.ratio:g} times as well along {degrees:.3g} degrees"
+        ratio, degrees = sheet.anisotropy.ratio, math.degrees(sheet.anisotropy.angle)
+        text += f", conducts {ratio:g} times as well along {degrees:.3g} degrees as across"
     if sheet.piezoresistance:
-        told += f", resists {sheet.piezoresistance:g} times the foam's strain more"
-    return told
+        text += f", its resistance rises by {sheet.piezoresistance:g} times the strain of the foam"
+    return text
 
 
 def _varying(of_place: AnyMap) -> str:
-    return f"by place: a {of_place.kind} map" if of_place.uniform is None else "by an even map"
+    return (
+        f"varies by a {of_place.kind} map" if of_place.uniform is None else "times a constant map"
+    )
 
 
 def _foam(skin: Skin) -> str:
     foam = skin.foam
-    told = prefixed(foam.unpressed_capacitance_per_area, "F/m²")
+    text = prefixed(foam.unpressed_capacitance_per_area, "F/m²")
     if foam.thickness is not None:
-        told += f", {1e3 * foam.thickness:.4g} mm thick"
-    told += f", tan d {foam.loss_tangent:g}" if foam.loss_tangent else ", without loss"
+        text += f", {1e3 * foam.thickness:.4g} mm thick"
+    text += f", tan d {foam.loss_tangent:g}" if foam.loss_tangent else ", without loss"
     if foam.phase_exponent != 1:
-        told += f", of constant phase with exponent {foam.phase_exponent:g}"
+        text += f", constant phase with exponent {foam.phase_exponent:g}"
     if foam.map is not None:
-        told += f", {_varying(foam.map)}"
+        text += f", {_varying(foam.map)}"
     if foam.mechanics is not None:
-        told += f"; porosity {foam.mechanics.porosity:g}, {prefixed(foam.mechanics.young, 'Pa')}"
-    return told
+        text += f"; porosity {foam.mechanics.porosity:g}, {prefixed(foam.mechanics.young, 'Pa')}"
+    return text
 
 
 def _capacitance(scene: Scene) -> str:
     skin, pixels = scene.skin, scene.pixels
     c = skin.foam.unpressed_capacitance_per_area
     pixel = c * skin.length * skin.width / (pixels.rows * pixels.columns)
-    whole = f"{prefixed(pixel, 'F')} for each whole pixel at rest"
+    whole = f"{prefixed(pixel, 'F')} for each whole pixel, unpressed"
     if skin.mesh is not None:
         return whole
     return f"{prefixed(c * surface(skin) * _mean(skin), 'F')} in all, {whole}"
@@ -181,7 +186,7 @@ def _press(scene: Scene) -> str:
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
-    return f"{press.capacitance_factor:g} times the capacitance at rest{spread}"
+    return f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
 
 
 def _depths(scene: Scene) -> str:
@@ -190,39 +195,39 @@ def _depths(scene: Scene) -> str:
     try:
         return depths_of_pixels(scene)
     except InputError as error:
-        return f"which it does not take: {error}"
+        return f"which the foam cannot take: {error}"
 
 
 def _frequencies(scene: Scene) -> str:
     f = scene.frequencies
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
-    told = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
+    text = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
     outside = outside_band(VIRTUAL_MODEL, f)
     if not outside:
-        return told
+        return text
     others = [model for model in METER_BANDS if not outside_band(model, f)]
-    return f"{told}; {outside}" + (f" (all are read by {' and '.join(others)})" if others else "")
+    return f"{text}; {outside}" + (f" ({' and '.join(others)} can read all)" if others else "")
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
     f, cut_off = scene.reading.frequency_at(interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
-    seen = f"{above} of {len(f)} frequencies lie above it and see less than the whole skin"
+    seen = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
     if above == 0:
-        seen = "no frequency lies above it: all see the whole skin"
+        seen = "no frequency lies above it: all reach the whole skin"
     elif above == len(f):
-        seen = "all frequencies lie above it: none sees the whole skin"
+        seen = "all frequencies lie above it: none reaches the whole skin"
     far = 1e3 * equivalent_scene(scene).reach(interface)
     named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
-    told = f"Eq. 6, {far:.3g} mm from the foils"
-    return f"{named}{prefixed(cut_off, 'Hz')} ({told}): {seen}"
+    text = f"Eq. 6, {far:.3g} mm from the foils"
+    return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {seen}"
 
 
 def _noise(scene: Scene) -> str:
     readout = scene.readout
     if readout.exact:
-        return 'none: readings are exact; readout = "IM3523" would be those of such a meter'
+        return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
     return (
         f"{100 * readout.magnitude_noise:.3g} % of |Z| and "
         f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, "
@@ -234,7 +239,7 @@ def _noise(scene: Scene) -> str:
 def assumed(scene: Scene) -> list[str]:
     """Keys that the file does not set, with their defaults; missing tables by name."""
     unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
-    return [told for told in _unset(scene, "") if not told.startswith(unused)]
+    return [text for text in _unset(scene, "") if not text.startswith(unused)]
 
 
 def _unset(table: BaseModel, place: str) -> Iterator[str]:

@@ -31,7 +31,7 @@ from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..sweeps.units import prefixed
 
-LEFT_OUT = "left out"
+LEFT_OUT = "not in the scene"
 USUAL = Relaxation(share=0.1, time_constant=1.0)
 """Typical creep of an open foam, for the size of the neglected effect."""
 
@@ -47,7 +47,7 @@ def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "body", _body(even, body)
     if not (around and around.body):
         size = _percent(body_share(even))
-        yield "body", f"one at earth {_place(NEARBY)} raises Rs by about {size}; {LEFT_OUT}"
+        yield "body", f"at earth, {_place(NEARBY)}: would raise Rs by about {size}; {LEFT_OUT}"
     yield "rim", _rim(even, around)
     yield "thickness", _thickness(even, around)
     yield from _walls(even, around)
@@ -64,15 +64,16 @@ def _percent(share: float) -> str:
 
 def _earth(scene: Scene, around: Surroundings | None) -> str:
     if around and around.low == "floating":
-        return "none at the meter: its low terminal floats"
-    told = (
-        "a low terminal that is a virtual earth raises Rs by about "
-        f"{_percent(open_share(scene))} with nothing near"
+        return "none: the low terminal of the meter floats"
+    text = (
+        "a meter with a virtual earth at its low terminal raises Rs by about "
+        f"{_percent(open_share(scene))}, also without a body nearby"
     )
     if around is None:
-        return f'{told}; {LEFT_OUT} ([surroundings], or there low = "floating")'
+        hint = 'add [surroundings], with low = "floating" for a meter without earth'
+        return f"{text}; {LEFT_OUT}: {hint}"
     there = around.solved or around.rim is not False
-    return f"{told}; {'in the scene' if there else f'{LEFT_OUT} without rim or solved'}"
+    return f"{text}; {'in the scene' if there else f'{LEFT_OUT}: give rim or solved'}"
 
 
 def _place(body: Body) -> str:
@@ -81,26 +82,26 @@ def _place(body: Body) -> str:
 
 def _body(scene: Scene, body: Body) -> str:
     where = _place(body) if body.distance is not None else f"facing the {body.side} sheet"
-    told = f"{where}, {prefixed(body.per_area, 'F/m²')}"
+    text = f"{where}, {prefixed(body.per_area, 'F/m²')}"
     if body.potential == "floating":
-        return f"{told}, floating"
+        return f"{text}, floating"
     if body.follows:
-        return f"{told}, a guard that follows {body.potential}"
-    return f"{told}, at earth: raises Rs by about {_percent(body_share(scene, body))}"
+        return f"{text}, a guard that follows {body.potential}"
+    return f"{text}, at earth: raises Rs by about {_percent(body_share(scene, body))}"
 
 
 def _rim(scene: Scene, around: Surroundings | None) -> str:
-    told = f"fields around the edges have {_percent(rim_share(scene))} of the foam's capacitance"
+    text = f"fields around the edges have {_percent(rim_share(scene))} of the foam's capacitance"
     if around and isinstance(around.rim, Rim):
         between, *to_earth = (
             prefixed(each, "F/m") for each in (around.rim.mutual, around.rim.top, around.rim.bottom)
         )
-        return f"{told}; given as {between} between the sheets, {' and '.join(to_earth)} to earth"
+        return f"{text}; given as {between} between the sheets, {' and '.join(to_earth)} to earth"
     if around and (around.rim or around.solved):
-        return f"{told}; computed{', of the three-dimensional solve' if around.solved else ''}"
+        return f"{text}; computed{' by the three-dimensional solve' if around.solved else ''}"
     if scene.skin.foam.capacitance_per_area is not None:
-        return f"{told}; taken to be in capacitance_per_area, all over the skin"
-    return f"{told}; {LEFT_OUT}"
+        return f"{text}; assumed to be included in capacitance_per_area, spread over the skin"
+    return f"{text}; {LEFT_OUT}"
 
 
 def _thickness(scene: Scene, around: Surroundings | None) -> str:
@@ -108,7 +109,7 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
     share = straight_share(foam.thickness_or_assumed, scene.skin.depth(highest))
     there = "in the scene" if around and around.thickness else LEFT_OUT
     return (
-        f"{describe_thickness(scene)}: a field that is not straight across the foam changes Rs and "
+        f"{describe_thickness(scene)}: fields that are not perpendicular to the sheets change Rs and "
         f"Cp by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
     )
 
@@ -119,20 +120,20 @@ def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str
     if scene.press.by_factor and factor > 1:
         share = _percent(wall_share(scene, factor))
         there = "in the scene" if around and around.edges else LEFT_OUT
-        yield "walls", f"those around a pressed pixel add {share} to its rise; {there}"
+        yield "walls", f"around a pressed pixel they add {share} to its rise; {there}"
 
 
 def _finger(scene: Scene, around: Surroundings | None) -> str:
     if around and around.no_finger_reason:
-        return "none can touch: " + around.no_finger_reason
+        return f"none: a finger {around.no_finger_reason}"
     how = scene.press.finger
     if around is None or (how is None and around.finger_per_area is None):
         size = _percent(finger_share(equivalent_scene(scene)))
-        return f"one of {prefixed(FINGER, 'F')} raises Rs by up to {size}; {LEFT_OUT}"
+        return f"of {prefixed(FINGER, 'F')}: would raise Rs by up to {size}; {LEFT_OUT}"
     own = finger_capacitance(scene, Touch(1, 1, 1.0), "earthed" if how is None else how)
     share = _percent(finger_share(equivalent_scene(scene), own))
-    presses = "presses are by it" if how else "presses are by a rod unless they say `:finger`"
-    return f"one on a pixel has {prefixed(own, 'F')} and raises Rs by up to {share}; {presses}"
+    presses = "it presses" if how else "a rod presses, unless a press ends in `:finger`"
+    return f"on a pixel it has {prefixed(own, 'F')} and raises Rs by up to {share}; {presses}"
 
 
 def _overlap(scene: Scene, foil: Contact) -> str:
@@ -140,7 +141,8 @@ def _overlap(scene: Scene, foil: Contact) -> str:
     share = overlap_share(extent_from(foil, scene), width)
     by = f"{1e3 * width:.3g} mm"
     if not foil.width:
-        return f"foils that overlap both sheets by {by} lower Rs by {_percent(share)}; {LEFT_OUT}"
+        size = f"would lower Rs by {_percent(share)}"
+        return f"foils that overlap both sheets by {by} {size}; {LEFT_OUT}"
     own = _percent(sheet_part(scene, foil.electrode) * share)
     return f"{foil.name} overlaps its sheet by {by} and lowers Rs by {own}; in the scene"
 
@@ -150,15 +152,16 @@ def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
     solids = scene.skin.foam.relaxation
     for each in solids or (USUAL,):
         first, last = np.exp(-moments[[0, -1], [0, -1]] / each.time_constant)
-        creeps = f"{_percent(each.share)} of its strain with {prefixed(each.time_constant, 's')}"
-        within = f"by {_percent(each.share * (first - last))} in a sweep of {prefixed(whole, 's')}"
+        own = _percent(each.share), prefixed(each.time_constant, "s")
+        within = f"{_percent(each.share * (first - last))} in a sweep of {prefixed(whole, 's')}"
         if solids:
-            yield "creep", f"a held press creeps by {creeps}, {within}"
+            yield "creep", f"by {own[0]} of the strain, time constant {own[1]}: {within}"
         else:
-            yield "creep", f"foam that creeps by {creeps} does so {within}; {LEFT_OUT}"
+            typical = f"typical foam ({own[0]}, time constant {own[1]})"
+            yield "creep", f"{typical} would creep by {within}; {LEFT_OUT}"
     if scene.skin.foam.hysteresis:
         lost = _percent(scene.skin.foam.hysteresis)
-        yield "hysteresis", f"unloading does not give back {lost} of the work of a press"
+        yield "hysteresis", f"{lost} of the work of a press is lost on release"
     yield from _weather(scene)
 
 

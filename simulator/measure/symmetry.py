@@ -273,9 +273,9 @@ def _exchanged(scene: Scene) -> list[dict[str, str]]:
 
 
 def describe_repeated(scene: Scene) -> list[str]:
-    """A sentence for each of those."""
+    """A sentence for each interface in `repeated`."""
     return [
-        f"{name}: shows what {earlier} does, by symmetry; it adds nothing but averaging"
+        f"{name}: gives the same readings as {earlier}, by symmetry; it only adds averaging"
         for name, earlier in repeated(scene)
     ]
 

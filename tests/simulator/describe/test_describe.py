@@ -32,7 +32,7 @@ def skin(changes, name="sheet-3x3"):
 
 
 def said(scene):
-    return {each.about: each.told for each in facts(scene)}
+    return {each.about: each.text for each in facts(scene)}
 
 
 def test_the_papers_sheet_in_words(run):
@@ -46,7 +46,7 @@ def test_the_papers_sheet_in_words(run):
         "5 rows x 5 columns, 24 x 24 mm each",
         "20, from 1 kHz to 200 kHz",
         "5.46 kHz (Eq. 6, 120 mm from the foils): 13 of 20 frequencies lie above it",
-        "rows 1 and 5; 2 and 4 look alike at every frequency, all columns differ: 15 of 25",
+        "rows 1 and 5; 2 and 4 give the same sweeps, all columns differ: 15 of 25",
         "0.3 % of |Z| and 0.149 degrees in each reading",
         "skin.foam.phase_exponent = 1.0",
     ):
@@ -62,21 +62,21 @@ def test_the_papers_sheet_in_words(run):
         (
             "frequencies",
             {"sweep.frequencies": [1e3, 3e5]},
-            "meter IM3523 reads 40 Hz to 200 kHz; 300 kHz is outside (all are read by",
+            "meter IM3523 reads 40 Hz to 200 kHz; 300 kHz is outside (",
         ),
         (
             "frequencies",
             {"sweep.frequencies": [3.0, 1e3]},
-            "3 Hz is outside (all are read by",
+            "3 Hz is outside (",
         ),
-        ("top sheet", {"skin.top.piezoresistance": 2.0}, "resists 2 times the foam's strain more"),
-        ("top sheet", {"skin.top.map": {"kind": "gradient", "x": 0.2}}, "by place: a gradient map"),
+        ("top sheet", {"skin.top.piezoresistance": 2.0}, "rises by 2 times the strain of the foam"),
+        ("top sheet", {"skin.top.map": {"kind": "gradient", "x": 0.2}}, "varies by a gradient map"),
         (
             "top sheet",
             {"skin.top.anisotropy": {"ratio": 3.0, "angle": 0.5}},
             "conducts 3 times as well along 28.6 degrees",
         ),
-        ("foam", {"skin.foam.phase_exponent": 0.9}, "of constant phase with exponent 0.9"),
+        ("foam", {"skin.foam.phase_exponent": 0.9}, "constant phase with exponent 0.9"),
         ("foam", {"skin.foam.loss_tangent": 0.01}, "tan d 0.01"),
         ("press", {"press": {"capacitance_factor": 3.0, "factor_spread": 0.1}}, "varies by 10 %"),
     ],
@@ -161,7 +161,7 @@ def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
 
 def test_a_skin_without_symmetry_says_so():
     told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
-    assert told.startswith("every pixel shows sweeps of its own")
+    assert told.startswith("none: every pixel gives a sweep of its own")
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_another_ending_is_refused_before_any_work(refused):
 def test_each_interface_has_the_cut_off_of_its_own_foils():
     """The place farthest from the foils of one pair is nearer to those of another."""
     long = load_scene("sheet-5x5-two-interfaces").with_({"skin.length": 0.18, "skin.width": 0.07})
-    left, bottom = (each.told for each in facts(long) if each.about == "cut-off")
+    left, bottom = (each.text for each in facts(long) if each.about == "cut-off")
     assert left.startswith("left: ") and "180 mm from the foils" in left
     assert bottom.startswith("bottom: ") and "70 mm from the foils" in bottom
     both = [cut_off_frequency(long, each) for each in long.interfaces]
@@ -216,13 +216,13 @@ def test_foam_in_time_and_its_size_within_a_sweep():
     told = list(secondary_effects(scene))
     assert (
         "creep",
-        "a held press creeps by 20 % of its strain with 500 ms, by 16 % in a sweep of 1 s",
+        "by 20 % of the strain, time constant 500 ms: 16 % in a sweep of 1 s",
     ) in told
-    assert any(text.startswith("a held press creeps by 10 %") for _, text in told)
-    assert ("hysteresis", "unloading does not give back 5 % of the work of a press") in told
+    assert any(text.startswith("by 10 % of the strain") for _, text in told)
+    assert ("hysteresis", "5 % of the work of a press is lost on release") in told
     assert dict(told)["temperature"].startswith("31 °C; with each K the foam's capacitance")
     left_out = dict(secondary_effects(skin({})))["creep"]
-    assert left_out.endswith("does so by 0.9 % in a sweep of 100 ms; left out")
+    assert left_out.endswith("would creep by 0.9 % in a sweep of 100 ms; not in the scene")
 
 
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
@@ -232,32 +232,36 @@ BELOW = {"distance": 5e-3}
 @pytest.mark.parametrize(
     ("about", "changes", "told"),
     [
-        ("earth", {}, "raises Rs by about 3.4 % with nothing near; left out ([surroundings], or"),
-        ("earth", {"surroundings": {"low": "floating"}}, "none at the meter: its low terminal"),
-        ("earth", {"surroundings": {}}, "with nothing near; left out without rim or solved"),
-        ("earth", {"surroundings": "solved"}, "with nothing near; in the scene"),
-        ("body", {}, "one at earth 5 mm from the bottom sheet raises Rs by about 22 %; left out"),
+        ("earth", {}, "by about 3.4 %, also without a body nearby; not in the scene: add"),
+        ("earth", {"surroundings": {"low": "floating"}}, "none: the low terminal"),
+        ("earth", {"surroundings": {}}, "nearby; not in the scene: give rim or solved"),
+        ("earth", {"surroundings": "solved"}, "nearby; in the scene"),
+        ("body", {}, "at earth, 5 mm from the bottom sheet: would raise Rs by about 22 %; not"),
         ("body", {"surroundings.body": BELOW}, "5 mm from the bottom sheet, 1.77 nF/m², at earth"),
         ("body", {"surroundings.body": {**BELOW, "potential": "low"}}, "a guard that follows low"),
         ("body", {"surroundings.body": {**BELOW, "potential": "floating"}}, "1.77 nF/m², floating"),
         ("body", {"surroundings.body.capacitance_per_area": 1e-9}, "facing the bottom sheet, 1 nF"),
-        ("rim", {}, "have 5.7 % of the foam's capacitance; taken to be in capacitance_per_area"),
+        ("rim", {}, "have 5.7 % of the foam's capacitance; assumed to be included in"),
         ("rim", {"surroundings.rim": True}, "5.7 % of the foam's capacitance; computed"),
-        ("rim", {"surroundings": "solved"}, "computed, of the three-dimensional solve"),
+        ("rim", {"surroundings": "solved"}, "computed by the three-dimensional solve"),
         ("rim", {"surroundings.rim": 5e-12}, "given as 5 pF/m between the sheets, 0 F/m and 0"),
-        ("thickness", {}, "3.6 mm (relative permittivity 2 assumed): a field that is not straight"),
-        ("thickness", {"skin.foam.thickness": 4e-3}, "4 mm: a field that is not straight"),
+        ("thickness", {}, "3.6 mm (relative permittivity 2 assumed): fields that are not"),
+        ("thickness", {"skin.foam.thickness": 4e-3}, "4 mm: fields that are not perpendicular"),
         ("thickness", {"surroundings.thickness": True}, "0.068 % at 200 kHz; in the scene"),
-        ("walls", {}, "those around a pressed pixel add 9.1 % to its rise; left out"),
-        ("finger", {}, "one of 5.31 pF raises Rs by up to 5.7 %; left out"),
-        ("finger", {"surroundings.cover": COVER}, "presses are by a rod unless they say `:finger`"),
+        ("walls", {}, "around a pressed pixel they add 9.1 % to its rise; not in the scene"),
+        ("finger", {}, "of 5.31 pF: would raise Rs by up to 5.7 %; not in the scene"),
+        (
+            "finger",
+            {"surroundings.cover": COVER},
+            "a rod presses, unless a press ends in `:finger`",
+        ),
         ("finger", {"surroundings": {}, "press.finger": 4e-12}, "has 4 pF and raises Rs by up to"),
         (
             "finger",
             {"surroundings.body": {**BELOW, "side": "top"}},
-            "none can touch: cannot touch the top sheet, which has surroundings.body in front",
+            "none: a finger cannot touch the top sheet, which has surroundings.body in front",
         ),
-        ("foil width", {}, "foils that overlap both sheets by 1 mm lower Rs by 2.5 %; left out"),
+        ("foil width", {}, "foils that overlap both sheets by 1 mm would lower Rs by 2.5 %; not"),
         (
             "foil width",
             {"contact.1.width": 5e-3},

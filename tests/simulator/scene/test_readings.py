@@ -113,8 +113,8 @@ def test_crossed_pairs_of_sheets_that_are_alike_repeat():
         ("top-bottom to bottom-left", "top-left to bottom-bottom"),
         ("bottom-left to bottom-bottom", "top-left to top-bottom"),
     ]
-    told = [fact.told for fact in facts(scene) if fact.about in ("repeated", "one sheet")]
-    assert "adds nothing" in told[0]
+    told = [fact.text for fact in facts(scene) if fact.about in ("repeated", "one sheet")]
+    assert "it only adds averaging" in told[0]
     assert sum("no capacitance" in each for each in told) == 2
 
 
