@@ -109,8 +109,8 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
     share = straight_share(foam.thickness_or_assumed, scene.skin.depth(highest))
     there = "in the scene" if around and around.thickness else LEFT_OUT
     return (
-        f"{describe_thickness(scene)}: fields that are not perpendicular to the sheets change Rs and "
-        f"Cp by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
+        f"{describe_thickness(scene)}: fields that are not perpendicular to the sheets change Rs "
+        f"and Cp by up to {_percent(share)} at {prefixed(highest, 'Hz')}; {there}"
     )
 
 
