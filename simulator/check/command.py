@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..scene.scene import Scene
-    from ..sweeps.importing.grouping import Defaults
+    from ..sweeps.importing.labels import Defaults
 
 TRANSFER = (
     "the meter's low terminal is a virtual earth, so that readings are transfer impedances; the "
@@ -61,12 +61,24 @@ def import_sweeps(
             help="Branch of X if only Rs and Cp are given: followed, capacitive or resistive."
         ),
     ] = "followed",
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            help="Names of all columns in place of the header's, such as f,Rs,-X or "
+            "'f (kHz),-,|Z|,phase (deg)'; '-' for a column that is not used."
+        ),
+    ] = None,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Refuse a file with lines that are no readings."),
+    ] = False,
 ) -> None:
     """Import measured sweeps from tables of other tools.
 
     A table has named columns in any order, with units: a frequency, as
-    `Frequency (kHz)` or `f/Hz`, and Rs and X (`Z'`, `-Z''`), |Z| and phase
-    (`theta (deg)`), Rs and Cs, or Rs and Cp.
+    `Frequency (kHz)` or `f/Hz`, and a pair that determines Z: Rs and X (`Z'`,
+    `-Z''`), |Z| and phase (`theta (deg)`), G and B, Cp or Cs with D, Rs, Rp or
+    Q, Ls and Rs, and others. All other columns that depend on Z must agree.
 
     Rs and Cp alone leave two solutions for X, X1 X2 = Rs^2. X starts with the
     capacitive one, |X| >= Rs, at the lowest frequency and is followed from
@@ -74,20 +86,27 @@ def import_sweeps(
     wrong are named. `--branch capacitive` uses |X| >= Rs everywhere,
     `--branch resistive` |X| <= Rs. The attribute `branch_rule` states the rule.
 
-    Separators are comma, semicolon or tab; decimal commas, comments (# % ;) and
-    lines above the header are understood. Columns of a sweep, press, row,
-    column, repetition, interface or session label the lines; without them a
-    sweep begins where the frequencies start over.
+    Separators are comma, semicolon, tab or spaces; decimal commas, comments
+    (# % ; !), lines above the header and text below the table are understood.
+    Failed readings are left out, and the lines are named. Columns of a sweep,
+    press, row, column, repetition, cycle, interface or session label the lines;
+    without them a sweep begins where the frequencies start over.
     """
-    from ..requests.console import report_written, warn
+    from ..requests.console import note, report_written, warn
     from ..sweeps import checked_output, sizes_text, write
     from ..sweeps.importing.branch import checked_branch
-    from ..sweeps.imports import import_files
+    from ..sweeps.imports import ImportOptions, import_files
 
     checked_output(output)
-    checked_branch(branch)
-    sweeps = import_files(files, _defaults(len(files), press, interface, session), branch)
+    options = ImportOptions(checked_branch(branch), columns, strict)
+    sweeps = import_files(files, _defaults(len(files), press, interface, session), options=options)
     write(sweeps, output)
+    name = f"{files[0]}: " if len(files) == 1 else ""
+    say(f"{name}{sweeps.attrs['columns']}")
+    if "left_out" in sweeps.attrs:
+        note(f"{name}left out: {sweeps.attrs['left_out']}")
+    if "warnings" in sweeps.attrs:
+        warn(f"{name}{sweeps.attrs['warnings']}")
     if "branch_rule" in sweeps.attrs:
         say(f"{output}: {sweeps.attrs['branch_rule']}")
     if "branch_doubt" in sweeps.attrs:
@@ -98,7 +117,7 @@ def import_sweeps(
 def _defaults(
     files: int, press: Sequence | None, interface: Sequence | None, session: Sequence | None
 ) -> list[Defaults]:
-    from ..sweeps.importing.grouping import Defaults
+    from ..sweeps.importing.labels import Defaults
 
     given = {"press": press, "interface": interface, "session": session}
     spread = [_for_each(name, values, files) for name, values in given.items()]
@@ -206,10 +225,18 @@ def _current_bypasses_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
 
 
 def _read(file: Path) -> xr.Dataset:
+    from ..requests.console import note, warn
     from ..sweeps import read
     from ..sweeps.imports import import_file
 
-    return read(file) if file.suffix in (".nc", ".zarr") else import_file(file)
+    if file.suffix in (".nc", ".zarr"):
+        return read(file)
+    sweeps = import_file(file)
+    if "left_out" in sweeps.attrs:
+        note(f"{file}: left out: {sweeps.attrs['left_out']}")
+    if "warnings" in sweeps.attrs:
+        warn(f"{file}: {sweeps.attrs['warnings']}")
+    return sweeps
 
 
 def plot(

@@ -1,57 +1,92 @@
 """Imports measured sweeps of other tools into the schema of simulated ones.
 
-A file is a table of named columns in any order, separated by tab, semicolon or comma, with decimal
-points or decimal commas, lines of comment (# % ;) anywhere and anything above its header. A name
-carries its unit: `Frequency (kHz)`, `f/Hz`, `Rs [kohm]`, `-Z'' (ohm)`, `theta (deg)`, `Cp_pF`;
-without one it is SI, and a phase must have one. Columns of a sweep, press, row, column, repetition,
+A file is a table of named columns in any order, separated by tab, semicolon, comma or spaces, with
+comments (# % ; !) anywhere, anything above its header and text below its readings. A name carries
+its unit: `Frequency (kHz)`, `f/Hz`, `Rs [kohm]`, `-Z'' (ohm)`, `theta (deg)`, `Cp_pF`; without one
+it is SI, and a phase must have one. Columns of a sweep, press, row, column, repetition, cycle,
 interface or session label the lines; without them a sweep begins where frequencies start over.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .errors import InputError
 from .file_kinds import check_file_kind
+from .importing.account import account
 from .importing.branch import branch_attributes, checked_branch, choose_branches
-from .importing.dialect import read_table
-from .importing.grouping import Defaults, grouped, reading_places
+from .importing.failures import left_out_text
+from .importing.grouping import grouped, reading_places
 from .importing.impedance_columns import impedance_readings
+from .importing.labels import Defaults, line_labels
+from .importing.table import read_table
 from .joining import aligned
 from .schema import build, concatenate
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Defaults", "import_file", "import_files"]
+__all__ = ["Defaults", "ImportOptions", "import_file", "import_files"]
+FILE_ATTRIBUTES = ("columns", "left_out", "warnings", "branch_doubt")
+"""Attributes that name the file where they differ between files."""
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """How files are read.
+
+    branch: choice between the two reactances if a file has Rs and Cp alone: `followed` along the
+    frequencies, `capacitive` or `resistive`. columns: names of all columns, separated by commas, in
+    place of those of a header; `-` for one that is not used. strict: a line that is no reading is
+    refused.
+    """
+
+    branch: str = "followed"
+    columns: str | None = None
+    strict: bool = False
+
+    def names(self) -> list[str] | None:
+        """The names of the columns, if they were given."""
+        if self.columns is None:
+            return None
+        return [name.strip() for name in self.columns.split(",")]
 
 
 def import_file(
     path: str | Path,
     defaults: Defaults = Defaults(),  # noqa: B008
     branch: str = "followed",
+    options: ImportOptions | None = None,
 ) -> xr.Dataset:
     """The sweeps of one file.
 
-    branch: choice between the two reactances if the file has Rs and Cp alone: `followed` along the
-    frequencies, `capacitive` or `resistive`. The attribute `branch_rule` then states the rule,
-    `branch_doubt` the readings that may be on the wrong branch; `quantities` names the columns that
-    gave Z, `preamble` holds the text above the header.
+    The attribute `branch_rule` states the rule of the branch, `branch_doubt` the readings that may
+    be on the wrong one; `quantities` names what gave Z, `columns` the columns and what they were
+    taken for, `left_out` the lines that are no readings, `warnings` what is unusual, and `preamble`
+    holds the text above the header.
     Raises InputError naming the file, and the line if there is one, that cannot be read.
     """
+    options = options or ImportOptions(branch)
     path = Path(path)
     check_file_kind(path, "sweeps")
-    table = read_table(path)
+    table = read_table(path, options.names())
     readings = impedance_readings(table)
-    sweeps = grouped(table, readings.frequency, defaults)
+    table = readings.table
+    if options.strict and table.left_out:
+        raise InputError(f"{path}: {left_out_text(table.left_out)}: no reading, as --strict asks")
+    labels = line_labels(table, readings.frequency, defaults)
+    grouping = grouped(table, readings.frequency, readings.failed, labels)
+    sweeps = grouping.sweeps
     interfaces, frequency, taken, where = reading_places(table, sweeps)
     Z, rule = np.where(taken, readings.Z[where], np.nan), {}
-    if readings.pair == ("Rs", "Cp"):
-        found = choose_branches(Z, frequency, checked_branch(branch), taken)
-        Z, rule = found.Z, branch_attributes(found, branch, frequency, interfaces)
+    if readings.quantities == ("Rs", "Cp"):
+        found = choose_branches(Z, frequency, checked_branch(options.branch), taken)
+        Z, rule = found.Z, branch_attributes(found, options.branch, frequency, interfaces)
     return build(
         Z,
         frequency,
@@ -64,7 +99,8 @@ def import_file(
         taken=None if taken.all() else taken,
         attributes={
             "source": Path(path).name,
-            "quantities": " and ".join(readings.pair),
+            "quantities": " and ".join(readings.quantities),
+            **account(readings, labels, grouping),
             "preamble": table.preamble,
             **rule,
         },
@@ -72,18 +108,23 @@ def import_file(
 
 
 def import_files(
-    paths: Sequence[str | Path], defaults: Sequence[Defaults], branch: str = "followed"
+    paths: Sequence[str | Path],
+    defaults: Sequence[Defaults],
+    branch: str = "followed",
+    options: ImportOptions | None = None,
 ) -> xr.Dataset:
     """The sweeps of several files in their order; `defaults` has one entry for each.
 
-    branch: as in `import_file`; sweeps in `branch_doubt` are counted in each file separately.
+    branch, options: as in `import_file`; sweeps in `branch_doubt` are counted in each file.
     Attributes that differ between files are listed, separated by semicolons.
     Raises InputError if a file cannot be read, or if its frequencies or interfaces differ from
     those of the first.
     """
-    parts = [import_file(path, each, branch) for path, each in zip(paths, defaults, strict=True)]
-    if len(parts) > 1:
-        parts = [_with_file_in_doubt(part) for part in parts]
+    parts = [
+        import_file(path, each, branch, options) for path, each in zip(paths, defaults, strict=True)
+    ]
+    differing = [name for name in FILE_ATTRIBUTES if len({p.attrs.get(name) for p in parts}) > 1]
+    parts = [_with_file_name(part, differing) for part in parts]
     aligned_parts = [
         aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
     ]
@@ -94,12 +135,11 @@ def import_files(
     )
 
 
-def _with_file_in_doubt(part: xr.Dataset) -> xr.Dataset:
-    """Adds the file's name to the attribute `branch_doubt`."""
-    if "branch_doubt" not in part.attrs:
-        return part
-    named = f"{part.attrs['source']}: {part.attrs['branch_doubt']}"
-    return part.assign_attrs(branch_doubt=named)
+def _with_file_name(part: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Adds the file's name to the named attributes."""
+    attributes = {name: part.attrs[name] for name in names if name in part.attrs}
+    source = part.attrs["source"]
+    return part.assign_attrs({name: f"{source}: {text}" for name, text in attributes.items()})
 
 
 def _attribute_names(parts: Sequence[xr.Dataset]) -> list[str]:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError
-from .importing.grouping import SAME_FREQUENCY
 from .input_files import read
 from .inputs import objects
+from .same_frequency import same_frequencies
 from .same_skin import difference
 from .schema import SESSIONS, TIME, concatenate, same_taken, session_names
 
@@ -68,7 +68,7 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
             f"{path}: interfaces {', '.join(ours)} are not those of {other}: {', '.join(theirs)}"
         )
     f, g = part["frequency"].values, first["frequency"].values
-    if f.size != g.size or not np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0):
+    if f.size != g.size or not same_frequencies(f, g).all():
         raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
     ordered = part.isel(interface=[ours.index(name) for name in theirs])
     if not same_taken(ordered, first):

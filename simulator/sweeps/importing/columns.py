@@ -2,52 +2,45 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
+import unicodedata
+from collections.abc import Iterator
 from dataclasses import dataclass
+
+from .column_names import LABEL_OF, QUANTITY_OF, WITHOUT_USUAL_UNIT
 
 PREFIXES = {
     "": 0, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "K": 3, "M": 6, "G": 9,
 }  # fmt: skip
+OHM = dict.fromkeys(("ohm", "ohms", "o"), 1.0)
+SIEMENS = dict.fromkeys(("s", "siemens", "mho", "ohm-1", "1/ohm", "ohm^-1"), 1.0)
+DEGREES = dict.fromkeys(("deg", "degree", "degrees"), math.pi / 180)
+ANGLE = {**DEGREES, **dict.fromkeys(("rad", "radian", "radians"), 1.0)}
 UNITS = {
     "frequency": {"hz": 1.0, "hertz": 1.0, "rad/s": 1 / (2 * math.pi)},
-    "phase": {
-        **dict.fromkeys(("deg", "degree", "degrees"), math.pi / 180),
-        **dict.fromkeys(("rad", "radian", "radians"), 1.0),
-    },
-    **{name: {"ohm": 1.0, "ohms": 1.0} for name in ("Rs", "X", "magnitude")},
-    **{name: {"f": 1.0, "farad": 1.0} for name in ("Cp", "Cs")},
+    **dict.fromkeys(("phase", "admittance phase"), ANGLE),
+    **dict.fromkeys(("Rs", "X", "magnitude", "Rp"), OHM),
+    **dict.fromkeys(("G", "B", "admittance"), SIEMENS),
+    **dict.fromkeys(("Cp", "Cs"), {"f": 1.0, "farad": 1.0}),
+    **dict.fromkeys(("Lp", "Ls"), {"h": 1.0, "henry": 1.0}),
+    **dict.fromkeys(("D", "Q"), {}),
 }
 """Spellings of units in lower case, and the factor to SI without a prefix."""
-NAMES = {
-    "frequency": "f freq frequency",
-    "Rs": "r rs rser z' zre zreal re(z) rez real(z) realz z(real) zr resistance",
-    "X": "x xs xser z'' zim zimag im(z) imz imag(z) imagz z(imag) zi reactance",
-    "magnitude": "z |z| zmod absz abs(z) mag(z) magnitude modulus impedance",
-    "Cp": "cp cpar cparallel parallelcapacitance",
-    "Cs": "cs cser cseries seriescapacitance",
+USUAL = {
+    **dict.fromkeys(("Rs", "X", "magnitude", "Rp"), "ohm"),
+    **dict.fromkeys(("G", "B", "admittance"), "S"),
+    **dict.fromkeys(("phase", "admittance phase"), "deg or rad"),
+    **dict.fromkeys(("Cp", "Cs"), "F"),
+    **dict.fromkeys(("Lp", "Ls"), "H"),
+    **dict.fromkeys(("D", "Q"), "a number without unit"),
+    "frequency": "Hz or rad/s",
 }
-NAMES_WITHOUT_USUAL_UNIT = {
-    "frequency": "omega ω angularfrequency",
-    "phase": "phase theta phi θ φ ϕ arg arg(z) phz zphz zphase phasez phase(z) phaseangle",
-}
-LABELS = {
-    "sweep": "sweep sweepno sweepnumber cycle cyclenumber",
-    "press": "press",
-    "row": "row",
-    "column": "column col",
-    "interface": "interface",
-    "session": "session",
-    "repetition": "repetition rep repeat",
-}
-QUANTITY_OF = {
-    name: quantity
-    for names in (NAMES, NAMES_WITHOUT_USUAL_UNIT)
-    for quantity, listed in names.items()
-    for name in listed.split()
-}
-UNIT_NEEDED = {name for listed in NAMES_WITHOUT_USUAL_UNIT.values() for name in listed.split()}
-LABEL_OF = {name: label for label, listed in LABELS.items() for name in listed.split()}
+"""Units as messages name them; each but an angle's may have a prefix."""
+AMBIGUOUS = ("b", "d", "g", "q", "y")
+"""Letters that name a quantity as capitals or with a unit, and anything else without."""
+ANGLES = ("phase", "admittance phase")
 SPELLINGS = str.maketrans(
     {
         **dict.fromkeys("\N{PRIME}\N{RIGHT SINGLE QUOTATION MARK}\N{ACUTE ACCENT}`", "'"),
@@ -55,64 +48,84 @@ SPELLINGS = str.maketrans(
         **dict.fromkeys("\N{MINUS SIGN}\N{EN DASH}", "-"),
         **dict.fromkeys("\N{OHM SIGN}\N{GREEK CAPITAL LETTER OMEGA}", "ohm"),
         **dict.fromkeys("\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}", "u"),
-        "\N{DEGREE SIGN}": "deg",
+        **dict.fromkeys("\N{DEGREE SIGN}\N{RING ABOVE}\N{MASCULINE ORDINAL INDICATOR}", "deg"),
     }
 )
 BOUND = re.compile(r"(?P<name>.+?)\s*(?:\(\s*(?P<a>[^()]*)\)|\[\s*(?P<b>[^\[\]]*)\]|/(?P<c>.+))")
 LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
+TRACE = re.compile(r"(?:measured\s|(?:trace|channel|ch)\s*\d*\s*:?\s*(?=\S))", re.IGNORECASE)
+"""Words before a name that say where a quantity was shown."""
+SHOWN = re.compile(r"\s*-\s*data$", re.IGNORECASE)
+NEGATIVE = re.compile(r"(?:-|(?:neg\.?|negative|minus)\s)\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Column:
     """A column with a recognized name.
 
-    name: as in the file. holds: a key of UNITS or LABELS. factor: from the file's numbers to SI,
+    name: as in the file. holds: a key of UNITS or of LABELS. factor: from the file's numbers to SI,
     negative if the file holds the negative quantity. problem: why the numbers cannot be used.
+    place: position in a line.
     """
 
     name: str
     holds: str
     factor: float = 1.0
     problem: str = ""
+    place: int = 0
 
 
-def recognised(name: str) -> Column | None:
+@functools.lru_cache(4096)
+def recognised(name: str, place: int = 0) -> Column | None:
     """The column of that name, or None if the name is unknown."""
-    text = name.strip().translate(SPELLINGS)
+    text = _spelled(name)
     if _key(text) in LABEL_OF:
-        return Column(name, LABEL_OF[_key(text)])
-    sign, text = (-1.0, text[1:]) if text.startswith("-") else (1.0, text)
+        return Column(name, LABEL_OF[_key(text)], place=place)
+    sign, text = _without_sign(SHOWN.sub("", TRACE.sub("", text, count=1)))
     for stem, unit, marked in _splits(text):
         quantity = QUANTITY_OF.get(_key(stem))
-        if quantity is None:
+        if quantity is None or (stem in AMBIGUOUS and not unit):
             continue
-        factor = _factor(quantity, unit, _key(stem) in UNIT_NEEDED)
+        factor = _factor(quantity, unit, _key(stem))
         if factor is not None:
-            return Column(name, quantity, sign * factor)
+            return Column(name, quantity, sign * factor, place=place)
         if marked:
-            return Column(name, quantity, problem=_unit_problem(name, quantity, unit))
+            return Column(name, quantity, problem=_unit_problem(name, quantity, unit), place=place)
     return None
 
 
-def _splits(text: str) -> list[tuple[str, str, bool]]:
+def _spelled(name: str) -> str:
+    """The name with one spelling of each sign; wide characters become narrow."""
+    text = unicodedata.normalize("NFKC", name.strip().translate(SPELLINGS))
+    return text.translate(SPELLINGS).strip()
+
+
+def _without_sign(text: str) -> tuple[float, str]:
+    match = NEGATIVE.match(text)
+    return (-1.0, text[match.end() :]) if match else (1.0, text)
+
+
+def _splits(text: str) -> Iterator[tuple[str, str, bool]]:
     """Splits a name into (name, unit, True if the unit is explicit), the most certain first."""
-    found = [(text, "", True)]
+    yield text, "", True
     if (match := BOUND.fullmatch(text)) is not None:
-        found.append((match["name"], match["a"] or match["b"] or match["c"] or "", True))
+        unit = match["a"] or match["b"] or match["c"] or ""
+        if not re.search(r"\w|%", unit):
+            yield from list(_splits(match["name"]))[1:]
+        yield match["name"], unit, True
     if (match := LOOSE.fullmatch(text)) is not None:
-        found.append((match["name"], match["unit"], False))
-    return found
+        yield match["name"], match["unit"], False
 
 
 def _key(name: str) -> str:
-    return re.sub(r"[\s_.]", "", name).casefold()
+    return re.sub(r"[\s_.:]", "", name).casefold().replace("[", "(").replace("]", ")")
 
 
-def _factor(quantity: str, unit: str, needed: bool) -> float | None:
+def _factor(quantity: str, unit: str, key: str) -> float | None:
     """Factor from the unit to SI; 1 without a unit unless it is needed; None if unknown."""
-    unit = re.sub(r"[\s()]", "", unit)
+    unit = re.sub(r"[\s()\[\]]", "", unit)
     if not unit:
-        return None if needed else 1.0
+        return None if quantity in ANGLES or key in WITHOUT_USUAL_UNIT else 1.0
     for spelling, factor in UNITS[quantity].items():
         prefix = unit[: len(unit) - len(spelling)]
         if unit.casefold() == prefix.casefold() + spelling and prefix in PREFIXES:
@@ -122,4 +135,4 @@ def _factor(quantity: str, unit: str, needed: bool) -> float | None:
 
 def _unit_problem(name: str, quantity: str, unit: str) -> str:
     got = f"got {unit!r}" if unit else "but it names none"
-    return f"column `{name}` must be in {' or '.join(UNITS[quantity])}, {got}"
+    return f"column `{name}` must be in {USUAL[quantity]}, {got}"

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..press_text import written_pixel
-from ..schema import UNNAMED, UNPRESSED
-from .dialect import ImportedTable
+from .common_frequencies import CommonFrequencies, common_frequencies
+from .labels import LineLabels
+from .table import ImportedTable
 
-SAME_FREQUENCY = 1e-6
-"""Relative difference below which two printed frequencies are the same."""
-
-UNPRESSED_PIXEL = "0,0"
-"""Another name of the unpressed skin in tables."""
+LONG_RUN = 3
+"""Number of readings from which a run of frequencies is a sweep of its own."""
 
 
 @dataclass(frozen=True)
@@ -37,40 +32,96 @@ class ImportedSweep:
 
 
 @dataclass(frozen=True)
-class Defaults:
-    """Values for a file without such columns."""
+class Grouping:
+    """Sweeps in order of appearance, with all readings that did not fail.
 
-    press: str | None = None
-    interface: str | None = None
-    session: int | None = None
+    dropped: frequencies in Hz at interfaces at which a reading failed in some sweep, so that they
+    are in none. frequencies: those of the lines.
+    """
+
+    sweeps: list[ImportedSweep]
+    dropped: list[tuple[str, float]]
+    frequencies: CommonFrequencies
 
 
 def grouped(
-    table: ImportedTable, frequency: NDArray[np.float64], defaults: Defaults
-) -> list[ImportedSweep]:
-    """The sweeps of a table in order of appearance.
+    table: ImportedTable,
+    frequency: NDArray[np.float64],
+    failed: NDArray[np.bool_],
+    labels: LineLabels,
+) -> Grouping:
+    """The sweeps of a table.
 
     A new sweep begins with every new value in a column that labels sweeps, and when a frequency is
-    repeated at the same interface with the same labels.
-    Raises InputError naming file and line if a label is malformed, or changes within one value of
-    the sweep column.
+    repeated at the same interface with the same labels. failed: True for lines without a reading.
+    Raises InputError naming file and line if labels change within one value of the sweep column,
+    or if frequencies turn back to others.
     """
-    labels = _labels(table, defaults)
-    interfaces = _column(table, "interface", defaults.interface, UNNAMED)
-    keys = _keys(table)
+    places = list(zip(labels.keys, labels.interfaces, strict=True))
+    common = common_frequencies(frequency, places)
     latest: dict[tuple[str, ...], ImportedSweep] = {}
     sweeps: list[ImportedSweep] = []
     for place, (line, _) in enumerate(table.rows):
-        reading = interfaces[place], float(frequency[place])
-        sweep = latest.get(keys[place])
+        key, told = labels.keys[place], labels.told[place]
+        reading = labels.interfaces[place], float(common.frequency[place])
+        sweep = latest.get(key)
         if sweep is None or reading in sweep.lines:
-            _refuse_again(table, line, sweep, reading)
-            sweep = latest[keys[place]] = ImportedSweep(line, *labels[place])
+            if sweep is not None and labels.by_sweep:
+                before = table.rows[sweep.lines[reading]][0]
+                message = f"the same sweep has {reading[1]:g} Hz in line {before} already"
+                raise table.error(line, message)
+            sweep = latest[key] = ImportedSweep(line, *told)
             sweeps.append(sweep)
-        if (sweep.press, sweep.row, sweep.column, sweep.session) != labels[place]:
+        if (sweep.press, sweep.row, sweep.column, sweep.session) != told:
             raise table.error(line, f"has another press or session than line {sweep.line}")
         sweep.lines[reading] = place
-    return sweeps
+    if not labels.by_sweep:
+        _refuse_turns(table, sweeps, common)
+    dropped = _without_failed(table, sweeps, failed)
+    return Grouping(sweeps, dropped, common)
+
+
+def _refuse_turns(
+    table: ImportedTable, sweeps: list[ImportedSweep], common: CommonFrequencies
+) -> None:
+    """Raises InputError where two long runs of frequencies would be one sweep."""
+    for sweep in sweeps:
+        by_run: dict[tuple[str, int], list[int]] = {}
+        for (interface, _), place in sweep.lines.items():
+            by_run.setdefault((interface, int(common.runs[place])), []).append(place)
+        starts: dict[str, int] = {}
+        for (interface, _), places in by_run.items():
+            if len(places) < LONG_RUN:
+                continue
+            if interface in starts:
+                line, first = (table.rows[place][0] for place in (places[0], starts[interface]))
+                raise table.error(
+                    line,
+                    "the frequency turns back here, to others than those of the sweep from line "
+                    f"{first} on; a column `sweep` would label sweeps",
+                )
+            starts[interface] = places[0]
+
+
+def _without_failed(
+    table: ImportedTable, sweeps: list[ImportedSweep], failed: NDArray[np.bool_]
+) -> list[tuple[str, float]]:
+    """Removes from all sweeps the readings that failed in one.
+
+    Raises InputError if a sweep has none left.
+    """
+    dropped = dict.fromkeys(
+        reading for sweep in sweeps for reading, place in sweep.lines.items() if failed[place]
+    )
+    for sweep in sweeps:
+        for reading in dropped:
+            sweep.lines.pop(reading, None)
+        if not sweep.lines:
+            raise table.error(
+                sweep.line,
+                "the sweep from here on has no reading at a frequency at which all sweeps have one",
+            )
+    return list(dropped)
 
 
 def reading_places(
@@ -101,90 +152,11 @@ def _matching(
     first: ImportedSweep,
     sweep: ImportedSweep,
     wanted: list[tuple[str, float]],
-) -> NDArray[np.intp]:
-    order = {name: place for place, (name, _) in enumerate(wanted)}
-    having = sorted(sweep.lines, key=lambda reading: (order.get(reading[0], -1), reading[1]))
-    same = len(having) == len(wanted) and all(
-        name == other and abs(f - g) <= SAME_FREQUENCY * g
-        for (name, f), (other, g) in zip(having, wanted, strict=True)
-    )
-    if same:
-        return np.array([sweep.lines[reading] for reading in having])
-    readings = f"has {len(having)} readings, not the same {len(wanted)} interfaces and frequencies"
+) -> list[int]:
+    if sweep.lines.keys() == set(wanted):
+        return [sweep.lines[reading] for reading in wanted]
+    readings = f"has {len(sweep.lines)} readings, not the same {len(wanted)} interfaces and "
+    missing = [f"{f:g} Hz" for name, f in wanted if (name, f) not in sweep.lines][:1]
+    without = f" ({missing[0]} is missing)" if missing else ""
     whose = f"as the sweep from line {first.line} on"
-    raise table.error(sweep.line, f"the sweep from here on {readings} {whose}")
-
-
-def _refuse_again(
-    table: ImportedTable, line: int, sweep: ImportedSweep | None, reading: tuple[str, float]
-) -> None:
-    if sweep is not None and "sweep" in table.columns:
-        before = table.rows[sweep.lines[reading]][0]
-        raise table.error(line, f"the same sweep has {reading[1]:g} Hz in line {before} already")
-
-
-def _keys(table: ImportedTable) -> list[tuple[str, ...]]:
-    """Keys that distinguish sweeps: the sweep column if there is one, else all other labels."""
-    names = ["sweep"] if "sweep" in table.columns else ["press", "row", "column", "repetition"]
-    texts = [table.text(name) for name in [*names, "session"] if name in table.columns]
-    return list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
-
-
-def _labels(table: ImportedTable, defaults: Defaults) -> list[tuple[str, int, int, int]]:
-    """Tuple (press, row, column, session) of every line."""
-    sessions = _integers(table, "session", defaults.session, 0)
-    presses = _presses(table, defaults.press)
-    rows, columns = (_integers(table, name, None, None) for name in ("row", "column"))
-    labels = []
-    for press, row, column, session in zip(presses, rows, columns, sessions, strict=True):
-        pixel = _pixel(press)
-        place = (pixel[0] if row is None else row, pixel[1] if column is None else column)
-        labels.append((press or _press_text(*place), *place, session))
-    return labels
-
-
-def _presses(table: ImportedTable, given: str | None) -> list[str]:
-    """The press of every line; the unpressed skin always has the same name."""
-    if given == UNPRESSED_PIXEL:
-        raise InputError(f"--press must be {UNPRESSED!r} where nothing is pressed, got {given!r}")
-    texts = _column(table, "press", given, "")
-    return [UNPRESSED if "".join(text.split()) == UNPRESSED_PIXEL else text for text in texts]
-
-
-def _press_text(row: int, column: int) -> str:
-    if (row, column) == (0, 0):
-        return UNPRESSED
-    return f"{row},{column}" if row > 0 and column > 0 else "unknown"
-
-
-def _pixel(press: str) -> tuple[int, int]:
-    """Row and column of a press in a table; -1 and -1 if it is no single pixel."""
-    try:
-        return written_pixel(press)
-    except InputError:
-        return -1, -1
-
-
-def _column(table: ImportedTable, holds: str, given: str | None, absent: str) -> list[str]:
-    if holds not in table.columns:
-        return [absent if given is None else given] * len(table.rows)
-    if given is not None:
-        raise InputError(
-            f"{table.path}: has its own column `{table.columns[holds].name}`, so no {holds} "
-            f"may be given, got {given!r}"
-        )
-    texts = table.text(holds)
-    if "" in texts:
-        raise table.error(table.rows[texts.index("")][0], f"names no {holds}")
-    return texts
-
-
-def _integers(table: ImportedTable, holds: str, given: int | None, absent: int | None) -> list:
-    texts = _column(table, holds, None if given is None else str(given), "")
-    if holds not in table.columns:
-        return [absent if given is None else given] * len(table.rows)
-    for (line, _), text in zip(table.rows, texts, strict=True):
-        if not re.fullmatch(r"[+-]?\d{1,9}", text, re.ASCII):
-            name = table.columns[holds].name
-            raise table.error(line, f"`{name}` must be a whole number, got {text!r}")
-    return [int(text) for text in texts]
+    raise table.error(sweep.line, f"the sweep from here on {readings}frequencies {whose}{without}")

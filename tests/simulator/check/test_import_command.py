@@ -20,7 +20,10 @@ def test_tables_become_sweeps(run, tables, tmp_path, ending):
     path = tmp_path / f"all.{ending}"
     code, out, err = run("import", *tables[:2], "-o", path)
     assert (code, err) == (0, "")
-    assert out == f"2 sweeps x 2 frequencies -> {path}\n"
+    assert out == (
+        "header in line 1: frequency from `f/kHz`, Rs from `Rs/kohm`, X from `-X/kohm` (negated)\n"
+        f"2 sweeps x 2 frequencies -> {path}\n"
+    )
     sweeps = read(path)
     assert sweeps["frequency"].values.tolist() == [1e3, 2e3]
     assert impedance(sweeps).tolist() == [[[1e3 - 8e3j, 1e3 - 4e3j]]] * 2

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
-from rcskin.simulator.sweeps.importing.grouping import Defaults
-from rcskin.simulator.sweeps.imports import import_file, import_files
+from rcskin.simulator.sweeps.importing.labels import Defaults
+from rcskin.simulator.sweeps.imports import ImportOptions, import_file, import_files
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_what_the_meter_displayed_as_Cp_is_kept_beside_Rs_and_X(table):
 
 def test_a_Cp_that_is_not_that_of_Rs_and_X_is_refused_and_zeros_are_no_readings(table):
     with pytest.raises(
-        InputError, match="line 3: `Cp` does not follow from Rs and X: it is 25.5 F"
+        InputError, match="line 3: `Cp` does not follow from `Rs` and `X`: it is 25.5 where"
     ):
         table("f/Hz,Rs,X,Cp", "1e3,3,-4,25.5e-6", "2e3,3,-4,25.5")
     found = parallel_capacitance([3 - 4j, 3 - 5j], [1e3, 2e3])
@@ -151,19 +151,18 @@ def test_defaults_hold_where_the_file_has_no_such_column(table):
         ([""], "no line names a frequency column"),
         (["Frequency (kHz),Rs"], "no line of readings below the header in line 1"),
         (["f/Hz,Rs", "1,2"], "needs columns of Rs and X, of |Z| and phase"),
-        (["# x", "f/Hz,Rs,Z',X", "1,2,3,4"], "line 2: `Rs` and `Z'` both hold Rs"),
-        (["f/Hz,|Z|,theta", "1,2,3"], "column `theta` must be in deg or degree"),
-        (["f/Hz,Rs (stone),X", "1,2,3"], "`Rs (stone)` must be in ohm or ohms, got 'stone'"),
-        (["f/Hz,Rs,X", "1,2,-3", "2,2"], "line 3: has 2 cells where the header has 3"),
-        (["f/Hz,Rs,X", "1,2,-3,4"], "line 2: has 4 cells where the header has 3"),
-        (["f/Hz,Rs,X", "1,2,-3", "end of data"], "line 3: has 1 cells where the header has 3"),
+        (["# x", "f/Hz,Rs,Z',X", "1,2,3,4"], "line 3: `Z'` does not follow from `Rs` and `X`"),
+        (["f/Hz,|Z|,theta", "1,2,3"], "column `theta` must be in deg or rad"),
+        (["f/Hz,Rs (stone),X", "1,2,3"], "`Rs (stone)` must be in ohm, got 'stone'"),
+        (["f/Hz,Rs,X", "1,2,-3", "2,2"], "line 3: has 2 cells where the header in line 1 has 3"),
+        (["f/Hz,Rs,X", "1,2,-3,4"], "line 2: has 4 cells where the header in line 1 has 3"),
         (["f/Hz,Rs,X", '1,"2,-3'], "line 2: cannot be split into cells"),
         (["f;Rs;X", "1,5;2;-3", "2.5;2;-3"], "line 3: `f` must be a number with a decimal comma"),
-        (["f/Hz,Rs,X", "0,2,-3"], "line 2: the frequency must be > 0 Hz"),
+        (["f/Hz,Rs,X", "0,2,-3"], "line 2: the frequency is 0, and no line has a reading"),
         (["f/Hz,Rs,X", "1,2,-3", "2,0,0"], "line 3: Z is 0 ohm, which no reading is"),
-        (["f/Hz,Rs,X", "1,2,999999E+28"], "line 2: `X` must be a finite number, got '999999E+28'"),
-        (["f/Hz,|Z|,Phase/deg", "1,-2,3"], "line 2: |Z| must be >= 0 ohm"),
-        (["f/Hz,Rs,Cs", "1,2,0"], "line 2: Cs must not be 0 F"),
+        (["f/Hz,Rs,X", "1,2,999999E+28"], "line 2: `X` is no reading, and no line has"),
+        (["f/Hz,|Z|,Phase/deg", "1,-2,3"], "line 2: |Z| must be >= 0 (`|Z|`)"),
+        (["f/Hz,Rs,Cs", "1,2,0"], "line 2: Cs must not be 0 (`Cs`)"),
         (["f/Hz,Rs,Cp", "1,2,1e-9", "2,1,1"], "line 3: no capacitive reactance has"),
         (["sweep,f,R,X", "1,1,1,-1", "1,1,1,-1"], "line 3: the same sweep has 1 Hz in line 2"),
         (["row,f,R,X", "a,1,1,-1"], "line 2: `row` must be a whole number, got 'a'"),
@@ -223,3 +222,176 @@ def test_files_that_do_not_fit_together_are_told(tmp_path, text, told):
     assert str(error.value).startswith(f"{paths[1]}: ")
     assert told in str(error.value)
     assert str(paths[0]) in str(error.value)
+
+
+def pair_of(f, Z):
+    """All quantities of a reading by the names of a meter, without a unit."""
+    w, Y = 2 * np.pi * f, 1 / Z
+    return {
+        "Rs": Z.real,
+        "X": Z.imag,
+        "|Z|": abs(Z),
+        "theta (deg)": np.degrees(np.angle(Z)),
+        "G": Y.real,
+        "B": Y.imag,
+        "|Y|": abs(Y),
+        "theta-y (deg)": -np.degrees(np.angle(Z)),
+        "Cp": Y.imag / w,
+        "Cs": -1 / (w * Z.imag),
+        "Ls": Z.imag / w,
+        "Lp": -1 / (w * Y.imag),
+        "Rp": 1 / Y.real,
+        "D": Z.real / abs(Z.imag),
+        "Q": abs(Z.imag) / Z.real,
+        "omega (rad/s)": w,
+    }
+
+
+PAIRS = [
+    *("Rs X", "|Z| theta-(deg)", "G B", "|Y| theta-y-(deg)", "Rs Cs", "Rs Ls", "Cp G", "Cp Rp"),
+    *("Lp Rp", "Cs D", "Cs Q", "Ls D", "Ls Q", "Cp D", "Cp Q", "Lp D", "Lp Q", "G Lp", "X D"),
+]
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("Z", [3e3 - 4e3j, 3e3 + 4e3j, 0.2 - 900j])
+def test_every_usual_pair_gives_Z(table, pair, Z):
+    names = [name.replace("-(", " (") for name in pair.split()]
+    cells = [",".join(map(repr, map(float, map(pair_of(f, Z).get, names)))) for f in (1e3, 2e3)]
+    sweeps = table("f/Hz," + ",".join(names), f"1e3,{cells[0]}", f"2e3,{cells[1]}")
+    np.testing.assert_allclose(impedance(sweeps).ravel(), [Z, Z], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", [*pair_of(1e3, 3 - 4j)][2:])
+def test_every_other_column_must_agree_with_the_pair(table, name):
+    Z = 3e3 - 4e3j
+    rows = [pair_of(f, Z) for f in (1e3, 2e3, 3e3)]
+    header = f"f/Hz,Rs,X,{name}"
+
+    def lines(factor):
+        cells = [[f"{1000 * (n + 1)}", "3e3", "-4e3", f"{r[name]:.5g}"] for n, r in enumerate(rows)]
+        cells[1][3] = f"{factor * rows[1][name]:.5g}"
+        return [header, *map(",".join, cells)]
+
+    assert f"`{name}` agrees" in table(*lines(1)).attrs["columns"]
+    with pytest.raises(InputError, match="line 3: `.*` (does not follow from|is not the freq)"):
+        table(*lines(1.2))
+    with pytest.raises(InputError, match="line 3: `.*` (does not follow from|is not the freq)"):
+        table(*lines(-1))
+
+
+def test_rounding_of_a_display_is_no_contradiction(table):
+    sweeps = table("f/Hz,Rs,X,Cp (uF),D", "1e3,9000,-4,0.00,2250", "2e3,9000,-4,0.00,2250")
+    assert "`D` agrees" in sweeps.attrs["columns"]
+
+
+def test_what_was_taken_is_told(table):
+    sweeps = table("made by hand", "f/kHz,y,Z',-Z'',Status", "1,9,3,4,0", "2,9,3,4,0")
+    assert sweeps.attrs["columns"] == (
+        "header in line 2: frequency from `f/kHz`, Rs from `Z'`, X from `-Z''` (negated); not used:"
+        " `y`, `Status`"
+    )
+
+
+def test_columns_may_be_named_by_hand(tmp_path):
+    path = tmp_path / "bare.txt"
+    path.write_text("some text\n1 7 3 4\n2 7 3 5\nend\n")
+    sweeps = import_file(path, options=ImportOptions(columns="f (kHz),-,Rs,-X"))
+    assert impedance(sweeps).ravel().tolist() == [3 - 4j, 3 - 5j]
+    assert sweeps["frequency"].values.tolist() == [1000, 2000]
+    assert sweeps.attrs["left_out"] == "line 4 (text from `end` on)"
+    with pytest.raises(InputError, match="line 2: has 4 cells where --columns names 3"):
+        import_file(path, options=ImportOptions(columns="f,Rs,X"))
+
+
+@pytest.mark.parametrize(
+    ("cells", "expected"),
+    [
+        (["1.5", "-2"], (1.5, -2)),
+        (["1,5", "-2"], (1.5, -2)),
+        (["1,234.5", "-2"], (1234.5, -2)),
+        (["1.234,5", "-2,5"], (1234.5, -2.5)),
+        (["1'234'567", "-2.5"], (1234567, -2.5)),
+        (["1 234", "-2.5E-03"], (1234, -2.5e-3)),
+        (["0,123", "-1,234"], (0.123, -1.234)),
+        (["1.234", "-5.678"], (1.234, -5.678)),
+    ],
+)
+def test_numbers_in_the_ways_of_many_countries(table, cells, expected):
+    sweeps = table("f/Hz\tRs\tX", f"1\t{cells[0]}\t{cells[1]}")
+    assert (sweeps["Rs"].item(), sweeps["X"].item()) == expected
+
+
+def test_numbers_that_can_be_read_in_two_ways_are_refused(table):
+    with pytest.raises(InputError, match="line 2: `Rs` can be read in two ways: 1,234 is 1.234 or"):
+        table("f/Hz\tRs\tX", "1\t1,234\t-1,000")
+
+
+def test_a_failed_reading_is_in_no_sweep(table):
+    rows = ["1,1,-1", "2,9.9E+37,-1", "3,1,-1", "1,2,-1", "2,2,-1", "3,2,-1"]
+    sweeps = table("f/Hz,R,X", *rows)
+    assert sweeps["Rs"].values.tolist() == [[[1, 1]], [[2, 2]]]
+    assert sweeps.attrs["left_out"] == (
+        "line 3 (`R` is no reading); therefore 2 Hz is left out of all 2 sweeps"
+    )
+
+
+@pytest.mark.parametrize(
+    "junk", ["nan", "inf", "OL", "--", "9.9E+37", "1e999", "#N/A", "-999999E+28"]
+)
+def test_codes_of_failed_readings(table, junk):
+    sweeps = table("f/Hz,R,X", "1,1,-1", f"2,1,{junk}", "3,1,-1")
+    assert sweeps["frequency"].values.tolist() == [1, 3]
+    assert sweeps.attrs["left_out"] == "line 3 (`X` is no reading)"
+
+
+def test_a_status_that_is_never_0_has_another_meaning(table):
+    sweeps = table("f/Hz,R,X,Status", "1,1,-1,53", "2,1,-1,53", "3,1,-1,21")
+    assert sweeps.sizes["frequency"] == 3 and "left_out" not in sweeps.attrs
+
+
+def test_text_ends_a_table_or_stands_within_it(table):
+    sweeps = table("f/Hz,R,X", "1,1,-1", "END OF SWEEP", "f/Hz,R,X", "1,2,-1", "END", "a,b", "7,8")
+    assert sweeps["Rs"].values.ravel().tolist() == [1, 2]
+    assert sweeps.attrs["left_out"].startswith("line 3 (`END OF SWEEP`); lines 6-8 (text from")
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["f,R,X", "1,1,-1", "f,R,-X", "2,1,-1"], "line 1 and line 3 both begin tables"),
+        (["f,R,X", "1,1,-1", "t,V,I", "2,1,-1"], "line 3: names no columns that are understood"),
+        (["f;R;X", "1,2;3,4;5,6;7,8"], "line 2: has 4 cells where the header in line 1 has 3"),
+        (["freq,R1,X1", "1,2,3"], "line 1 has `freq`, `R1`, `X1`; --columns f,Rs,X names columns"),
+        (["1,2,3"], "line 1 has 3 numbers and no names above it; --columns"),
+        (["f,|Z|,phase (deg)", "1,1,-45", "2,1,-270"], "line 3: the phase `phase (deg)` is beyond"),
+        (["f,omega (rad/s),R,X", "1,1,1,-1"], "line 2: `omega (rad/s)` is not the frequency `f`"),
+        (
+            ["f,R,X", *(f"{f},1,-1" for f in (1, 2, 4, 8, 7, 6, 5, 3))],
+            "line 6: the frequency turns back here, to others than those of the sweep from line 2",
+        ),
+        (["row,column,f,R,X", "1,1,1,1,-1", "1,0,1,1,-1"], "line 3: has row 1 with column 0"),
+    ],
+)
+def test_tables_that_can_be_misread_are_refused(tmp_path, lines, message):
+    assert message in refusal(tmp_path / "bad.csv", lines)
+
+
+def test_unusual_numbers_are_told(table):
+    sweeps = table("f/Hz,R,X", "1,1,2", "2,-1,3", "3,1,-4")
+    assert sweeps.attrs["warnings"] == (
+        "Re Z < 0 in 1 of 3 readings, the first in line 3: no passive part has a phase beyond 90 "
+        "degrees; Im Z > 0 in 67% of the readings, as of an inductor; if `X` holds the negative, "
+        "name it with a minus in --columns"
+    )
+
+
+def test_a_fine_grid_is_no_jitter(table):
+    sweeps = table("f/Hz,R,X", *(f"{1e5 + f},1,-1" for f in range(5)))
+    assert sweeps.sizes["frequency"] == 5 and "warnings" not in sweeps.attrs
+
+
+@pytest.mark.parametrize("encoding", ["cp932", "utf-16-le", "utf-16-be", "utf-8", "utf-16"])
+def test_encodings_of_japanese_instruments(table, encoding):
+    sweeps = table("周波数[Hz],Z[Ω],θ[°]", "1,1,-90", encoding=encoding)
+    assert impedance(sweeps).item() == pytest.approx(-1j)

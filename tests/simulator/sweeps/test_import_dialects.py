@@ -144,7 +144,7 @@ def test_every_dialect_gives_the_same_impedance(folder, sweeps, dialect):
 @given(
     sweeps=sweeps_of_one_interface(),
     dialect=dialects(),
-    junk=st.sampled_from(["", "nan", "inf", "OL", "--", "9.9E+37", "1.2.3", "1e999", "0x10"]),
+    junk=st.sampled_from(["", "1.2.3", "0x10", "1_0", "\u0661"]),
     data=st.data(),
 )
 def test_a_bad_cell_is_told_with_file_and_line(folder, sweeps, dialect, junk, data):

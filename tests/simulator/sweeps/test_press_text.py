@@ -5,7 +5,7 @@ from rcskin.hardware.record.press_order import parse_step
 from rcskin.localization.inputs.sweep_touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.importing.grouping import _pixel
+from rcskin.simulator.sweeps.importing.labels import _pixel
 from rcskin.simulator.sweeps.press_text import parse_touches, written_pixel
 
 POLY = "poly(0,0,0.03,0,0,0.03)"

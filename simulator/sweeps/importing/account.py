@@ -1,0 +1,84 @@
+"""Sentences about an import: which columns were taken, what was left out, what is unusual."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .columns import Column
+from .failures import left_out_text
+from .grouping import Grouping
+from .impedance_columns import ImportedReadings
+from .labels import LineLabels
+
+PASSIVE = np.pi / 2 + np.radians(1)
+"""Phase of a passive part, with 1 degree of allowance, in rad."""
+
+
+def account(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) -> dict[str, str]:
+    """Attributes of imported sweeps: `columns`, `left_out` and `warnings`, where there are any."""
+    sentences = {
+        "columns": _columns_text(readings, labels),
+        "left_out": _left_out(readings, grouping),
+        "warnings": "; ".join(_warnings(readings, labels, grouping)),
+    }
+    return {name: text for name, text in sentences.items() if text}
+
+
+def _columns_text(readings: ImportedReadings, labels: LineLabels) -> str:
+    table = readings.table
+    taken = [readings.frequency_column, *readings.pair]
+    parts = [f"{column.holds} from {_named(column)}" for column in taken]
+    if readings.compared:
+        parts[-1] += f"; {_listed(readings.compared)} agree{'s' * (len(readings.compared) == 1)}"
+    if labels.columns:
+        parts[-1] += f"; labels from {_listed(labels.columns)}"
+    used = {column.place for column in [*taken, *readings.compared, *labels.columns]}
+    idle = [f"`{n}`" for place, n in enumerate(table.names) if n and place not in used]
+    if idle:
+        parts[-1] += f"; not used: {', '.join(idle)}"
+    where = f"header in line {table.header}: " if table.header else ""
+    return where + ", ".join(parts)
+
+
+def _named(column: Column) -> str:
+    return f"`{column.name}`" + (" (negated)" if column.factor < 0 else "")
+
+
+def _listed(columns: list[Column]) -> str:
+    return ", ".join(f"`{column.name}`" for column in columns)
+
+
+def _left_out(readings: ImportedReadings, grouping: Grouping) -> str:
+    text = left_out_text(readings.table.left_out)
+    if grouping.dropped and len(grouping.sweeps) > 1:
+        listed = ", ".join(f"{f:.6g} Hz" for _, f in grouping.dropped[:6])
+        more = f" and {len(grouping.dropped) - 6} more" if len(grouping.dropped) > 6 else ""
+        text += f"; therefore {listed}{more} is left out of all {len(grouping.sweeps)} sweeps"
+    return text
+
+
+def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) -> list[str]:
+    table, found = readings.table, []
+    Z = readings.Z[~readings.failed]
+    lines = np.array([line for line, _ in table.rows])[~readings.failed]
+    active = np.abs(np.angle(Z)) > PASSIVE
+    if active.any():
+        found.append(
+            f"Re Z < 0 in {active.sum()} of {len(Z)} readings, the first in line "
+            f"{lines[np.argmax(active)]}: no passive part has a phase beyond 90 degrees"
+        )
+    inductive = np.mean(Z.imag > 0)
+    if inductive > 0.5 and readings.quantities != ("Rs", "Cp"):
+        second = readings.pair[1]
+        found.append(
+            f"Im Z > 0 in {inductive:.0%} of the readings, as of an inductor; if `{second.name}` "
+            "holds the negative, name it with a minus in --columns"
+        )
+    if grouping.frequencies.jitter:
+        found.append(
+            f"frequencies differ by up to {1e6 * grouping.frequencies.jitter:.3g} ppm between "
+            "sweeps; those of the first sweep stand for all"
+        )
+    for column in labels.counting:
+        found.append(f"`{column.name}` counts the lines and labels nothing")
+    return found

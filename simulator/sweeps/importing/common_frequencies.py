@@ -1,0 +1,74 @@
+"""Frequencies that sweeps have in common, and where a sweep turns back."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..same_frequency import tolerance
+
+Reals = NDArray[np.float64]
+JITTER = 1e-3
+"""Largest relative difference between the frequencies that a meter reports for the same setting."""
+
+
+@dataclass(frozen=True)
+class CommonFrequencies:
+    """Frequency of every line in Hz, rounded to that of the first sweep, and how far it was off.
+
+    runs: number of the run of ascending or descending frequencies, for every line. jitter: largest
+    relative difference, 0 where all are equal but for SAME_FREQUENCY or the digits.
+    """
+
+    frequency: Reals
+    runs: NDArray[np.intp]
+    jitter: float
+
+
+def common_frequencies(frequency: Reals, keys: Sequence[Hashable]) -> CommonFrequencies:
+    """Frequencies of lines with those that are nearly equal made equal.
+
+    Frequencies within `tolerance` are one. Those within JITTER are one too if they never occur in
+    one run, so that a fine grid is kept. keys: what else distinguishes lines, such as the press.
+    """
+    values, inverse = np.unique(frequency, return_inverse=True)
+    exact = _joined(values, tolerance(values))[inverse]
+    runs = _runs(exact, keys)
+    rough = _joined(values, np.full(values.shape, JITTER))[inverse]
+    pairs = np.unique(np.stack([runs.astype(float), rough]), axis=1).shape[1]
+    fine = np.unique(np.stack([runs.astype(float), exact]), axis=1).shape[1]
+    found = rough if pairs == fine else exact
+    found = _first(found, frequency)
+    differences = np.abs(frequency / found - 1)
+    beyond = differences > tolerance(values)[inverse]
+    return CommonFrequencies(found, runs, float(differences[beyond].max(initial=0.0)))
+
+
+def _joined(values: Reals, tolerances: Reals) -> Reals:
+    """Ascending values with each group of neighbours within tolerance replaced by its first."""
+    apart = np.append(True, np.diff(values) > tolerances[1:] * values[:-1])
+    return values[np.flatnonzero(apart)[np.cumsum(apart) - 1]]
+
+
+def _first(groups: Reals, frequency: Reals) -> Reals:
+    """The first frequency of each group, for every line."""
+    _, first, inverse = np.unique(groups, return_index=True, return_inverse=True)
+    return frequency[first][inverse]
+
+
+def _runs(frequency: Reals, keys: Sequence[Hashable]) -> NDArray[np.intp]:
+    """Number of the monotone run of every line, among the lines with the same key."""
+    runs = np.empty(len(frequency), dtype=np.intp)
+    latest: dict[Hashable, tuple[int, float, float]] = {}
+    count = 0
+    for place, (f, key) in enumerate(zip(frequency.tolist(), keys, strict=True)):
+        run, before, direction = latest.get(key, (-1, f, 0.0))
+        step = float(np.sign(f - before))
+        if run < 0 or step == 0 or step * direction < 0:
+            run, count, step = count, count + 1, 0.0
+        runs[place] = run
+        latest[key] = run, f, step
+    return runs

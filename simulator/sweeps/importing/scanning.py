@@ -1,0 +1,310 @@
+"""Finds the table of a file: its header, the lines of readings, and the lines that are none."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..errors import InputError
+from .columns import UNITS, Column, recognised
+from .number_format import NUMBERISH, number_like
+from .text_lines import (
+    ALL_SEPARATORS,
+    SEPARATORS,
+    SPACE,
+    WIDE,
+    Lines,
+    header_cells,
+    is_comment,
+    line_cells,
+    trimmed,
+)
+
+MAX_SHOWN = 40
+"""Number of characters shown of a line."""
+
+
+@dataclass
+class Scan:
+    """A header and what was found below it.
+
+    line: number of the header's line; 0 for names that the user gave. readings: the ways to split
+    the header. commented: the header is a comment. header, names: cells of the header without and
+    with the units of a line of its own, `units`. names, columns, separator: known from the first
+    line of readings on. rows: number and cells. left_out: number and text of lines that are no
+    readings. misfit: describes a line of numbers above them with other cells. foreign: number of
+    a line that may name other columns. fresh: no reading stands below the header yet.
+    """
+
+    line: int
+    readings: list[list[str]]
+    commented: bool = False
+    header: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    names: list[str] = field(default_factory=list)
+    columns: list[Column] = field(default_factory=list)
+    separator: str = ""
+    rows: list[tuple[int, list[str]]] = field(default_factory=list)
+    left_out: list[tuple[int, str]] = field(default_factory=list)
+    misfit: str = ""
+    foreign: int = 0
+    fresh: bool = True
+
+
+def recognised_all(names: list[str]) -> list[Column]:
+    """The recognized columns of a header."""
+    found = (recognised(name, place) for place, name in enumerate(names))
+    return [column for column in found if column is not None]
+
+
+def is_header(columns: list[Column]) -> bool:
+    """True if columns hold a frequency and another quantity."""
+    known = {column.holds for column in columns}
+    return "frequency" in known and bool(known & (UNITS.keys() - {"frequency"}))
+
+
+def header_readings(text: str) -> list[list[str]]:
+    """The distinct ways to split a line into names of a table; empty if it is no header."""
+    found: list[list[str]] = []
+    for separator in ALL_SEPARATORS:
+        names = header_cells(text, separator)
+        if names not in found and is_header(recognised_all(names)):
+            found.append(names)
+    return found
+
+
+def scanned(path: Path, lines: Lines, given: list[str] | None) -> tuple[Scan, str]:
+    """The table of a file, and the text above it.
+
+    given: names of the columns, None to find them in a header.
+    Raises InputError naming file and line: no header, no readings, two tables with different
+    headers, a line of readings with another number of cells than the header.
+    """
+    scans = [] if given is None else [Scan(0, [given])]
+    for number, text in lines:
+        current = scans[-1] if scans else None
+        if not text.strip():
+            continue
+        if current is not None and _add(path, current, number, text):
+            continue
+        readings = [] if given is not None else header_readings(text)
+        commented = is_comment(text)
+        if readings and not (commented and current and current.rows and not current.commented):
+            _open(scans, Scan(number, readings, commented))
+        elif current is not None:
+            _leave_out(path, current, number, text)
+    return _only(path, lines, scans, given)
+
+
+def _open(scans: list[Scan], new: Scan) -> None:
+    """Begins a table; the same header once more goes on with the table before it."""
+    current = scans[-1] if scans else None
+    if current is not None and current.rows and current.header in new.readings:
+        current.fresh, current.foreign = True, 0
+    else:
+        scans.append(new)
+
+
+def _only(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> tuple[Scan, str]:
+    filled = [scan for scan in scans if scan.rows]
+    if not filled:
+        raise _no_table(path, lines, scans, given)
+    first, *others = filled
+    for other in others:
+        if other.columns != first.columns:
+            raise InputError(
+                f"{path}: line {first.line} and line {other.line} both begin tables, with columns "
+                f"{_listed(first.names)} and {_listed(other.names)}; import one file for each"
+            )
+        first.rows += other.rows
+        first.left_out += other.left_out
+    top = first.line if first.line else first.rows[0][0]
+    above = [text for number, text in lines if number < top]
+    return first, "\n".join(above)
+
+
+def _no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> InputError:
+    misfits = [scan for scan in scans if scan.misfit]
+    if misfits:
+        return InputError(f"{path}: {misfits[0].misfit}")
+    if given is not None:
+        return InputError(f"{path}: no line has {len(given)} numbers, as many as --columns names")
+    if scans:
+        scan = scans[-1]
+        return InputError(
+            f"{path}: no line of readings below the header in line {scan.line}, whose columns are "
+            f"{_listed(scan.readings[0])}"
+        )
+    return InputError(
+        f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "
+        f"impedance beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
+        f"{_seen(lines)}; --columns f,Rs,X names columns"
+    )
+
+
+def _seen(lines: Lines) -> str:
+    """The cells of the line above the first line of numbers, as the header that may be meant."""
+    above: tuple[int, str] | None = None
+    for number, text in lines:
+        for separator in ALL_SEPARATORS:
+            try:
+                cells = trimmed(line_cells(text, separator))
+            except csv.Error:
+                continue
+            if len(cells) > 2 and all(map(number_like, cells)):
+                if above is None:
+                    return f"; line {number} has {len(cells)} numbers and no names above it"
+                names = trimmed(header_cells(above[1], separator))
+                if len(names) < 2:
+                    names = trimmed(header_cells(above[1], " "))
+                return f"; line {above[0]} has {_listed(names)}"
+        if text.strip():
+            above = number, text
+    return ""
+
+
+def _listed(names: list[str]) -> str:
+    shown = [name for name in names if name]
+    more = f" and {len(shown) - 30} more" if len(shown) > 30 else ""
+    return ", ".join(f"`{name[:MAX_SHOWN]}`" for name in shown[:30]) + more
+
+
+def _add(path: Path, scan: Scan, number: int, text: str) -> bool:
+    """Adds a line of readings, or skips a comment; False if the line is neither."""
+    if not scan.rows:
+        return _begin(path, scan, number, text)
+    if is_comment(text, scan.separator):
+        return not scan.commented
+    try:
+        cells = trimmed(line_cells(text, scan.separator), len(scan.names))
+    except csv.Error as error:
+        message = f"{path}: line {number}: cannot be split into cells: {error}"
+        raise InputError(message) from error
+    if cells == scan.header or cells == scan.units or not any(cells):
+        scan.fresh, scan.foreign = scan.fresh or any(cells), 0
+        return True
+    if len(cells) != len(scan.names) or not _has_number(scan.columns, cells):
+        return False
+    if scan.foreign:
+        raise InputError(
+            f"{path}: line {scan.foreign}: names no columns that are understood, and readings "
+            f"follow in line {number}; import one file for each table"
+        )
+    scan.rows.append((number, cells))
+    scan.fresh = False
+    return True
+
+
+def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
+    """Takes the first line of readings, or a line of units, below a header."""
+    found: list[tuple[list[str], str, list[str]]] = []
+    for names, separator, cells in _splits(scan, text):
+        if len(cells) != len(names):
+            continue
+        if not scan.units and (with_units := _unit_row(names, cells)):
+            scan.header, scan.units, scan.readings = names, cells, [with_units]
+            return True
+        if not is_comment(text, separator) and _has_number(recognised_all(names), cells):
+            found.append((names, separator, cells))
+    found.sort(key=lambda each: -_numbers(each[0], each[2]))
+    if not found:
+        scan.misfit = scan.misfit or _misfit(scan, number, text)
+        return False
+    if scan.misfit and scan.line:
+        raise InputError(f"{path}: {scan.misfit}")
+    names, separator, cells = found[0]
+    _check_unambiguous(path, number, found)
+    scan.names, scan.separator, scan.columns = names, separator, recognised_all(names)
+    scan.header = scan.header or names
+    scan.rows.append((number, cells))
+    scan.fresh = False
+    return True
+
+
+def _splits(scan: Scan, text: str) -> Iterator[tuple[list[str], str, list[str]]]:
+    for names in scan.readings:
+        for separator in ALL_SEPARATORS:
+            try:
+                yield names, separator, trimmed(line_cells(text, separator), len(names))
+            except csv.Error:
+                continue
+
+
+def _check_unambiguous(
+    path: Path, number: int, found: list[tuple[list[str], str, list[str]]]
+) -> None:
+    """Raises InputError if a line can be split in two ways that give different readings."""
+
+    def quantities(names: list[str], cells: list[str]) -> list[tuple[str, float, str]]:
+        columns = recognised_all(names)
+        return [(each.holds, each.factor, cells[each.place]) for each in columns]
+
+    names, separator, cells = found[0]
+    for other_names, other, other_cells in found[1:]:
+        as_good = _numbers(names, cells) == _numbers(other_names, other_cells)
+        if as_good and quantities(names, cells) != quantities(other_names, other_cells):
+            kinds = {**SEPARATORS, WIDE: "wide space", SPACE: "space"}
+            raise InputError(
+                f"{path}: line {number}: can be split at each {kinds[separator]} or at each "
+                f"{kinds[other]}, which gives other readings"
+            )
+
+
+def _numbers(names: list[str], cells: list[str]) -> int:
+    """How many cells of quantities are numbers."""
+    columns = recognised_all(names)
+    return sum(number_like(cells[each.place]) for each in columns if each.holds in UNITS)
+
+
+def _has_number(columns: list[Column], cells: list[str]) -> bool:
+    return any(number_like(cells[each.place]) for each in columns if each.holds in UNITS)
+
+
+def _misfit(scan: Scan, number: int, text: str) -> str:
+    """Describes a line of numbers with another number of cells than the header."""
+    if is_comment(text):
+        return ""
+    counts = []
+    for separator in ALL_SEPARATORS:
+        try:
+            cells = trimmed(line_cells(text, separator))
+        except csv.Error as error:
+            return f"line {number}: cannot be split into cells: {error}"
+        if all(number_like(cell) for cell in cells if cell):
+            counts.append(len(cells))
+    if not counts:
+        return ""
+    head = f"the header in line {scan.line} has" if scan.line else "--columns names"
+    return f"line {number}: has {max(counts)} cells where {head} {len(scan.readings[0])}"
+
+
+def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
+    """Leaves out a line of text below the readings.
+
+    Raises InputError for a line of numbers with another number of cells, unless text ended the
+    table before it.
+    """
+    if not scan.rows or is_comment(text, scan.separator):
+        return
+    cells = trimmed(line_cells(text, scan.separator))
+    first = next(filter(None, cells), "")
+    if number_like(first) and not scan.left_out and not scan.foreign:
+        head = f"the header in line {scan.line}" if scan.line else "--columns"
+        raise InputError(
+            f"{path}: line {number}: has {len(cells)} cells where {head} has {len(scan.names)}"
+        )
+    if len(cells) == len(scan.names) and not scan.fresh:
+        scan.foreign = number
+    scan.left_out.append((number, text.strip()))
+
+
+def _unit_row(names: list[str], cells: list[str]) -> list[str]:
+    """The names extended by a line of units; empty if the line holds no units."""
+    if any(NUMBERISH.fullmatch(cell) for cell in cells):
+        return []
+    pairs = zip(names, cells, strict=True)
+    with_units = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
+    usable = {column.holds for column in recognised_all(with_units) if not column.problem}
+    return with_units if "frequency" in usable and len(usable) > 1 else []
