@@ -119,7 +119,7 @@ def gap_by_parameter(
             )
 
 
-Effect = TypeVar("Found", ParameterEffect, JointEffect)
+Effect = TypeVar("Effect", ParameterEffect, JointEffect)
 
 
 def _ordered(found: Sequence[Effect]) -> tuple[Effect, ...]:
