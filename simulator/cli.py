@@ -248,27 +248,27 @@ def _take_any_terminal() -> None:
     os.environ["MPLBACKEND"] = "agg"
 
 
-def _run(failures: tuple[type[Exception], ...], heard: EndSignal) -> NoReturn:
+def _run(failures: tuple[type[Exception], ...], received: EndSignal) -> NoReturn:
     try:
-        with end_on_signals(heard):
+        with end_on_signals(received):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
         _end(error.format_message() + _example(error), BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
-        _end("interrupted", heard.code)
+        _end("interrupted", received.code)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILURE)
     except failures as error:
         _end(str(error), FAILURE)
     except Exception as error:
-        _end_by_error(error, heard)
+        _end_by_error(error, received)
     if code == EndSignal().code:  # typer returns this code for Ctrl-C
-        _end("interrupted", heard.code)
+        _end("interrupted", received.code)
     sys.exit(code or 0)
 
 
-def _end_by_error(error: Exception, heard: EndSignal) -> NoReturn:
+def _end_by_error(error: Exception, received: EndSignal) -> NoReturn:
     """Ends the process for an error of the work; imports here cost nothing in the normal case."""
     from .sweeps.errors import (
         InputError,
@@ -291,7 +291,7 @@ def _end_by_error(error: Exception, heard: EndSignal) -> NoReturn:
         case ToleranceError(times=times):
             _end(f"{error}; {times:.1g} times that --rtol can be reached", FAILURE)
         case InterruptedWorkError():
-            _end(f"interrupted; {error}", heard.code)
+            _end(f"interrupted; {error}", received.code)
     if "RCSKIN_DEBUG" in os.environ:
         raise error
     _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)

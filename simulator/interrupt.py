@@ -46,7 +46,7 @@ class EndSignal(threading.Event):
 
 
 @contextmanager
-def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
+def end_on_signals(received: EndSignal | None = None) -> Iterator[None]:
     """Each of SIGNALS raises KeyboardInterrupt in the block; if that takes too long, ends the
     process.
 
@@ -59,13 +59,13 @@ def end_on_signals(heard: EndSignal | None = None) -> Iterator[None]:
     if not before or threading.current_thread() is not threading.main_thread():
         yield
         return
-    heard, over = heard or EndSignal(), threading.Event()
+    received, over = received or EndSignal(), threading.Event()
     ours, theirs = socket.socketpair()
     theirs.setblocking(False)
     woken = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
     for number in before:
-        signal.signal(number, heard.receive)
-    threading.Thread(target=_watch, args=(ours, {*before}, heard, over), daemon=True).start()
+        signal.signal(number, received.receive)
+    threading.Thread(target=_watch, args=(ours, {*before}, received, over), daemon=True).start()
     try:
         yield
     finally:
@@ -84,14 +84,16 @@ def _default_handlers() -> dict[int, Handler]:
     return {number: handler for number, handler in handlers.items() if handler in defaults}
 
 
-def _watch(signals: socket.socket, ends: set[int], heard: EndSignal, over: threading.Event) -> None:
+def _watch(
+    signals: socket.socket, ends: set[int], received: EndSignal, over: threading.Event
+) -> None:
     """Watchdog thread: ends the process if a signal does not end the block in time."""
     with signals:
         while number := signals.recv(1):
             if number[0] not in ends:
                 continue
             last = monotonic() + UNWOUND
-            ended = heard.wait(PATIENCE) or over.is_set()
+            ended = received.wait(PATIENCE) or over.is_set()
             if CLEANUP_MODULE in sys.modules:  # else nothing can be in such a block
                 ended = sys.modules[CLEANUP_MODULE].wait_for_cleanup() or ended
             if not (ended and over.wait(max(last - monotonic(), LEAVE))):

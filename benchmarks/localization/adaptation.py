@@ -28,7 +28,7 @@ from rcskin.benchmarks.localization.twin_parts.training import (
     simulated,
 )
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
-from rcskin.localization.adaptation.class_adaptation import checked, taught
+from rcskin.localization.adaptation.class_adaptation import checked_classifier, fine_tuned
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.localizer_model import Model
@@ -128,7 +128,7 @@ def rows(case: Case, model: Model, sweeps: xr.Dataset, touches: tuple[int, ...])
     found = {"before": score(model.learned, asked)}
     for count in touches:
         few = few_of_each(known, count)
-        better = taught(model, checked(model, few), few)
+        better = fine_tuned(model, checked_classifier(model, few), few)
         found[f"{count} of each"] = score(better, asked)
     return [
         {

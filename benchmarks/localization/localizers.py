@@ -150,7 +150,7 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
     learn = learn_positions if case.target == "position" else learn_classes
     found = score(learn(train, estimator), test)
     row = {"case": case.title, "localizer": name, "features": ", ".join(quantities)}
-    row |= {"trained on": min(len(train.X), estimator.most), "tested on": len(test.X)}
+    row |= {"trained on": min(len(train.X), estimator.max_sweeps), "tested on": len(test.X)}
     figures = found.figures()
     if isinstance(found, ClassScore):
         two = [str(label).count("+") > 0 for label in found.truth]

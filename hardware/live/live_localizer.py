@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...localization.commands.model_notes import note_versions
 from ...localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
-from ...localization.filtering.follower import MIDWAY, Followed, Follower
+from ...localization.filtering.follower import MAX_CHANGE_PROBABILITY, FollowedAnswer, Follower
 from ...localization.inputs.features import needs_baseline
 from ...localization.inversion.estimators import build_in_background
 from ...localization.model.model_file import load
@@ -95,7 +95,7 @@ class LiveLocalizer:
             return _position_answer(*self.model.positions(sweep, rest), region)
         return _answer_without_position(label, probability)
 
-    def described(self, followed: Followed) -> TouchAnswer:
+    def described(self, followed: FollowedAnswer) -> TouchAnswer:
         """Answer for a filtered or adaptive result."""
         if self.model.target != "position":
             answer = self._class_answer(followed.label, followed.probabilities)
@@ -105,7 +105,9 @@ class LiveLocalizer:
             answer = TouchAnswer(words, followed.probability, None, (x, y), (across, up), shade)
         else:
             answer = _answer_without_position(followed.label, followed.probability)
-        return replace(answer, remark=TOUCH_CHANGED if followed.changed > MIDWAY else "")
+        return replace(
+            answer, remark=TOUCH_CHANGED if followed.changed > MAX_CHANGE_PROBABILITY else ""
+        )
 
     def _class_answer(self, label: str, chances: NDArray) -> TouchAnswer:
         names = [str(each) for each in self.model.classes]

@@ -25,7 +25,7 @@ from ..trust.temperature import probabilities, sharpness_of
 
 FEWEST = 2
 """Minimum number of touches of each class: one trains while another is scored."""
-WITHIN = 0.98
+ACCEPTED_SHARE = 0.98
 """Share of the training touches that a widened guard accepts."""
 FOLDS = 5
 PRIOR_SWEEPS = 50
@@ -50,26 +50,26 @@ class Adaptation:
     notes: tuple[str, ...] = ()
 
 
-def adapted(model: Model, samples: Samples) -> Adaptation:
+def adapt_classes(model: Model, samples: Samples) -> Adaptation:
     """Adapt the model by all of the samples, which are of the skin to be localized on.
 
     samples: as of `model.samples`. Raises InputError for models that were adapted before, labels
     that the model does not know, and fewer than FEWEST sweeps of one of its classes.
     """
-    learned = checked(model, samples)
+    learned = checked_classifier(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    lessons = [(taught(model, learned, train), test) for train, test in parts]
-    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in lessons]
-    whole = taught(model, learned, samples)
+    fitted_folds = [(fine_tuned(model, learned, train), test) for train, test in parts]
+    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in fitted_folds]
+    whole = fine_tuned(model, learned, samples)
     index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
     decided = np.concatenate([each for each, _ in unseen])
-    sharpness = _steadied(sharpness_of(decided, index), learned.sharpness, index.size)
+    sharpness = _shrunk_sharpness(sharpness_of(decided, index), learned.sharpness, index.size)
     probability = probabilities(decided, sharpness)
     right = probability.argmax(axis=1) == index
     threshold, notes = _threshold(model, learned, probability.max(axis=1), right)
     found = {"sharpness": sharpness, "threshold": threshold}
-    after = join_scores([score(replace(each, **found), test) for each, test in lessons])
+    after = join_scores([score(replace(each, **found), test) for each, test in fitted_folds])
     before = join_scores([score(learned, test) for _, test in parts])
     assert isinstance(before, ClassScore) and isinstance(after, ClassScore)
     answered = int((probability.max(axis=1) >= threshold).sum())
@@ -81,7 +81,7 @@ def adapted(model: Model, samples: Samples) -> Adaptation:
     return Adaptation(better, before, after, validation, notes)
 
 
-def checked(model: Model, samples: Samples) -> Classifier:
+def checked_classifier(model: Model, samples: Samples) -> Classifier:
     """The model's classifier, if these samples can adapt it. Raises InputError as `adapted`."""
     learned = model.learned
     assert isinstance(learned, Classifier)
@@ -108,13 +108,13 @@ def checked(model: Model, samples: Samples) -> Classifier:
 
 def _was_adapted(pipeline: Pipeline) -> bool:
     parameters = pipeline.get_params()
-    lessons = [parameters.get(name, "nothing") for name in FINE_TUNING_PARAMETER.values()]
-    return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in lessons)
+    modes = [parameters.get(name, "nothing") for name in FINE_TUNING_PARAMETER.values()]
+    return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in modes)
 
 
-def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
+def fine_tuned(model: Model, learned: Classifier, samples: Samples) -> Classifier:
     """The classifier fine-tuned by these samples; the sharpness is not changed."""
-    guards = learned.guards and widened(learned.guards, samples)
+    guards = learned.guards and widened_guards(learned.guards, samples)
     pipeline: Any
     if model.estimator in FINE_TUNING_PARAMETER:
         pipeline = estimators()[model.estimator].build(model.problem)
@@ -126,7 +126,7 @@ def taught(model: Model, learned: Classifier, samples: Samples) -> Classifier:
     return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
 
 
-def widened(guards: Guards, samples: Samples) -> Guards:
+def widened_guards(guards: Guards, samples: Samples) -> Guards:
     """Guards that accept most of these sweeps."""
     own, changes = _wider(guards, samples.X), guards.changes
     if changes is None or samples.changes is None:
@@ -137,12 +137,12 @@ def widened(guards: Guards, samples: Samples) -> Guards:
 
 def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
     farther = copy(guards.kinds)
-    reach = float(np.quantile(guards.kinds.distances(X), WITHIN, method="lower"))
+    reach = float(np.quantile(guards.kinds.distances(X), ACCEPTED_SHARE, method="lower"))
     farther.limit_ = guards.kinds.limit_ * max(1.0, reach)
     return replace(guards, kinds=farther)
 
 
-def _steadied(found: float, before: float, count: int) -> float:
+def _shrunk_sharpness(found: float, before: float, count: int) -> float:
     """Geometric mean of the new sharpness, of weight `count`, and the old one of PRIOR_SWEEPS."""
     share = count / (count + PRIOR_SWEEPS)
     return float(np.exp(share * np.log(found) + (1 - share) * np.log(before)))

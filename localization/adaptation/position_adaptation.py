@@ -16,7 +16,7 @@ from ..learners.affine import Affine
 from ..model.localizer_model import Model
 from ..trust.fitted import Guards, Regressor
 from ..trust.folds import describe_splits, splits_of
-from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened
+from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
 
 FEWEST = 6
 """Minimum number of touches: some in each direction, and some to score."""
@@ -32,22 +32,22 @@ def adapt_positions(model: Model, samples: Samples, counted: Samples | None = No
     learned = _checked(model, samples)
     splits = splits_of(None, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    lessons = [(_taught(learned, train), test) for train, test in parts]
+    fitted_folds = [(_fine_tuned(learned, train), test) for train, test in parts]
     after, before = (
         join_scores([score(each, test) for each, test in pairs])
-        for pairs in (lessons, [(learned, test) for _, test in parts])
+        for pairs in (fitted_folds, [(learned, test) for _, test in parts])
     )
     assert isinstance(after, PositionScore) and isinstance(before, PositionScore)
-    factor = learned.factor * _stretch(after)
-    after = replace(after, deviation=after.deviation * _stretch(after))
+    factor = learned.factor * _deviation_correction(after)
+    after = replace(after, deviation=after.deviation * _deviation_correction(after))
     median = float(np.median(after.distance))
-    better = replace(_taught(learned, samples), factor=factor, median_error=median)
+    better = replace(_fine_tuned(learned, samples), factor=factor, median_error=median)
     held_out = describe_splits(splits, samples.sessions)
     validation = f"{held_out}, of {len(samples.X)} touches of the skin at hand"
     gate = model.gate
     if gate is not None and counted is not None:
-        opened = _opened(gate.learned.guards, counted)
-        gate = replace(gate, learned=replace(gate.learned, guards=opened))
+        widened = _widened(gate.learned.guards, counted)
+        gate = replace(gate, learned=replace(gate.learned, guards=widened))
     found = replace(model, learned=better, gate=gate, validation=validation)
     return Adaptation(found, before, after, validation)
 
@@ -70,17 +70,17 @@ def _checked(model: Model, samples: Samples) -> Regressor:
     return learned
 
 
-def _taught(learned: Regressor, samples: Samples) -> Regressor:
+def _fine_tuned(learned: Regressor, samples: Samples) -> Regressor:
     pipeline = Pipeline([("correct", Affine(FrozenEstimator(learned.pipeline)))])
-    guards = _opened(learned.guards, samples)
+    guards = _widened(learned.guards, samples)
     return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
 
 
-def _opened(guards: Guards | None, samples: Samples) -> Guards | None:
-    return guards and widened(guards, samples)
+def _widened(guards: Guards | None, samples: Samples) -> Guards | None:
+    return guards and widened_guards(guards, samples)
 
 
-def _stretch(after: PositionScore) -> np.ndarray:
+def _deviation_correction(after: PositionScore) -> np.ndarray:
     """Factor by which deviations were too small, shrunk towards 1 for few touches, (3,)."""
     off = np.square((after.predicted - after.truth) / np.maximum(after.deviation, 1e-9)).mean(
         axis=0

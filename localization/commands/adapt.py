@@ -10,14 +10,14 @@ import typer
 from ...simulator.safe_text import say
 from . import options
 
-BESIDE = ("calibration error", "median error, mm", "90 % error, mm")
+EXTRA_FIGURES = ("calibration error", "median error, mm", "90 % error, mm")
 """Figures that are shown next to the rates."""
 
 if TYPE_CHECKING:
     from ..adaptation.class_adaptation import Adaptation
 
 
-@options.as_typed
+@options.with_option_names
 def adapt(
     model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
     touches: Annotated[
@@ -25,7 +25,7 @@ def adapt(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
     rest: options.Rest = None,
-    most: options.Most = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MOST_SWEEPS,
     anyway: options.Anyway = False,
 ) -> None:
     """Adapt a model to your skin by a few touches whose places are known.
@@ -38,7 +38,7 @@ def adapt(
     written is fitted to all touches.
     """
     from ...simulator.sweeps import InputError, checked_output
-    from ..adaptation.class_adaptation import adapted
+    from ..adaptation.class_adaptation import adapt_classes
     from ..adaptation.position_adaptation import adapt_positions
     from ..inputs.sweep_files import read_first
     from ..model.model_file import ENDING, save
@@ -54,7 +54,7 @@ def adapt(
             counted = asked.gate and asked.gate.samples(known, resting)
             found = adapt_positions(asked, samples, counted)
         else:
-            found = adapted(asked, samples)
+            found = adapt_classes(asked, samples)
     except InputError as error:
         files = ", ".join(map(str, touches))
         raise InputError(f"{files} for {model}: {error}") from error
@@ -71,7 +71,9 @@ def _report_lines(found: Adaptation) -> list[str]:
     lines = [found.validation]
     for name, told in (("before", found.before), ("after", found.after)):
         rates = {each: rate_text(*counts) for each, counts in told.rates().items()}
-        rest = {each: f"{value:.2g}" for each, value in told.figures().items() if each in BESIDE}
+        rest = {
+            each: f"{value:.2g}" for each, value in told.figures().items() if each in EXTRA_FIGURES
+        }
         lines.append(f"{name}: " + "; ".join(f"{k} {v}" for k, v in (rates | rest).items()))
     if _worse(found):
         lines.append(
@@ -86,5 +88,5 @@ def _worse(found: Adaptation) -> bool:
     before, after = found.before, found.after
     if isinstance(before, ClassScore) and isinstance(after, ClassScore):
         return bool(after.right.sum() < before.right.sum())
-    name = BESIDE[1]
+    name = EXTRA_FIGURES[1]
     return after.figures()[name] > before.figures()[name]

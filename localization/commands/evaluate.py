@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
 
 
-@options.as_typed
+@options.with_option_names
 def evaluate(
     files: Annotated[list[Path], typer.Argument(metavar="[MODEL] SWEEPS", help=FILES)],
     output: Annotated[
@@ -32,7 +32,7 @@ def evaluate(
     certain: options.Certain = None,
     tune: options.Tune = False,
     folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
-    most: options.Most = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MOST_SWEEPS,
     anyway: options.Anyway = False,
     charts: options.Charts = "png",
 ) -> None:

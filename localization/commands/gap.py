@@ -9,13 +9,13 @@ import typer
 
 from ...simulator.safe_text import say, terminal
 from . import options
-from .options import as_typed
+from .options import with_option_names
 
 if TYPE_CHECKING:
     from ..gap.gap_findings import GapFindings
 
 
-@as_typed
+@with_option_names
 def gap(
     simulated: Annotated[Path, typer.Argument(help="Simulated sweeps, .nc, .zarr or .csv.")],
     measured: Annotated[

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..model.localizer_model import Model
 
 
-@options.as_typed
+@options.with_option_names
 def localize(
     model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
     sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
@@ -25,7 +25,7 @@ def localize(
         Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
     ] = None,
     rest: options.Rest = None,
-    most: options.Most = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MOST_SWEEPS,
     anyway: options.Anyway = False,
     filtered: options.Filtered = False,
     touch_lasts: options.TouchLasts = options.TOUCH_LASTS,
@@ -55,7 +55,7 @@ def localize(
     told = load_model_for(asked, sweeps, model, anyway=anyway)
     if filtered:
         touching = touch_lasts, touch_every, touch_speed
-        header, rows = _followed(told, asked, resting, touching, pace)
+        header, rows = _filtered_answers(told, asked, resting, touching, pace)
     else:
         header, rows = _table(told, asked, resting)
     _note_unguarded(told, asked, resting)
@@ -82,7 +82,7 @@ def _note_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -
         say(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
 
 
-def _followed(
+def _filtered_answers(
     model: Model,
     sweeps: xr.Dataset,
     rest: xr.Dataset | None,

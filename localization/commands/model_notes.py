@@ -44,7 +44,7 @@ def note_versions(model: Model, path: Path) -> None:
         say(f"rcskin: note: {path}: was trained with {model.version_differences}", err=True)
 
 
-def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Dataset) -> str:
+def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:
     """Line on the kind of sweeps that an accuracy applies to. judged: as of `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from ..inputs.features import RELATIVE
@@ -52,14 +52,14 @@ def accuracy_meaning(problem: LocalizationProblem, judged: str, sweeps: xr.Datas
     used = ", ".join(problem.quantities)
     features = CHANGES if problem.quantities == RELATIVE else used
     noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
-    return accuracy_text(problem.target, features, judged, noisy=noisy)
+    return accuracy_text(problem.target, features, scored, noisy=noisy)
 
 
-def note_features(asked: str | None, used: Sequence[str]) -> None:
+def note_features(requested: str | None, used: Sequence[str]) -> None:
     """Print a note if the features are a default other than changes from the unpressed skin."""
     from ..inputs.features import RELATIVE
 
-    if asked is None and tuple(used) != RELATIVE:
+    if requested is None and tuple(used) != RELATIVE:
         say(
             f"rcskin: note: --features {','.join(used)} is taken, for most presses have no sweep "
             "of the unpressed skin before them in their session; with such sweeps, "

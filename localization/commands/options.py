@@ -74,7 +74,7 @@ Certain = Annotated[
     ),
 ]
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
-Most = Annotated[int, typer.Option(help=MOST)]
+MaxSweeps = Annotated[int, typer.Option(help=MOST)]
 Charts = Annotated[
     str,
     typer.Option(
@@ -95,7 +95,7 @@ TouchEvery = Annotated[float, typer.Option(help="Seconds from a touch to the nex
 TouchSpeed = Annotated[float, typer.Option(help="mm/s that a touch moves by, with --filter.")]
 
 
-TYPED = {"quantities": "features", "interfaces": "interface"}
+OPTION_NAMES = {"quantities": "features", "interfaces": "interface"}
 """Options whose names differ from the parameters behind them."""
 QUOTED = re.compile(
     "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches|pace|touch-lasts|touch-every|touch-speed)`"
@@ -105,7 +105,7 @@ WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"
 """Modules to which scikit-learn's warnings are attributed: its own and their callers."""
 
 
-def as_typed(command: Callable[..., None]) -> Callable[..., None]:
+def with_option_names(command: Callable[..., None]) -> Callable[..., None]:
     """Decorator: the errors of the command name options as the user typed them.
 
     Warnings of scikit-learn are suppressed; users cannot act on them.
@@ -126,4 +126,4 @@ def as_typed(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _option(match: re.Match[str]) -> str:
-    return f"--{TYPED.get(match[1], match[1])}"
+    return f"--{OPTION_NAMES.get(match[1], match[1])}"

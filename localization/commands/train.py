@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..model.localizer_model import Model
 
 
-@options.as_typed
+@options.with_option_names
 def train(
     sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
     output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
@@ -26,7 +26,7 @@ def train(
     interface: options.Interfaces = None,
     certain: options.Certain = None,
     tune: options.Tune = False,
-    most: options.Most = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MOST_SWEEPS,
 ) -> None:
     """Train a localizer on sweeps whose presses are known.
 

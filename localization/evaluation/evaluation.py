@@ -33,7 +33,7 @@ UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
 """Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
 EXAMPLES = 6
 """Number of sweeps whose regions are kept."""
-WITHIN = f"touches within {100 * PROBABILITY:g} % regions"
+REGION_FIGURE = f"touches within {100 * PROBABILITY:g} % regions"
 __all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
 
 
@@ -98,7 +98,7 @@ class PositionScore:
 
     def rates(self) -> dict[str, tuple[int, int]]:
         """Those of `figures` that are rates: count, and number of sweeps."""
-        return {WITHIN: (int((self.content <= PROBABILITY).sum()), self.content.size)}
+        return {REGION_FIGURE: (int((self.content <= PROBABILITY).sum()), self.content.size)}
 
     def figures(self) -> dict[str, float]:
         """Errors in mm and of the factor, and rates of errors within the stated deviations."""
@@ -109,7 +109,7 @@ class PositionScore:
             "median error of factor": float(np.median(away[:, 2])),
             "within 1 deviation": float((away <= self.deviation)[:, :2].mean()),
             "within 2 deviations": float((away <= 2 * self.deviation)[:, :2].mean()),
-            WITHIN: float((self.content <= PROBABILITY).mean()),
+            REGION_FIGURE: float((self.content <= PROBABILITY).mean()),
         }
 
 
@@ -119,12 +119,12 @@ Score = ClassScore | PositionScore
 def score(learned: Classifier | Regressor, samples: Samples) -> Score:
     """Score the predictions for samples whose targets are known."""
     if isinstance(learned, Regressor):
-        return _placed(learned, samples)
+        return _position_score(learned, samples)
     answers = learned.answers(samples.X, samples.changes)
     return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
 
 
-def _placed(learned: Regressor, samples: Samples) -> PositionScore:
+def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
     places = places_of(learned, samples.X, carried_scene(samples.problem.scene))
     pairs = zip(places, samples.y, strict=True)
     content = np.array([each.content(x, y) for each, (x, y, _) in pairs])

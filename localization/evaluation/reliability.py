@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-FACT, STATED = COLOURS[0], "0.5"
+OBSERVED_COLOUR, STATED_COLOUR = COLOURS[0], "0.5"
 BINS, LEAST_IN_BIN = 10, 10
-SHOWN = 61
+GRID_LINES = 61
 """Number of lines of the grid on which regions are drawn."""
 
 
@@ -51,7 +51,9 @@ def draw_reliability(
     rate = np.array([right[each].mean() for each in bins])
     low, high = np.array([interval(int(right[each].sum()), each.size) for each in bins]).T
     bars = 100 * np.maximum([rate - low, high - rate], 0.0)
-    axes.errorbar(100 * stated, 100 * rate, bars, color=FACT, marker="o", markersize=4, capsize=3)
+    axes.errorbar(
+        100 * stated, 100 * rate, bars, color=OBSERVED_COLOUR, marker="o", markersize=4, capsize=3
+    )
     lowest = 100 * min(stated.min(), rate.min())
     _diagonal(axes, max(0.0, lowest - 3))
     axes.set_xlabel("Stated probability (%)")
@@ -67,8 +69,8 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
     Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
     """
     told, wrong, promised = risk(probability, right)
-    axes.plot(100 * told, 100 * wrong, color=FACT, label="wrong")
-    axes.plot(100 * told, 100 * promised, "--", color=STATED, label="promised")
+    axes.plot(100 * told, 100 * wrong, color=OBSERVED_COLOUR, label="wrong")
+    axes.plot(100 * told, 100 * promised, "--", color=STATED_COLOUR, label="promised")
     axes.set_xlim(0, 100)
     axes.set_ylim(0, None)
     axes.set_xlabel("Answered, the most probable first (%)")
@@ -101,12 +103,12 @@ def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
     from scipy.stats import kstwo
 
     held = np.arange(1, content.size + 1) / content.size
-    axes.step(100 * np.sort(content), 100 * held, where="post", color=FACT)
+    axes.step(100 * np.sort(content), 100 * held, where="post", color=OBSERVED_COLOUR)
     band = 100 * float(kstwo.ppf(CONFIDENCE, content.size))
     ends = np.array([0.0, 100.0])
     axes.fill_between(ends, ends - band, ends + band, color="0.9", zorder=0)
     _diagonal(axes, 0.0)
-    axes.axvline(100 * PROBABILITY, color=STATED, linewidth=0.8)
+    axes.axvline(100 * PROBABILITY, color=STATED_COLOUR, linewidth=0.8)
     axes.set_xlabel("Stated content of the region (%)")
     axes.set_ylabel("Touches within (%)")
     within = int((content <= PROBABILITY).sum())
@@ -122,7 +124,7 @@ def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, 
     truth: x and y in mm first, shape (sweep, >= 2). examples: regions by number of the sweep.
     """
     for number, (sweep, region) in enumerate(examples.items()):
-        x, y = (np.linspace(low, high, SHOWN) for low, high in region.places.bounds)
+        x, y = (np.linspace(low, high, GRID_LINES) for low, high in region.places.bounds)
         density = region.places.density(*np.meshgrid(x, y))
         colour = f"C{number}"
         if density.max() > region.level:
@@ -135,6 +137,6 @@ def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, 
 
 
 def _diagonal(axes: Axes, low: float) -> None:
-    axes.plot([low, 100], [low, 100], "--", color=STATED, linewidth=1)
+    axes.plot([low, 100], [low, 100], "--", color=STATED_COLOUR, linewidth=1)
     axes.set_xlim(low, 100.5)
     axes.set_ylim(low, 100.5)

@@ -78,14 +78,14 @@ def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
     """Evaluate a trained localizer on samples that it was not trained on."""
     scored = score(learned, samples)
     figures = {name: (value, None) for name, value in scored.figures().items()}
-    return _of(samples, scored, figures, "sweeps of their own")
+    return _evaluation(samples, scored, figures, "sweeps of their own")
 
 
 def evaluated_by_folds(samples: Samples, found: Nested) -> Evaluation:
     """Evaluation of an estimator on the parts of samples that were held out in turn."""
-    return _of(samples, found.whole, found.figures(), found.validation)
+    return _evaluation(samples, found.whole, found.figures(), found.validation)
 
 
-def _of(samples: Samples, scored: Score, figures: Figures, validation: str) -> Evaluation:
+def _evaluation(samples: Samples, scored: Score, figures: Figures, validation: str) -> Evaluation:
     target = samples.problem.target
     return Evaluation(scored, target, figures, validation, samples.left_out.describe(target))

@@ -16,7 +16,7 @@ from .adaptive_settings import AdaptiveSettings
 from .adaptive_sweep import MIN_PRIOR, AdaptiveSweep
 from .cell_grid import cell_grid_of
 from .chain import Evidence
-from .follower import Followed
+from .follower import FollowedAnswer
 
 UNPRESSED_PRIOR = 0.5
 """Prior probability of the unpressed skin."""
@@ -26,10 +26,10 @@ class PlaceSweep(AdaptiveSweep):
     """Adaptive sweep for a model of positions."""
 
     def __init__(
-        self, terms: AdaptiveSettings, step: ModelBasedPosition, at_rest: NDArray, gap: float
+        self, settings: AdaptiveSettings, step: ModelBasedPosition, baseline: NDArray, gap: float
     ) -> None:
-        super().__init__(terms, at_rest, gap)
-        self._grid = cell_grid_of(terms.model)
+        super().__init__(settings, baseline, gap)
+        self._grid = cell_grid_of(settings.model)
         self._placing = PlacePosterior(step, self._prior(step, gap))
 
     @property
@@ -45,20 +45,20 @@ class PlaceSweep(AdaptiveSweep):
             return rest >= certain
         return self._region().area <= math.pi * self._terms.within**2
 
-    def answer(self, during: float) -> Followed:
+    def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
         placing, follower = self._placing, self._terms.follower
         if follower is not None:
             told = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
-            cells = self._grid.stretched(cells_of(placing.posterior))
+            cells = self._grid.with_calibrated_deviations(cells_of(placing.posterior))
             return follower.update(Evidence(told), self.gap, during, cells)
         rest, nothing = placing.unpressed, np.zeros(0)
         chance = max(rest, 1 - rest)
         if placing.novel or chance < self._terms.certain:
-            return Followed(CANNOT_TELL, chance, nothing, 0.0)
+            return FollowedAnswer(CANNOT_TELL, chance, nothing, 0.0)
         if rest > 0.5:
-            return Followed("0", chance, nothing, 0.0)
-        return Followed("1", chance, nothing, 0.0, self._place(), self._region())
+            return FollowedAnswer("0", chance, nothing, 0.0)
+        return FollowedAnswer("1", chance, nothing, 0.0, self._place(), self._region())
 
     def _place(self) -> tuple[float, ...]:
         """Peak x and y of the blurred posterior, and its deviations from there, mm."""

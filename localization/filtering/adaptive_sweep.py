@@ -14,7 +14,7 @@ from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Classifier
 from .adaptive_settings import AdaptiveSettings
 from .chain import Evidence
-from .follower import Followed
+from .follower import FollowedAnswer
 
 MIN_PRIOR = 1e-6
 
@@ -26,12 +26,12 @@ class AdaptiveSweep(ABC):
     """
 
     def __init__(
-        self, terms: AdaptiveSettings, at_rest: NDArray[np.complex128], gap: float
+        self, settings: AdaptiveSettings, baseline: NDArray[np.complex128], gap: float
     ) -> None:
-        self._terms, self.gap, self._at_rest = terms, gap, at_rest
-        self._interfaces = terms.model.interfaces
-        self._frequencies = np.array(terms.model.frequencies)
-        taken = np.array(terms.model.problem.taken, dtype=bool)
+        self._terms, self.gap, self._at_rest = settings, gap, baseline
+        self._interfaces = settings.model.interfaces
+        self._frequencies = np.array(settings.model.frequencies)
+        taken = np.array(settings.model.problem.taken, dtype=bool)
         shape = len(self._interfaces), self._frequencies.size
         self._places = np.argwhere(taken if taken.size else np.ones(shape, dtype=bool))
 
@@ -46,7 +46,7 @@ class AdaptiveSweep(ABC):
         """True if the answer is certain."""
 
     @abstractmethod
-    def answer(self, during: float) -> Followed:
+    def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
 
     def next(self, seconds: NDArray[np.float64]) -> tuple[str, float] | None:
@@ -77,12 +77,12 @@ class ClassSweep(AdaptiveSweep):
     """Adaptive sweep for a classifier."""
 
     def __init__(
-        self, terms: AdaptiveSettings, step: ModelBased, at_rest: NDArray, gap: float
+        self, settings: AdaptiveSettings, step: ModelBased, baseline: NDArray, gap: float
     ) -> None:
-        super().__init__(terms, at_rest, gap)
-        learned, prior = terms.model.learned, None
-        if terms.follower is not None:
-            known = terms.follower.expected(gap)[:-1]
+        super().__init__(settings, baseline, gap)
+        learned, prior = settings.model.learned, None
+        if settings.follower is not None:
+            known = settings.follower.expected(gap)[:-1]
             prior = np.log(np.maximum(known / known.sum(), MIN_PRIOR))
         assert isinstance(learned, Classifier)
         self._posterior, self._sharpness = (
@@ -100,7 +100,7 @@ class ClassSweep(AdaptiveSweep):
         """True if a class is probable enough."""
         return bool(self._posterior.probabilities.max() >= self._terms.certain)
 
-    def answer(self, during: float) -> Followed:
+    def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
         posterior, terms = self._posterior, self._terms
         if terms.follower is not None:
@@ -111,4 +111,4 @@ class ClassSweep(AdaptiveSweep):
         chance = float(probabilities[best])
         silent = posterior.novel or chance < terms.certain
         label = CANNOT_TELL if silent else str(terms.model.classes[best])
-        return Followed(label, chance, probabilities, 0.0)
+        return FollowedAnswer(label, chance, probabilities, 0.0)

@@ -46,30 +46,33 @@ class CellGrid:
         """Probability of each cell, mean x and y [mm] in it, covariance, (sweep, cell, 7)."""
         step = self.learned.pipeline[-1]
         if isinstance(step, ModelBasedPosition | AdaptedPosition):
-            return self.stretched(step.cells(X))
+            return self.with_calibrated_deviations(step.cells(X))
         place, deviation = self.learned.positions(X)
-        x, y = (_along(place[:, k], deviation[:, k], edges) for k, edges in enumerate(self._edges))
+        x, y = (
+            _interval_moments(place[:, k], deviation[:, k], edges)
+            for k, edges in enumerate(self._edges)
+        )
         found = np.zeros((len(X), GRID[0], GRID[1], 7))
         found[..., 0] = x[0][:, :, None] * y[0][:, None, :]
         found[..., 1], found[..., 3] = x[1][:, :, None], x[2][:, :, None]
         found[..., 2], found[..., 6] = y[1][:, None, :], y[2][:, None, :]
         return found.reshape(len(X), -1, 7)
 
-    def stretched(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    def with_calibrated_deviations(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
         """Moments from `ModelBasedPosition.cells`, with calibrated deviations."""
         factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
         return cells * np.concatenate([np.ones(3), factor])
 
-    def place(
-        self, belief: NDArray[np.float64], told: NDArray[np.float64]
+    def peak_and_deviation(
+        self, belief: NDArray[np.float64], moments: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Peak x and y of the blurred belief in cells, and its deviations from there, mm.
 
         told: moments of the latest sweep, as of `cell_moments`, shape (cell, 7). A cell of
         negligible probability in that sweep counts as uniform over the cell.
         """
-        mean, covariance = told[:, 1:3].copy(), told[:, 3:].reshape(-1, 2, 2).copy()
-        silent = told[:, 0] <= NEGLIGIBLE
+        mean, covariance = moments[:, 1:3].copy(), moments[:, 3:].reshape(-1, 2, 2).copy()
+        silent = moments[:, 0] <= NEGLIGIBLE
         middles = [(edges[1:] + edges[:-1]) / 2 for edges in self._edges]
         mean[silent] = np.stack(np.meshgrid(*middles, indexing="ij"), -1).reshape(-1, 2)[silent]
         covariance[silent] = np.diag(np.square(self.cell) / 12)
@@ -90,7 +93,7 @@ def cell_grid_of(model: Model) -> CellGrid:
     return CellGrid(model.learned, sides_of(model.known_scene))
 
 
-def _along(
+def _interval_moments(
     mean: NDArray[np.float64], deviation: NDArray[np.float64], edges: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Shares of a normal distribution between edges, its mean and variance there, (sweep, part).

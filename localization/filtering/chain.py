@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-RARE = 1e-300
+MIN_LIKELIHOOD = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,17 +88,19 @@ class Chain:
         top = max([evidence.whole.max(), *(c.before.max() + c.after.max() for c in evidence.cuts)])
         whole, share = np.exp(evidence.whole - top), 1 / (len(evidence.cuts) + 1)
         at_ends = changed(alpha) * whole + changed(alpha * whole)
-        within, alike = np.zeros_like(alpha), 0.0
+        within, within_kind = np.zeros_like(alpha), 0.0
         for cut in evidence.cuts:
             last = cut.after.max()
             early, late = alpha * np.exp(cut.before + last - top), np.exp(cut.after - last)
             within += changed(early) * late
-            alike += sum((changed(early * kind) * late)[kind].sum() for kind in self._members)
+            within_kind += sum((changed(early * kind) * late)[kind].sum() for kind in self._members)
         steady, within = alpha * stay * whole + share / 2 * at_ends, share * within
         total = (steady + within).sum()
-        if not total > RARE:
+        if not total > MIN_LIKELIHOOD:
             return Belief(_normal(self.propagated(alpha, seconds)), 1.0)
-        return Belief((steady + within) / total, float((within.sum() - share * alike) / total))
+        return Belief(
+            (steady + within) / total, float((within.sum() - share * within_kind) / total)
+        )
 
     @cached_property
     def _members(self) -> list[NDArray[np.bool_]]:

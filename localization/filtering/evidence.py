@@ -46,19 +46,19 @@ class Observer:
         changes: as of `Model.guard_changes`.
         """
         if inverts(self.model):
-            return self._by_tables(X)
+            return self._by_likelihoods(X)
         first, before = self._before is None, X[:1] if self._before is None else self._before
         earlier = np.concatenate([before, X[:-1]])
         self._before = X[-1:].copy()
-        whole, novel = self._likely(X, changes)
-        spliced, _ = self._likely(np.where(self._early(0.5, X.shape[1]), X, earlier))
-        late = np.log(np.where(novel, 1.0, self._usual))
+        whole, novel = self._likelihoods(X, changes)
+        spliced, _ = self._likelihoods(np.where(self._early(0.5, X.shape[1]), X, earlier))
+        late = np.log(np.where(novel, 1.0, self._known_likelihood))
         return [
             Evidence(told, () if first and not k else (Cut(early, np.full(told.size, after)),))
             for k, (told, early, after) in enumerate(zip(whole, spliced, late, strict=True))
         ]
 
-    def _by_tables(self, X: NDArray[np.float64]) -> list[Evidence]:
+    def _by_likelihoods(self, X: NDArray[np.float64]) -> list[Evidence]:
         step: Any = self.model.pipeline[-1]
         learned = self.model.learned
         assert isinstance(learned, Classifier)
@@ -75,7 +75,7 @@ class Observer:
             for k in range(len(X))
         ]
 
-    def _likely(
+    def _likelihoods(
         self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """ln likelihood of each state, (sweep, state), and True if the sweep is novel, (sweep,).
@@ -85,7 +85,7 @@ class Observer:
         learned = self.model.learned
         novel = learned.novel(X, changes)
         if isinstance(learned, Classifier):
-            known, other = _doubted(learned.probabilities(X)), np.full(len(X), ERROR_RATE)
+            known, other = _with_error_rate(learned.probabilities(X)), np.full(len(X), ERROR_RATE)
         else:
             known, other, gated = self._places(X)
             novel = novel & gated
@@ -96,19 +96,19 @@ class Observer:
         """Likelihoods of known states and of more touches, and True if there is one, (sweep,)."""
         assert self.grid is not None
         shares = self.grid.cell_moments(X)[..., 0]
-        cells = _doubted(shares) * shares.shape[1]
+        cells = _with_error_rate(shares) * shares.shape[1]
         if self.model.gate is None:
             return cells, np.full(len(X), ERROR_RATE), np.ones(len(X), dtype=bool)
         gate = self.model.gate.learned
         assert isinstance(gate, Classifier)
         count = np.array([int(label) for label in gate.classes])
-        chance = _doubted(gate.probabilities(X))
+        chance = _with_error_rate(gate.probabilities(X))
         one, more = (chance[:, kind].sum(axis=1) for kind in (count == 1, count > 1))
         known = np.column_stack([chance[:, count == 0], cells * one[:, None]])
         return known, np.maximum(more, ERROR_RATE), count[chance.argmax(axis=1)] == 1
 
     @property
-    def _usual(self) -> float:
+    def _known_likelihood(self) -> float:
         """Likelihood of any state by the late readings of a sweep that is not novel.
 
         It is one over the number of classes of the model or of its gate, 1 without classes. Sweeps
@@ -132,5 +132,5 @@ def inverts(model: Model) -> bool:
     return isinstance(model.pipeline[-1], ModelBased | AdaptedClassifier)
 
 
-def _doubted(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
+def _with_error_rate(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
     return (1 - ERROR_RATE) * probabilities + ERROR_RATE / probabilities.shape[1]

@@ -23,12 +23,12 @@ from .touch_dynamics import TouchDynamics
 if TYPE_CHECKING:
     import xarray as xr
 
-MIDWAY = 0.5
+MAX_CHANGE_PROBABILITY = 0.5
 """Probability of a change within a sweep above which the sweep has no answer."""
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FollowedAnswer:
     """Answer to a sweep, from it and all previous ones.
 
     label: a class, or for positions "0" or "1" touches, or CANNOT_TELL. probability: probability of
@@ -53,10 +53,10 @@ class Follower:
     """
 
     def __init__(
-        self, model: Model, touching: TouchDynamics | None = None, certain: float | None = None
+        self, model: Model, dynamics: TouchDynamics | None = None, certain: float | None = None
     ) -> None:
-        self.model, touching = model, touching or TouchDynamics()
-        self.grid, self._chain = _chain(model, touching)
+        self.model, dynamics = model, dynamics or TouchDynamics()
+        self.grid, self._chain = _chain(model, dynamics)
         self._observer = Observer(model, self.grid)
         self._threshold = certain or getattr(model.learned, "threshold", 0.0)
         self.belief = self._chain.start()
@@ -76,7 +76,7 @@ class Follower:
 
     def follow(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
-    ) -> Followed:
+    ) -> FollowedAnswer:
         """Answer to the next sweep.
 
         gap: s since the end of the previous sweep. during: duration of the sweep, s. Raises
@@ -84,11 +84,11 @@ class Follower:
         """
         X = self.model.features(sweep, rest)
         changes = self.model.guard_changes(sweep, rest, np.arange(1))
-        return self._through(X, changes, np.array([gap]), np.array([during]))[0]
+        return self._answers(X, changes, np.array([gap]), np.array([during]))[0]
 
     def follow_all(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, pace: float
-    ) -> list[Followed]:
+    ) -> list[FollowedAnswer]:
         """Answers to sweeps in the order of measurement, for each session separately.
 
         pace: s from sweep to sweep if they have no `time`. A sweep without a baseline before it
@@ -97,49 +97,55 @@ class Follower:
         X, rows = self.model.usable_features(sweeps, rest)
         count, session = sweeps.sizes["sweep"], sweeps["session"].values[rows]
         known = sweeps["time"].values if "time" in sweeps.coords else pace * np.arange(count)
-        known, found = known[rows], dict[int, Followed]()
+        known, found = known[rows], dict[int, FollowedAnswer]()
         changes = self.model.guard_changes(sweeps, rest, rows)
         for each in np.unique(session):
             here = np.flatnonzero(session == each)
-            apart = np.maximum(np.diff(known[here]), 0.0)
-            usual = float(np.median(apart)) if apart.size else pace
-            during = np.minimum(np.append(usual, apart), usual)
+            intervals = np.maximum(np.diff(known[here]), 0.0)
+            usual = float(np.median(intervals)) if intervals.size else pace
+            during = np.minimum(np.append(usual, intervals), usual)
             self.forget()
             own = None if changes is None else changes[here]
-            told = self._through(X[here], own, np.append(0.0, apart - during[1:]), during)
-            found |= dict(zip(rows[here].tolist(), told, strict=True))
-        silent = Followed(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
+            answers = self._answers(X[here], own, np.append(0.0, intervals - during[1:]), during)
+            found |= dict(zip(rows[here].tolist(), answers, strict=True))
+        silent = FollowedAnswer(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
         return [found.get(k, silent) for k in range(count)]
 
-    def _through(
+    def _answers(
         self, X: NDArray, changes: NDArray | None, gaps: NDArray, during: NDArray
-    ) -> list[Followed]:
+    ) -> list[FollowedAnswer]:
         evidence = self._observer.observe(X, changes)
-        told = self.grid.cell_moments(X) if self.grid else [None] * len(X)
-        return [self.update(*each) for each in zip(evidence, gaps, during, told, strict=True)]
+        moments = self.grid.cell_moments(X) if self.grid else [None] * len(X)
+        return [self.update(*each) for each in zip(evidence, gaps, during, moments, strict=True)]
 
     def update(
-        self, evidence: Evidence, gap: float, during: float, told: NDArray | None = None
-    ) -> Followed:
+        self, evidence: Evidence, gap: float, during: float, moments: NDArray | None = None
+    ) -> FollowedAnswer:
         """Answer after the evidence of a sweep. told: its row of `CellGrid.cell_moments`."""
         before = self._chain.after(self.belief, gap)
         self.belief = self._chain.updated(before, evidence, during)
-        return self._answer(self.belief, told)
+        return self._answer(self.belief, moments)
 
-    def _answer(self, belief: Belief, told: NDArray | None) -> Followed:
-        names, chances = self._summed(belief.states)
+    def _answer(self, belief: Belief, moments: NDArray | None) -> FollowedAnswer:
+        names, chances = self._answer_probabilities(belief.states)
         best = int(chances.argmax())
         probability = float(chances[best])
-        silent = belief.changed > MIDWAY or best == len(names) or probability < self._threshold
+        silent = (
+            belief.changed > MAX_CHANGE_PROBABILITY
+            or best == len(names)
+            or probability < self._threshold
+        )
         label = CANNOT_TELL if silent else names[best]
         classes = chances[:-1] if self.grid is None else np.zeros(0)
-        if self.grid is None or told is None or label != "1":
-            return Followed(label, probability, classes, belief.changed)
+        if self.grid is None or moments is None or label != "1":
+            return FollowedAnswer(label, probability, classes, belief.changed)
         cells = belief.states[-1 - GRID[0] * GRID[1] : -1]
-        placed = np.concatenate(self.grid.place(cells, told))
-        return Followed(label, probability, classes, belief.changed, tuple(placed.tolist()))
+        placed = np.concatenate(self.grid.peak_and_deviation(cells, moments))
+        return FollowedAnswer(label, probability, classes, belief.changed, tuple(placed.tolist()))
 
-    def _summed(self, states: NDArray[np.float64]) -> tuple[list[str], NDArray[np.float64]]:
+    def _answer_probabilities(
+        self, states: NDArray[np.float64]
+    ) -> tuple[list[str], NDArray[np.float64]]:
         """Names of the answers, and their probabilities followed by that of anything else."""
         if self.grid is None:
             return [str(label) for label in self.model.classes], states
@@ -149,10 +155,10 @@ class Follower:
         return ["1"], np.array([cells, other])
 
 
-def _chain(model: Model, touching: TouchDynamics) -> tuple[CellGrid | None, Chain]:
+def _chain(model: Model, dynamics: TouchDynamics) -> tuple[CellGrid | None, Chain]:
     if isinstance(model.learned, Regressor):
         grid = cell_grid_of(model)
         rest = model.knows_unpressed
-        return grid, chain_of_places(GRID[0], GRID[1], grid.cell, touching, rest=rest)
+        return grid, chain_of_places(GRID[0], GRID[1], grid.cell, dynamics, knows_unpressed=rest)
     steps = pixel_pitch(model.known_scene)
-    return None, chain_of_classes(model.target, model.classes, steps, touching)
+    return None, chain_of_classes(model.target, model.classes, steps, dynamics)

@@ -36,7 +36,7 @@ TOUCHES = (0, 1, 2, 5)
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class PreparedComparison:
     """A pair of sweeps, prepared for all computations.
 
     reserved: the other side's sweeps that calibrate, shape (sweep,). versions: of the simulated
@@ -74,7 +74,7 @@ def prepare_comparison(
     pair: SweepPair,
     options: GapOptions,
     model: Model | None = None,
-) -> Comparison:
+) -> PreparedComparison:
     """Prepare a comparison. model: the user's own model, if it is to be tested.
 
     Raises InputError if there is no such estimator, no sweep is left to test, or a class cannot be
@@ -88,7 +88,7 @@ def prepare_comparison(
     versions = versions_of(pair, reserved, options.seed)
     rest = pair.other.isel(sweep=reserved & (row == 0))
     others, not_told = _others(pair, rest, versions.by_stage, options.target, estimator, sets)
-    return Comparison(
+    return PreparedComparison(
         pair,
         options,
         estimator,
@@ -112,16 +112,16 @@ def _reading_error(pair: SweepPair) -> ReadingError | None:
 
 
 def _splits(
-    pair: SweepPair, question: GapOptions, reserved: NDArray[np.bool_]
+    pair: SweepPair, options: GapOptions, reserved: NDArray[np.bool_]
 ) -> tuple[dict[int, list[Split]], list[str]]:
     """Splits of the pixels that both sides have; and notes on what is left out."""
     common = np.flatnonzero(np.isin(pixel_of(pair.other), pixel_of(pair.simulated)))
     pixel, kept = pixel_of(pair.other)[common], reserved[common]
-    found = {k: touch_splits(pixel, kept, k, question.draws, question.seed) for k in TOUCHES}
+    found = {k: touch_splits(pixel, kept, k, options.draws, options.seed) for k in TOUCHES}
     if found[0] is None:
         raise InputError(
             "no sweep is left to test: there must be more of them, or `calibration-touches` less "
-            f"than {question.calibration_touches}"
+            f"than {options.calibration_touches}"
         )
     splits = {
         k: [Split(common[added], common[tested]) for added, tested in each]

@@ -45,7 +45,7 @@ def discrepancy(
     """
     if min(len(X), len(Y)) < FEWEST:
         return None
-    X, Y = _at_most(X, random), _at_most(Y, random)
+    X, Y = _subsampled(X, random), _subsampled(Y, random)
     both = np.concatenate([X, Y])
     distances = cdist(both, both).astype(np.float64)
     K = kernel(distances)
@@ -101,5 +101,5 @@ def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float6
     return within + beyond - 2 * (one * from_two).sum(axis=0) / (n * m)
 
 
-def _at_most(X: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
+def _subsampled(X: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
     return X if len(X) <= MOST else X[random.choice(len(X), MOST, replace=False)]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 QUANTITIES = {"Rs": "ohm", "Cp": "F"}
-TOGETHER = 1e-3
+MIN_SEPARATION_SHARE = 1e-3
 """Share of the largest class separation at any frequency below which a separation is ignored.
 
 There Cp is the same for all pixels, and the simulation's error dominates the separation.
@@ -69,7 +69,7 @@ class Distance:
     def separations(self) -> NDArray[np.float64]:
         """Mean distance over the class separation; NaN where classes coincide (TOGETHER)."""
         known = self.separation[np.isfinite(self.separation)]
-        least = TOGETHER * known.max(initial=0.0)
+        least = MIN_SEPARATION_SHARE * known.max(initial=0.0)
         apart = np.where(self.separation > least, self.separation, np.nan)
         return self.mean / apart
 

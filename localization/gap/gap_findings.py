@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
-from .comparison import Comparison
+from .comparison import PreparedComparison
 from .discrepancy import Discrepancy, discrepancy
 from .distance import Distance, distances
 from .mean_accuracy import CrossValidated, MeanAccuracy, cross_validated, transfer_accuracy
@@ -66,7 +66,7 @@ class GapFindings:
     first.
     """
 
-    trial: Comparison
+    trial: PreparedComparison
     stages: Mapping[str, CalibrationStage]
     own: Mapping[str, Mapping[str, CrossValidated]]
     causes: Sequence[ParameterEffect]
@@ -75,7 +75,7 @@ class GapFindings:
     together: Sequence[JointEffect] = ()
 
 
-def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
+def find_gap(trial: PreparedComparison, progress: ProgressCallback) -> GapFindings:
     """Compute all findings of a comparison; what is not possible is left out and noted.
 
     progress: as of `ProgressCallback`.
@@ -93,7 +93,7 @@ def find_gap(trial: Comparison, progress: ProgressCallback) -> GapFindings:
     return GapFindings(trial, stages, own, alone, notes, model, together)
 
 
-def _by_model(trial: Comparison) -> tuple[ModelFindings | None, list[str]]:
+def _by_model(trial: PreparedComparison) -> tuple[ModelFindings | None, list[str]]:
     if trial.model is None:
         return None, []
     other = trial.others[MODEL_FEATURES]
@@ -102,7 +102,7 @@ def _by_model(trial: Comparison) -> tuple[ModelFindings | None, list[str]]:
     return ModelFindings(accuracies, scored(trial.model, other.chosen(tested))), notes
 
 
-def _stage(trial: Comparison, name: str, progress: ProgressCallback) -> CalibrationStage:
+def _stage(trial: PreparedComparison, name: str, progress: ProgressCallback) -> CalibrationStage:
     version, target = trial.versions[name], trial.options.target
     other = trial.pair.other.isel(sweep=trial.not_calibrating)
     ours = {
@@ -120,12 +120,16 @@ def _stage(trial: Comparison, name: str, progress: ProgressCallback) -> Calibrat
     )
 
 
-def _common(trial: Comparison, samples: PairedSamples) -> PairedSamples:
+def _common(trial: PreparedComparison, samples: PairedSamples) -> PairedSamples:
     return samples.chosen(samples.has_features & np.isin(samples.pixel, trial.common))
 
 
 def _transfer(
-    trial: Comparison, ours: PairedSamples, feature_set: str, stage: str, progress: ProgressCallback
+    trial: PreparedComparison,
+    ours: PairedSamples,
+    feature_set: str,
+    stage: str,
+    progress: ProgressCallback,
 ) -> dict[int, MeanAccuracy]:
     other, estimator = trial.others[feature_set], trial.estimator
     told = f"{stage} calibration, {FEATURE_LABELS[feature_set]}"
@@ -135,7 +139,7 @@ def _transfer(
     }
 
 
-def _own(trial: Comparison, samples: PairedSamples) -> dict[str, CrossValidated]:
+def _own(trial: PreparedComparison, samples: PairedSamples) -> dict[str, CrossValidated]:
     which = samples.has_features & np.isin(samples.pixel, trial.common)
     sweeps, samples = trial.pair.other.isel(sweep=which), samples.chosen(which)
     estimator, seed = trial.estimator, trial.options.seed
@@ -147,7 +151,7 @@ def _own(trial: Comparison, samples: PairedSamples) -> dict[str, CrossValidated]
 
 
 def _discrepancies(
-    trial: Comparison, ours: PairedSamples, feature_set: str
+    trial: PreparedComparison, ours: PairedSamples, feature_set: str
 ) -> dict[str, Discrepancy]:
     """Discrepancies of features in units of their spread over the other side's sweeps."""
     theirs = _common(trial, trial.others[feature_set].chosen(trial.not_calibrating))
@@ -172,7 +176,9 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(first, np.flatnonzero(pixel == 0)))
 
 
-def _causes(trial: Comparison, progress: ProgressCallback) -> tuple[MisfitCauses | None, list[str]]:
+def _causes(
+    trial: PreparedComparison, progress: ProgressCallback
+) -> tuple[MisfitCauses | None, list[str]]:
     """Causes of the gap, None without a scene; and notes on parameters that could not be tried."""
     from ...simulator.calibration.misfit import gap_by_parameter
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ..adaptation.class_adaptation import checked, taught
+from ..adaptation.class_adaptation import checked_classifier, fine_tuned
 from ..evaluation.evaluation import ClassScore, score
 from ..inputs.samples import Samples as Learnable
 from ..model.localizer_model import Model
@@ -46,7 +46,7 @@ def _outcome(model: Model, other: PairedSamples, split: Split, *, adapt: bool) -
     learned = model.learned
     if adapt:
         touches = _learnable(other.chosen(split.added))
-        learned = taught(model, checked(model, touches), touches)
+        learned = fine_tuned(model, checked_classifier(model, touches), touches)
     return _scored(learned, other.chosen(split.tested))
 
 

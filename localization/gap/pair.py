@@ -51,13 +51,16 @@ def pair_sweeps(
     """
     notes: list[str] = []
     scene = scene or scene_of_sweeps(simulated)
-    noun, noise_free = label_of_side(other), "readout" not in simulated.attrs and _exact(simulated)
+    noun, noise_free = (
+        label_of_side(other),
+        "readout" not in simulated.attrs and _is_noise_free(simulated),
+    )
     simulated, other = (
         _single(simulated, "simulated", notes),
         _single(other, noun.adjective, notes),
     )
     other = with_named_interface(other, list(map(str, simulated["interface"].values)))
-    simulated = _fewer(simulated, notes, seed)
+    simulated = _subsampled(simulated, notes, seed)
     simulated, other = _on_common_interfaces(simulated, other, notes)
     if not _same_frequencies(simulated, other):
         simulated = _at_frequencies_of(other, simulated, scene, notes)
@@ -74,7 +77,7 @@ def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
     return np.where(row > 0, row * 10_000 + column, 0)
 
 
-def _exact(sweeps: xr.Dataset) -> bool:
+def _is_noise_free(sweeps: xr.Dataset) -> bool:
     """True if the sweeps have numerical errors, as only noise-free simulated sweeps do."""
     return "Rs_error" in sweeps
 
@@ -89,7 +92,7 @@ def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:
     return sweeps.isel(sweep=alone)
 
 
-def _fewer(sweeps: xr.Dataset, notes: list[str], seed: int) -> xr.Dataset:
+def _subsampled(sweeps: xr.Dataset, notes: list[str], seed: int) -> xr.Dataset:
     kept = subsampled(sweeps, np.random.default_rng(seed))
     if kept.sizes["sweep"] < sweeps.sizes["sweep"]:
         numbers = f"{kept.sizes['sweep']} of {sweeps.sizes['sweep']}"

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
 MOST = 1000
 """Maximum number of sweeps: the cost of kernel machines grows with the square."""
-SPREAD = 2
+SESSION_EXCESS = 2
 """The sessions drawn have this multiple of MOST sweeps, so that each keeps enough of them."""
-REST = 5
+BASELINES_PER_SESSION = 5
 """Number of first unpressed sweeps that are kept of each session, as its baseline."""
 
 
@@ -24,7 +24,7 @@ def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
         return sweeps
     session = sweeps["session"].values
     among = np.flatnonzero(np.isin(session, _drawn(session, random)))
-    rest = _first_of_rest(among, session, sweeps["row"].values)[:MOST]
+    rest = _first_baselines(among, session, sweeps["row"].values)[:MOST]
     others = np.setdiff1d(among, rest)
     more = random.choice(others, min(MOST - rest.size, others.size), replace=False)
     return sweeps.isel(sweep=np.union1d(rest, more))
@@ -35,13 +35,16 @@ def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[n
     names, counts = np.unique(session, return_counts=True)
     order = random.permutation(names.size)
     before = np.cumsum(counts[order]) - counts[order]
-    return names[order[before < SPREAD * MOST]]
+    return names[order[before < SESSION_EXCESS * MOST]]
 
 
-def _first_of_rest(
+def _first_baselines(
     order: NDArray[np.intp], session: NDArray[np.int64], row: NDArray[np.int64]
 ) -> NDArray[np.intp]:
     """Indices of the first REST unpressed sweeps of each session."""
     unpressed = order[row[order] == 0]
-    parts = [unpressed[session[unpressed] == each][:REST] for each in np.unique(session[unpressed])]
+    parts = [
+        unpressed[session[unpressed] == each][:BASELINES_PER_SESSION]
+        for each in np.unique(session[unpressed])
+    ]
     return np.concatenate([np.zeros(0, dtype=np.intp), *parts])

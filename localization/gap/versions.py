@@ -53,7 +53,7 @@ def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Vers
     from ...simulator.calibration.run import calibrate
 
     before, told = _before(pair, seed)
-    why_not = _hindrance(pair, reserved)
+    why_not = _why_not_calibrated(pair, reserved)
     if why_not or pair.scene is None:
         return Versions({BEFORE: before}, (), [*told, why_not])
     try:
@@ -78,7 +78,7 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
     return Version(given, read_by_meter(given, pair.scene, seed)), [told]
 
 
-def _hindrance(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
+def _why_not_calibrated(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     """Reason why there is no calibration, empty if there is one."""
     if pair.scene is None:
         return "No calibration and no causes: the scene is unknown; --scene names it."

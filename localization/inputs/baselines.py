@@ -53,7 +53,11 @@ def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselin
     among the rows.
     """
     absolute = np.log(impedance(sweeps).astype(complex))
-    parts = list(_before(sweeps, absolute) if rest is None else _beside(sweeps, absolute, rest))
+    parts = list(
+        _own_baselines(sweeps, absolute)
+        if rest is None
+        else _given_baselines(sweeps, absolute, rest)
+    )
     none = Baselines(np.zeros(0, dtype=np.intp), absolute[:0], absolute[:0])
     rows, recent, opening = (np.concatenate(each) for each in zip(none, *parts, strict=True))
     order = np.argsort(rows)
@@ -80,12 +84,12 @@ def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
 def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     """True for sweeps with a baseline sweep before them in their session, (sweep,)."""
     known = np.zeros(sweeps.sizes["sweep"], dtype=bool)
-    for here, moments, count in _resting(sweeps):
+    for here, moments, count in _baseline_sweeps(sweeps):
         known[here[moments[count - 1] + 1 :]] = True
     return known
 
 
-def _resting(
+def _baseline_sweeps(
     sweeps: xr.Dataset,
 ) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], int]]:
     """Yield the baseline sweeps of each session that has any.
@@ -101,8 +105,8 @@ def _resting(
         yield here, moments, count
 
 
-def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Baselines]:
-    for here, moments, count in _resting(sweeps):
+def _own_baselines(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Baselines]:
+    for here, moments, count in _baseline_sweeps(sweeps):
         told = np.arange(moments[count - 1] + 1, here.size)
         rows, known = here[told], np.searchsorted(moments, told)
         at_rest = absolute[here[moments]]
@@ -111,7 +115,7 @@ def _before(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Ba
         yield Baselines(rows, recent, firsts[(known >= OPENING).astype(int)])
 
 
-def _beside(
+def _given_baselines(
     sweeps: xr.Dataset, absolute: NDArray[np.complex128], rest: xr.Dataset
 ) -> Iterator[Baselines]:
     known, asked = rest["session"].values, sweeps["session"].values
@@ -145,13 +149,13 @@ def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
 
 
 def _mean_of_others(
-    asked: NDArray[np.complex128], there: NDArray[np.complex128]
+    curves: NDArray[np.complex128], baselines: NDArray[np.complex128]
 ) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
     """Mean of the baseline sweeps other than the sweep itself, and True if there are any."""
-    names = {curve.tobytes() for curve in there}
-    own = np.array([curve.tobytes() in names for curve in asked])
-    others = len(there) - own
-    total = there.sum(axis=0) - np.where(own[:, None, None], asked, 0)
+    names = {curve.tobytes() for curve in baselines}
+    own = np.array([curve.tobytes() in names for curve in curves])
+    others = len(baselines) - own
+    total = baselines.sum(axis=0) - np.where(own[:, None, None], curves, 0)
     return total / np.maximum(others, 1)[:, None, None], others > 0
 
 

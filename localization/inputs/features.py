@@ -87,7 +87,7 @@ def available_features(
     width = len(asked) * readings_per_sweep(seen)
     X, told = np.empty((count, width)), np.zeros(count, dtype=bool)
     for block in _blocks(seen, needs_baseline(asked)):
-        found, rows = _of_block(seen.isel(sweep=block), asked, at_rest)
+        found, rows = _features_of_block(seen.isel(sweep=block), asked, at_rest)
         X[block[rows]], told[block[rows]] = found, True
     return packed(X, told), np.flatnonzero(told)
 
@@ -136,23 +136,23 @@ def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
     return [np.sort(block) for block in np.split(order, np.unique(ends[ends > 0]))]
 
 
-def _of_block(
-    seen: xr.Dataset, asked: tuple[str, ...], rest: xr.Dataset | None
+def _features_of_block(
+    sweeps: xr.Dataset, quantities: tuple[str, ...], rest: xr.Dataset | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """`available_features` of a block of sweeps, which contains whole sessions if needed."""
-    rows = np.arange(seen.sizes["sweep"])
-    found = {name: _read(seen, name) for name in asked if name in READ}
-    if len(found) < len(asked):
-        absolute = np.log(impedance(seen).astype(complex))
+    rows = np.arange(sweeps.sizes["sweep"])
+    found = {name: _read(sweeps, name) for name in quantities if name in READ}
+    if len(found) < len(quantities):
+        absolute = np.log(impedance(sweeps).astype(complex))
         found |= _parts(absolute, ABSOLUTE)
-    if needs_baseline(asked):
-        at_rest = log_baselines(seen, rest)
-        rows = at_rest.rows
+    if needs_baseline(quantities):
+        baselines = log_baselines(sweeps, rest)
+        rows = baselines.rows
         found = {name: values[rows] for name, values in found.items()}
-        found |= _parts(absolute[rows] - at_rest.recent, RELATIVE)
-        found |= _parts(at_rest.opening, BASELINE)
-    taken = taken_of(seen)
-    blocks = [_flat(found[name], taken) for name in asked]
+        found |= _parts(absolute[rows] - baselines.recent, RELATIVE)
+        found |= _parts(baselines.opening, BASELINE)
+    taken = taken_of(sweeps)
+    blocks = [_flat(found[name], taken) for name in quantities]
     return np.concatenate(blocks, axis=1), rows
 
 

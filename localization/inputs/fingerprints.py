@@ -22,10 +22,10 @@ def fingerprints_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     Readings are rounded to single precision, which text files keep too.
     """
     parts = in_blocks(np.arange(sweeps.sizes["sweep"]))
-    return np.concatenate([_marks(sweeps.isel(sweep=part)) for part in parts])
+    return np.concatenate([_fingerprints(sweeps.isel(sweep=part)) for part in parts])
 
 
-def _marks(sweeps: xr.Dataset) -> NDArray[np.uint64]:
+def _fingerprints(sweeps: xr.Dataset) -> NDArray[np.uint64]:
     readings = np.stack([sweeps[name].values for name in ("Rs", "X")], axis=1)
     rows = np.ascontiguousarray(readings.reshape(len(readings), -1), dtype=np.float32)
     digests = b"".join(

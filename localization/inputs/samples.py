@@ -149,11 +149,12 @@ class Samples:
             return self
         order = self.sessions[np.sort(first)]
         known = next(
-            (part for k in range(count, len(order)) if self._twice(part := order[:k])), order
+            (part for k in range(count, len(order)) if self._has_two_of_each(part := order[:k])),
+            order,
         )
         return self.part(np.flatnonzero(np.isin(self.sessions, known)))
 
-    def _twice(self, sessions: NDArray[np.int64]) -> bool:
+    def _has_two_of_each(self, sessions: NDArray[np.int64]) -> bool:
         """True if each class has two sweeps in these sessions."""
         if self.strata is None:
             return True
@@ -234,14 +235,14 @@ def samples_of(
     changes = None
     if problem.single_touch and problem.ignores_baseline:
         changes = baseline_changes(sweeps, interfaces=interfaces, rest=rest)
-    several = _several(sweeps, ~fitting[rows], X, rows, changes)
+    several = _several_touches(sweeps, ~fitting[rows], X, rows, changes)
     sessions = some["session"].values
     X = packed(X, fitting[rows])
     own = None if changes is None else changes[usable]
     return Samples(problem, X, y, sessions, usable, left_out, several, own)
 
 
-def _several(
+def _several_touches(
     sweeps: xr.Dataset,
     other: NDArray[np.bool_],
     X: NDArray[np.float64],

@@ -40,7 +40,7 @@ class _Adapted(BaseEstimator):
     """
 
     kind: type
-    beside = False
+    in_background = False
     """True if new tables are computed in the background, and the nearest skin's serve meanwhile."""
 
     def __init__(self, inner=None, builder: Builder | None = None):
@@ -83,29 +83,29 @@ class _Adapted(BaseEstimator):
         of_skin = partial(self.builder or simulated, rest=curve, averaged=inner.rest_sweeps)
         return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
-    def _by_skin(self, X, ask: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
+    def _by_skin(self, X, predict: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
         """Result of `ask` for each row, by the estimator of its skin, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         change, rest = np.split(X, 2, axis=1)
-        return self._by_curve(change, rest, ask)
+        return self._by_curve(change, rest, predict)
 
     def _by_curve(
-        self, change: NDArray, rest: NDArray, ask: Callable[[Any, NDArray], NDArray]
+        self, change: NDArray, rest: NDArray, predict: Callable[[Any, NDArray], NDArray]
     ) -> NDArray[np.float64]:
         curves, skin = np.unique(rest, axis=0, return_inverse=True)
         if not len(curves):
-            return ask(self.mean_, change)
+            return predict(self.mean_, change)
         parts = [np.flatnonzero(skin == k) for k in range(len(curves))]
         told = [
-            ask(self._of_skin(curve), change[rows])
+            predict(self._of_skin(curve), change[rows])
             for curve, rows in zip(curves, parts, strict=True)
         ]
         return np.concatenate(told)[np.argsort(np.concatenate(parts))]
 
     def _of_skin(self, curve: NDArray[np.float64]):
         skins = self.__dict__.setdefault("_skins", SkinCache(self._fitted))
-        if self.beside:
+        if self.in_background:
             return skins.nearest(curve).estimator
         return (skins.exact(curve) or skins.fitted(curve)).estimator
 

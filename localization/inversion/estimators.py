@@ -15,7 +15,7 @@ from ..inputs.baselines import MIN_BASELINES
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
-from ..learners.registry import REMOVED, Estimator, gone, learners
+from ..learners.registry import REMOVED, Estimator, learners, removal_message
 from . import adapted as inversion_adapted
 from . import classifier as inversion
 from .adapted import AdaptedClassifier, AdaptedPosition
@@ -64,7 +64,7 @@ def chosen(name: str | None, target: str) -> Estimator:
     able = [each.name for each in known.values() if target in each.targets]
     name = name or DEFAULT_ESTIMATORS[target]
     if name in REMOVED:
-        raise InputError(f"`estimator` {gone(name)}")
+        raise InputError(f"`estimator` {removal_message(name)}")
     if name not in able:
         raise InputError(
             f"`estimator` must be one of {', '.join(able)} for `target` {target}, got {name!r}"
@@ -76,8 +76,8 @@ def model_based() -> list[Estimator]:
     """Both estimators that invert the simulator: for the mean skin, and for the actual skin."""
     adapted = partial(_pipeline, MODEL_ADAPTED)
     return [
-        Estimator(MODEL_BASED, TARGETS, partial(_pipeline, MODEL_BASED), taught=False),
-        Estimator(MODEL_ADAPTED, TARGETS, adapted, sessions=SKINS, taught=False),
+        Estimator(MODEL_BASED, TARGETS, partial(_pipeline, MODEL_BASED), uses_sweeps=False),
+        Estimator(MODEL_ADAPTED, TARGETS, adapted, max_sessions=SKINS, uses_sweeps=False),
     ]
 
 
@@ -85,7 +85,7 @@ def build_in_background(pipeline: Pipeline) -> None:
     """Compute tables of new skins in the background, if a pipeline needs any: see `SkinCache`."""
     step: Any = pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
-        step.beside = True
+        step.in_background = True
 
 
 def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:

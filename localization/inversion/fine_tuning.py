@@ -36,12 +36,14 @@ def fine_tuned(
     mixture = known.mixture()
     joint = np.where(possible, mixture.log_joint(mixture.distances(X)), -np.inf)
     shares = softmax(joint, axis=1)
-    teach = _skin if mode == "skin" else _error
-    taught = teach(known, X, shares.argmax(axis=1))
-    return replace(taught, strengths=_strengths(known, shares.sum(axis=0)))
+    fit = _with_fitted_skin if mode == "skin" else _with_fitted_error
+    fitted = fit(known, X, shares.argmax(axis=1))
+    return replace(fitted, strengths=_strengths(known, shares.sum(axis=0)))
 
 
-def _skin(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
+def _with_fitted_skin(
+    known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]
+) -> Hypotheses:
     """Update the normal unknowns z of the skin: each sweep is m + J t + A z, t its own strength."""
     unknowns = known.skin.shape[-1]
     precision, pull = np.eye(unknowns), np.zeros(unknowns)
@@ -59,9 +61,11 @@ def _skin(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) ->
     )
 
 
-def _error(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -> Hypotheses:
+def _with_fitted_error(
+    known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]
+) -> Hypotheses:
     """Add a bias and further directions from the residuals of the best fits, if above noise."""
-    left = np.array([_left_over(known, x, e) for x, e in zip(X, entry, strict=True)])
+    left = np.array([_residual(known, x, e) for x, e in zip(X, entry, strict=True)])
     count, numbers = len(left), X.shape[1]
     bias = left.sum(axis=0) / (count + PRIOR_ERRORS)
     scatter = (left - bias).T @ (left - bias) / (count + PRIOR_ERRORS)
@@ -77,7 +81,7 @@ def _error(known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]) -
     )
 
 
-def _left_over(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray[np.float64]:
+def _residual(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray[np.float64]:
     """Residual of a sweep after strength and skin are fitted."""
     one = np.array([entry])
     B, off = known.spread(one)[0], x - known.means(one)[0]

@@ -83,17 +83,17 @@ def hypotheses(
         skin=tables["skin"] / noise[:, None],
         shift=tables["shift"] / noise,
     )
-    found = _with_rest(single, chance[0])
+    found = _with_unpressed(single, chance[0])
     return _with_pairs(found, tables, noise, chance[2]) if two else found
 
 
-def _chances(told: NDArray[np.float64]) -> NDArray[np.float64]:
+def _chances(given: NDArray[np.float64]) -> NDArray[np.float64]:
     """Prior of 0, 1 (and 2) touches, each at least 0.01 before it is normalized."""
-    chance = np.maximum(told, 0.01)
+    chance = np.maximum(given, 0.01)
     return chance / chance.sum()
 
 
-def _with_rest(single: Hypotheses, chance: float) -> Hypotheses:
+def _with_unpressed(single: Hypotheses, chance: float) -> Hypotheses:
     def first(a: NDArray, value: float) -> NDArray:
         return np.concatenate([np.full((1, *a.shape[1:]), value, dtype=a.dtype), a])
 

@@ -29,7 +29,7 @@ class PlacePosterior(SequentialPosterior):
 
     def __init__(self, localizer: ModelBasedPosition, log_prior: NDArray[np.float64]) -> None:
         touched = localizer.mixture()
-        super().__init__(_with_rest(touched), localizer.noise_, localizer.doubt)
+        super().__init__(_with_unpressed(touched), localizer.noise_, localizer.doubt)
         self._localizer = localizer
         cell = np.arange(len(touched.mean)) // GRID[2]
         chance = touched.log_chance
@@ -104,14 +104,14 @@ class PlacePosterior(SequentialPosterior):
         return (np.linalg.slogdet(before)[1] - np.linalg.slogdet(after)[1]) / 2
 
 
-def log_prior_of(localizer: ModelBasedPosition, rest: float) -> NDArray[np.float64]:
+def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> NDArray[np.float64]:
     """ln prior of the unpressed skin and of each cell of GRID, (1 + cell,). rest: its prior."""
     by_cell = _by_cell(localizer.mixture().log_chance)
     with np.errstate(divide="ignore"):
-        return np.append(np.log(rest), np.log1p(-rest) + by_cell)
+        return np.append(np.log(unpressed), np.log1p(-unpressed) + by_cell)
 
 
-def _with_rest(touched: Mixture) -> Mixture:
+def _with_unpressed(touched: Mixture) -> Mixture:
     """The mixture with an additional entry: the unpressed skin, which changes nothing."""
 
     def more(values: NDArray[np.float64]) -> NDArray[np.float64]:

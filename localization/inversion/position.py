@@ -23,9 +23,9 @@ GRID = (16, 16, 8)
 CELLS = GRID[0] * GRID[1]
 OVERLAP = 0.5
 """Standard deviation within an entry, relative to the step to the next entry."""
-NOWHERE = 1e-12
+MIN_SKIN_SHARE = 1e-12
 """Minimum share of skin of an entry: the value for entries outside the skin."""
-WITHIN = 6
+POINTS_PER_CELL_SIDE = 6
 """Number of points along each side of a cell that are tested for skin."""
 BLUR = 3.0
 """Blur of a posterior before its peak is taken, mm."""
@@ -160,7 +160,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         if mask is not None:
             self.on_skin_, self.sides_ = mask.inside, mask.sides
             shares = np.repeat(_shares(mask, curve.bounds), GRID[2])
-            self.beside_, entries = shares == 0, entries * np.maximum(shares, NOWHERE)
+            self.beside_, entries = shares == 0, entries * np.maximum(shares, MIN_SKIN_SHARE)
             entries /= entries.sum()
         found = mixture(curve.values(self.theta_), spread, entries)
         self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
@@ -212,9 +212,16 @@ def cells_of(posterior: Posterior) -> NDArray[np.float64]:
 
 def _shares(mask: SkinMask, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Share of each cell of GRID (y varies fastest) that is skin, shape (cell,)."""
-    x, y = (_middles(low, high, WITHIN * GRID[k]) for k, (low, high) in enumerate(bounds[:2]))
+    x, y = (
+        _middles(low, high, POINTS_PER_CELL_SIDE * GRID[k])
+        for k, (low, high) in enumerate(bounds[:2])
+    )
     there = mask.contains(*np.meshgrid(x, y, indexing="ij"))
-    return there.reshape(GRID[0], WITHIN, GRID[1], WITHIN).mean(axis=(1, 3)).ravel()
+    return (
+        there.reshape(GRID[0], POINTS_PER_CELL_SIDE, GRID[1], POINTS_PER_CELL_SIDE)
+        .mean(axis=(1, 3))
+        .ravel()
+    )
 
 
 def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,12 +13,12 @@ from .skin_mask import SkinMask
 
 LINES = 41
 NEGLIGIBLE = 1e-4
-FARTHEST = 4.0
+MAX_DEVIATIONS = 4.0
 """Number of standard deviations beyond which an entry is neglected."""
-FINE = 1.0
+DISC_STEP = 1.0
 """Distance between the centres of discs, mm."""
 STARTS, STEPS = 200, 50
-CLOSE = 1e-6
+PEAK_TOLERANCE = 1e-6
 """Step below which the search for the peak ends, mm."""
 
 
@@ -64,7 +64,7 @@ class PlaceDistribution:
         for _ in range(STEPS):
             pulls = pull(place[None])[0]
             moved = np.linalg.solve(np.tensordot(pulls, inverse, 1), pulls @ towards)
-            done = np.abs(moved - place).max() < CLOSE
+            done = np.abs(moved - place).max() < PEAK_TOLERANCE
             place = moved
             if done:
                 break
@@ -80,7 +80,7 @@ class PlaceDistribution:
     def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Cell centres, x and y in mm, over the part of the skin that the posterior reaches."""
         kept = self.weight > NEGLIGIBLE * self.weight.max()
-        reach = FARTHEST * np.sqrt(np.einsum("eii->ei", self.covariance[kept]))
+        reach = MAX_DEVIATIONS * np.sqrt(np.einsum("eii->ei", self.covariance[kept]))
         low = np.maximum((self.mean[kept] - reach).min(axis=0), self.bounds[:, 0])
         high = np.minimum((self.mean[kept] + reach).max(axis=0), self.bounds[:, 1])
         sides = np.where((high > low)[:, None], np.stack([low, high], axis=1), self.bounds)
@@ -91,9 +91,9 @@ class PlaceDistribution:
 
         No answer lies within that distance of the touch with a higher probability.
         """
-        x, y = (np.arange(low, high + FINE, FINE) for low, high in self.bounds)
+        x, y = (np.arange(low, high + DISC_STEP, DISC_STEP) for low, high in self.bounds)
         density = self.density(*np.meshgrid(x, y))
-        aside = np.arange(-radius // FINE, radius // FINE + 2) * FINE
+        aside = np.arange(-radius // DISC_STEP, radius // DISC_STEP + 2) * DISC_STEP
         disc = np.hypot(*np.meshgrid(aside, aside)) <= radius
         return float(fftconvolve(density, disc, mode="same").max() / density.sum())
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..trust.fitted import Regressor
-from .region import FARTHEST, PlaceDistribution, Region, region_of
+from .region import MAX_DEVIATIONS, PlaceDistribution, Region, region_of
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
@@ -49,7 +49,7 @@ def sides_of(scene: Scene) -> NDArray[np.float64]:
     return 1e3 * np.array([[0.0, scene.skin.length], [0.0, scene.skin.width]])
 
 
-def _reach(told: NDArray, deviation: NDArray) -> NDArray[np.float64]:
+def _reach(places: NDArray, deviation: NDArray) -> NDArray[np.float64]:
     """Bounds of the search for places: lowest and highest x and y in mm, shape (2, 2)."""
-    reach = FARTHEST * deviation
-    return np.stack([(told - reach).min(axis=0), (told + reach).max(axis=0)], axis=1)
+    reach = MAX_DEVIATIONS * deviation
+    return np.stack([(places - reach).min(axis=0), (places + reach).max(axis=0)], axis=1)

@@ -51,5 +51,5 @@ class Affine(RegressorMixin, BaseEstimator):
         told, deviation = estimator.predict(X, return_std=True)
         return told + self._terms(told) @ self.correction_, deviation
 
-    def _terms(self, told):
-        return np.column_stack([np.ones(len(told)), (told - self.centre_) / self.scale_])
+    def _terms(self, places):
+        return np.column_stack([np.ones(len(places)), (places - self.centre_) / self.scale_])

@@ -17,7 +17,7 @@ FOLLOWED = 2
 """Number of directions in which skins differ most and drift is followed: foam and sheets."""
 OPENING = 0.65
 """Weight of the opening sweeps in the baseline across the directions."""
-SHARE = 0.99
+NOISE_QUANTILE = 0.99
 """Share of the training sweeps, which do not drift, whose squared length is within `noise`."""
 
 Array = NDArray[np.float64]
@@ -29,11 +29,11 @@ class DriftDirections(NamedTuple):
     ways: orthonormal, shape (feature, way). noise: squared length of the noise across them.
     """
 
-    ways: Array
+    directions: Array
     noise: float
 
     @classmethod
-    def learned(cls, opening: Array, recent: Array, count: int) -> DriftDirections:
+    def fitted(cls, opening: Array, recent: Array, count: int) -> DriftDirections:
         """Fit the directions to skins that do not drift.
 
         opening, recent: means of the opening and of the latest baseline sweeps, each of shape
@@ -43,16 +43,16 @@ class DriftDirections(NamedTuple):
         power, axes = np.linalg.eigh(apart.T @ apart)
         ways = np.asarray(axes[:, np.argsort(power)[::-1][:count]], np.float64)
         across = np.square(_across(recent - opening, ways)).sum(axis=1)
-        return cls(ways, float(np.quantile(across, SHARE)))
+        return cls(ways, float(np.quantile(across, NOISE_QUANTILE)))
 
-    def settled(self, moved: Array) -> Array:
+    def correction(self, moved: Array) -> Array:
         """Correction to add to changes from the latest baseline, shape (sweep, feature).
 
         moved: latest baseline less the opening one. The correction is its part across the
         directions times OPENING. It is smaller the more that part exceeds the noise, by the
         shrinkage of W. James and C. Stein (1961).
         """
-        across = _across(moved, self.ways)
+        across = _across(moved, self.directions)
         size = np.square(across).sum(axis=1, keepdims=True)
         believed = np.minimum(self.noise / np.maximum(size, np.finfo(float).tiny), 1.0)
         return OPENING * believed * across

@@ -28,13 +28,13 @@ COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 They count components of changes, components of baseline curves, those of curves that form products,
 and directions of a class's own spread.
 """
-BENDING = 6
+CURVATURE_COMPONENTS = 6
 """Number of components of the curve that the curvature in strength depends on."""
 ROUNDS = 3
 """Number of alternations between the fit of strengths and the fit of their coefficients."""
 RIDGE = 1.0
 """Ridge penalty of each class: weight of no dependence on the curve, as a number of sweeps."""
-SHRUNK = 10.0
+NOISE_WEIGHT = 10.0
 """Weight of the noise of all classes in that of each class, as a number of sweeps."""
 TINY = 1e-9
 
@@ -50,7 +50,7 @@ class ClassDensity(NamedTuple):
     """
 
     by_curve: Array
-    bend: Array
+    curvature: Array
     strength: float
     axes: Array
     own: Array
@@ -107,7 +107,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         X = self.drifted(X)
         change, curve = self._parts(X)
         self._of_change = _axes(change, self.components)
-        self._of_curve = _axes(curve, self.of_curve, alike=True)
+        self._of_curve = _axes(curve, self.of_curve, whiten=True)
         change, known = self._projected(X)
         fits = _fitted(change, known, index, self.spread)
         counts = np.bincount(index)
@@ -116,7 +116,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         self.normals_ = [
             tuple(
                 fit._replace(
-                    floor=(n * fit.floor + SHRUNK * pooled) / (n + SHRUNK) + least,
+                    floor=(n * fit.floor + NOISE_WEIGHT * pooled) / (n + NOISE_WEIGHT) + least,
                     own=fit.own + least,
                     prior=float(np.log(n / len(X))),
                 )
@@ -166,7 +166,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         if not len(self.absolute) == len(curve) == len(change) > 0:
             return None
         recent = X[:, self.absolute] - X[:, change]
-        return DriftDirections.learned(X[:, curve], recent, self.followed)
+        return DriftDirections.fitted(X[:, curve], recent, self.followed)
 
     def _parts(self, X: Array) -> tuple[Array, Array]:
         """The change, and the baseline curve."""
@@ -174,7 +174,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         change = X[:, columns]
         if self.moved_ is not None:
             moved = DriftDirections._make(self.moved_)
-            change = change + moved.settled(X[:, self.absolute] - change - X[:, curve])
+            change = change + moved.correction(X[:, self.absolute] - change - X[:, curve])
         return change, X[:, curve]
 
     def _projected(self, X: Array) -> tuple[Array, Array]:
@@ -186,12 +186,12 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return change @ turn, known
 
 
-def _axes(X: Array, count: int, alike: bool = False) -> tuple[Array, Array]:
+def _axes(X: Array, count: int, whiten: bool = False) -> tuple[Array, Array]:
     """Mean and leading directions. alike: scales each direction to unit variance."""
     mean = X.mean(axis=0)
     power, axes = np.linalg.eigh((X - mean).T @ (X - mean) / len(X))
     kept = np.flatnonzero(power > TINY * power.max(initial=0.0))[::-1][:count]
-    return mean, np.asarray(axes[:, kept] / (np.sqrt(power[kept]) if alike else 1.0), np.float64)
+    return mean, np.asarray(axes[:, kept] / (np.sqrt(power[kept]) if whiten else 1.0), np.float64)
 
 
 def _products(z: Array) -> Array:
@@ -214,7 +214,9 @@ def _fitted(
             _strength(x, z @ own[:width])[:, None]
             for x, z, own in zip(changes, curves, found, strict=True)
         ]
-        terms = [np.hstack([t * z, _bending(t, z)]) for t, z in zip(strengths, curves, strict=True)]
+        terms = [
+            np.hstack([t * z, _curvature(t, z)]) for t, z in zip(strengths, curves, strict=True)
+        ]
         found = _regressed(terms, changes)
     return [
         _normal(x, z, own[:width], own[width:], spread, turn)
@@ -228,7 +230,7 @@ def _normal(
     """Density of one class. turn: matrix from the original terms of the curve to `known`."""
     touch = known @ by_curve
     t = _strength(change, touch)
-    left = change - t[:, None] * touch - _bending(t[:, None], known) @ bend
+    left = change - t[:, None] * touch - _curvature(t[:, None], known) @ bend
     power, axes = np.linalg.eigh(left.T @ left / len(left))
     power, axes = np.maximum(power[::-1], 0.0), axes[:, ::-1]
     k = min(spread, max(len(power) - 2, 0))
@@ -249,8 +251,8 @@ def _strength(change: Array, touch: Array) -> Array:
     return np.divide(along, size, out=np.ones(len(size)), where=size > 0)
 
 
-def _bending(t: Array, known: Array) -> Array:
-    return np.square(t - 1) * known[:, : BENDING + 1]
+def _curvature(t: Array, known: Array) -> Array:
+    return np.square(t - 1) * known[:, : CURVATURE_COMPONENTS + 1]
 
 
 def _regressed(terms: list[Array], changes: list[Array]) -> Array:
@@ -275,7 +277,7 @@ def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
     along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
     wider = 1 + normal.strength * size
     t = 1 + normal.strength * along / wider
-    left = change - touch - _bending(t[:, None], known) @ normal.bend
+    left = change - touch - _curvature(t[:, None], known) @ normal.curvature
     along = _inner(normal, left, touch)
     apart = _inner(normal, left, left) - normal.strength * along**2 / wider
     others = change.shape[1] - len(normal.own)

@@ -20,11 +20,11 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 HIDDEN = (128, 128)
 STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
 """Step size and number of steps of each stage, in order."""
-SHORT = ((2e-3, 240), (5e-4, 120), (1e-4, 60))
+SHORT_STAGES = ((2e-3, 240), (5e-4, 120), (1e-4, 60))
 """Stages for few noisy sweeps, which STAGES would overfit."""
 BATCH = 500
 """Number of sweeps of one step."""
-TOGETHER = 10
+BATCHES_AT_ONCE = 10
 """Number of batches of one `partial_fit`, which encodes the classes of these sweeps only."""
 COMPONENTS = 26
 """Number of principal components of the features that a network takes."""
@@ -110,7 +110,7 @@ def _drawn(
     left = max(steps, -(-size // batch)) * batch
     waiting = np.zeros(0, dtype=np.intp)
     while left:
-        now = min(TOGETHER * batch, left)
+        now = min(BATCHES_AT_ONCE * batch, left)
         while len(waiting) < now:
             waiting = np.concatenate([waiting, random.permutation(size)])
         yield waiting[:now]

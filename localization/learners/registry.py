@@ -20,7 +20,7 @@ from .classifiers import (
     reference,
 )
 from .drift import with_drift
-from .networks import SHORT, STAGES
+from .networks import SHORT_STAGES, STAGES
 from .regressors import kernel_ridge
 
 Grid = Mapping[str, Sequence[Any]]
@@ -41,9 +41,9 @@ class Estimator:
     targets: tuple[str, ...]
     build: Callable[[LocalizationProblem], Pipeline]
     grid: Grid | Callable[[LocalizationProblem], Grid] = field(default_factory=dict)
-    most: int = 20_000
-    sessions: int | None = None
-    taught: bool = True
+    max_sweeps: int = 20_000
+    max_sessions: int | None = None
+    uses_sweeps: bool = True
 
     def grid_for(self, problem: LocalizationProblem) -> Grid:
         """Values of parameters that tuning tries for a problem."""
@@ -68,7 +68,7 @@ REMOVED = {
 """Removed estimators, which were best in no table, and their replacements."""
 
 
-def gone(name: str) -> str:
+def removal_message(name: str) -> str:
     """Message about a removed estimator."""
     return f"{name} is gone, for nowhere was it right more often than others: take {REMOVED[name]}"
 
@@ -80,7 +80,7 @@ def learners() -> dict[str, Estimator]:
         Estimator(REFERENCE, few, lambda each: reference(each.features), _reference_grid),
         Estimator("ksvm-components", CLASSES, _scaled(components_svm), SVM_GRID),
         Estimator(
-            "gaussian", CLASSES, lambda each: on_one_scale(gaussian(each), each), most=100_000
+            "gaussian", CLASSES, lambda each: on_one_scale(gaussian(each), each), max_sweeps=100_000
         ),
         Estimator("kernel-ridge", ("position",), _scaled(kernel_ridge), RIDGE_GRID, 6000),
         _network(),
@@ -95,9 +95,9 @@ def _network() -> Estimator:
 
     def grid(problem: LocalizationProblem) -> Grid:
         last = "regress__regressor" if problem.continuous else "classify"
-        return {f"{last}__stages": [STAGES, SHORT]}
+        return {f"{last}__stages": [STAGES, SHORT_STAGES]}
 
-    return Estimator("network", TARGETS, build, grid, most=500_000)
+    return Estimator("network", TARGETS, build, grid, max_sweeps=500_000)
 
 
 def _scaled(build: Callable[[], Pipeline]) -> Callable[[LocalizationProblem], Pipeline]:

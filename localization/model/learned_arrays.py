@@ -27,7 +27,7 @@ from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.drift import Drifting
 from ..learners.ecoc import ECOCClassifier, one_versus_one
-from ..learners.gaussians import BENDING, GaussianClassifier
+from ..learners.gaussians import CURVATURE_COMPONENTS, GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from ..trust.kinds import KindGuard
@@ -165,7 +165,7 @@ def _densities(classes: Any, sizes: Mapping[str, int]) -> bool:
     width = 1 + sizes["z"] + squared * (squared + 1) // 2
     left = sizes["F"] - len({*classes.curve, *classes.absolute})
     found = len(classes.normals_), sizes["W"], sizes["B"], sizes["D"]
-    return found == (sizes["K"], width, min(BENDING + 1, width), left)
+    return found == (sizes["K"], width, min(CURVATURE_COMPONENTS + 1, width), left)
 
 
 def _layers(network: Any, sizes: Mapping[str, int]) -> bool:

@@ -15,7 +15,7 @@ from sklearn.exceptions import InconsistentVersionWarning
 
 from ...simulator.sweeps import InputError, checked_output, digests, inputs, whole_file
 from ...simulator.sweeps.file_kinds import check_file_kind
-from ..learners.registry import REMOVED, gone
+from ..learners.registry import REMOVED, removal_message
 from ..processor_count import physical_cpu_count
 from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
@@ -94,7 +94,9 @@ def _trusted_content(path: Path, data: bytes) -> Any:
     if any(name.startswith(OF_EARLIER) for name in untrusted):
         name = _estimator(data)
         told = (
-            f"its estimator {gone(name)}, and train it anew" if name in REMOVED else ANOTHER_LAYOUT
+            f"its estimator {removal_message(name)}, and train it anew"
+            if name in REMOVED
+            else ANOTHER_LAYOUT
         )
         raise InputError(f"{path}: {told}")
     if untrusted:

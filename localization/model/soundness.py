@@ -50,7 +50,7 @@ def check_sound(learned: Classifier | Regressor, features: int) -> None:
         else:
             _check_array(learned.sharpness, ">0", "sharpness", {})
             _check_array(learned.threshold, ">=0", "threshold", {})
-        _ask(learned, features)
+        _check_prediction(learned, features)
     except UnsoundError:
         raise
     except Exception as error:  # a part of another type can raise anything
@@ -115,7 +115,7 @@ def _check_array(value: Any, declared: str, name: str, sizes: Sizes) -> None:
     if array.size and array.dtype.kind not in kinds and not number:
         raise UnsoundError(f"`{name}` is of another type, {array.dtype}")
     _check_shape(array, words, name, sizes)
-    if rule and not _kept(array, rule, sizes):
+    if rule and not _follows_rule(array, rule, sizes):
         raise UnsoundError(f"`{name}` must be {_rule_text(rule)} everywhere")
 
 
@@ -136,7 +136,7 @@ def _size(word: str, sizes: Sizes) -> int:
     return DERIVED[word](sizes) if word in DERIVED else sizes[word]
 
 
-def _kept(array: np.ndarray, rule: str, sizes: Sizes) -> bool:
+def _follows_rule(array: np.ndarray, rule: str, sizes: Sizes) -> bool:
     if rule == "classes":
         return array.size > 1 and np.array_equal(np.unique(array), array)
     if rule in KINDS:
@@ -185,7 +185,7 @@ def _check_numbers(value: Any, name: str) -> None:
         _check_numbers(vars(value), name)
 
 
-def _ask(learned: Classifier | Regressor, features: int) -> None:
+def _check_prediction(learned: Classifier | Regressor, features: int) -> None:
     """Predict one sweep of zeros, unless that requires tables from the simulator."""
     if hasattr(learned.pipeline[-1], "for_baseline"):
         return

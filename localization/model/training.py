@@ -57,7 +57,7 @@ def train(
         certain=certain,
         validation=held_out,
         versions=current_versions(),
-        trained_on=min(len(samples.first_sessions(made.sessions).X), made.most),
+        trained_on=min(len(samples.first_sessions(made.max_sessions).X), made.max_sweeps),
         left_out=samples.left_out.describe(target),
         fingerprints=fingerprints_of(sweeps)[samples.rows],
         gate=gate,

@@ -155,7 +155,7 @@ def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.D
 
 def _draw_changes(axes: Axes, curves: xr.Dataset, experiment: SimulatedExperiment) -> None:
     Cp, measured = curves["Cp"].values[:, 0], experiment.measured["Cp"].values[:, 0]
-    at_rest = experiment.at_rest["Cp"].values[0, 0]
+    at_rest = experiment.unpressed["Cp"].values[0, 0]
     (curve_at_rest,) = Cp[curves["row"].values == 0]
     _draw_sweeps(axes, curves, 100 * (Cp / curve_at_rest - 1))
     _draw_readings(axes, experiment.measured, 100 * (measured / at_rest - 1))

@@ -48,7 +48,7 @@ from .studies import (
 if TYPE_CHECKING:
     import pandas as pd
 
-BEYOND = 6
+FINER_PIXELS = 6
 
 
 @config_context(**UNCHECKED)
@@ -90,7 +90,7 @@ def _experiments(progress: ProgressCallback) -> Results:
 
 
 def _beyond(progress: ProgressCallback) -> Confusion:
-    scene = with_pixels(load_scene("sheet-5x5"), BEYOND)
+    scene = with_pixels(load_scene("sheet-5x5"), FINER_PIXELS)
     measured = read_out(exact_sweeps(scene, progress), scene.readout, stream(scene, METER))
     return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
 

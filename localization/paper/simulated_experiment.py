@@ -28,7 +28,7 @@ class SimulatedExperiment:
     scene: Scene
     exact: xr.Dataset
     measured: xr.Dataset
-    at_rest: xr.Dataset
+    unpressed: xr.Dataset
 
 
 def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedExperiment:

@@ -45,10 +45,10 @@ def axes_of(
         return parse_axes([vary] if isinstance(vary, str) else vary, table)
     listed = {name: np.atleast_1d(np.asarray(values)).tolist() for name, values in vary.items()}
     axes = parse_axes([f"{k}={','.join(map(repr, each))}" for k, each in listed.items()], table)
-    return [replace(axis, logarithmic=_even_by_ratio(axis.values)) for axis in axes]
+    return [replace(axis, logarithmic=_is_geometric(axis.values)) for axis in axes]
 
 
-def _even_by_ratio(values: Sequence[float]) -> bool:
+def _is_geometric(values: Sequence[float]) -> bool:
     """True if there are three values or more, in geometric progression."""
     if len(values) < 3 or values[0] <= 0:
         return False

@@ -86,7 +86,7 @@ def study(
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from .execution import warnings_of
-    from .report import ENDINGS, screenful
+    from .report import ENDINGS, first_lines
     from .settings import checked_workers
     from .study import plan_study
 
@@ -112,6 +112,6 @@ def study(
     found.write(output)
     found.plot(picture)
     meaning = accuracy_text(target, CHANGES, "on skins not trained on", scene)
-    for line in (*screenful(found.best, output), meaning, found.spacing):
+    for line in (*first_lines(found.best, output), meaning, found.spacing):
         say(line)
     report_written(points, output, picture)

@@ -19,7 +19,7 @@ from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_text
 from .axis import Axis
-from .point import LOOSEST, EvaluationSettings, PointFindings, score_point
+from .point import MAX_RTOL, EvaluationSettings, PointFindings, score_point
 from .scene_keys import with_values
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ Given = TypeVar("Given")
 Made = TypeVar("Made")
 NEEDED = ("rcskin.localization.cli", "rcskin.localization.study.execution")
 """Modules of the command and of every task, imported once for all processes."""
-NOISE_SHARE, TIGHTEST = 0.1, 1e-7
+NOISE_SHARE, MIN_RTOL = 0.1, 1e-7
 VARIABLES = {
     "accuracy": ("share of sweeps whose class is found, on skins not trained on", "1"),
     "accuracy_sd": ("standard deviation of the accuracy between the parts held out", "1"),
@@ -71,7 +71,7 @@ def fitting_rtol(scenes: Sequence[Scene]) -> float:
         for scene in scenes
         for noise in (scene.readout.magnitude_noise, scene.readout.phase_noise)
     )
-    return float(np.clip(NOISE_SHARE * min(noises), TIGHTEST, LOOSEST))
+    return float(np.clip(NOISE_SHARE * min(noises), MIN_RTOL, MAX_RTOL))
 
 
 def study(

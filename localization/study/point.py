@@ -29,14 +29,14 @@ from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies
 from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
 
-FOLDS, LOOSEST = 5, 1e-4
+FOLDS, MAX_RTOL = 5, 1e-4
 
 
 SWEEPS = 2000
 """Number of sweeps of a draw, as in the data sets of the documentation."""
 SESSIONS = 4
 """Minimum number of skins of a draw: one is tested by a localizer trained on three others."""
-KEPT = 4
+MAX_CACHED_FAMILIES = 4
 """Number of skin families that a process caches for further points."""
 REST_EVERY = 5
 """Number of presses between sweeps of the unpressed skin, in draws of few presses."""
@@ -73,7 +73,7 @@ class EvaluationSettings:
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
                 f"`target` {self.target}, got {least}"
             )
-        check_fits(scene, self.plan(scene, 0, LOOSEST).sweeps)
+        check_fits(scene, self.plan(scene, 0, MAX_RTOL).sweeps)
 
     def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
         """Plan the data set of one draw.
@@ -142,7 +142,7 @@ def score_point(
     nominal = trial.nominal(scene)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
-    family = _family(_unread(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
+    family = _family(_without_readings(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
     Z = impedances(scene, nominal, family, rtol)
     readings = in_units_of_error(Z, scene.readout, scene.taken)
     shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
@@ -152,7 +152,7 @@ def score_point(
     )
 
 
-def _unread(scene: Scene) -> Scene:
+def _without_readings(scene: Scene) -> Scene:
     """The scene with defaults for everything on which its family of skins does not depend."""
     pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
     plain = {"press": pressing} if scene.press.by_factor else {}
@@ -164,7 +164,7 @@ def _unread(scene: Scene) -> Scene:
     return scene.model_copy(update={**rest, **plain, "dataset": drawn})
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MAX_CACHED_FAMILIES)
 def _family(scene: Scene, rtol: float) -> SkinFamily:
     return reduced(scene, rtol)
 

@@ -61,7 +61,7 @@ def _spaced(axis: Axis) -> str:
     return f"{axis.key.name}: {count} values from {first:.6g} to {last:.6g}, {even}"
 
 
-def screenful(lines: Sequence[str], output: Path) -> list[str]:
+def first_lines(lines: Sequence[str], output: Path) -> list[str]:
     """The first MOST_LINES lines; if there are more, a line that names the complete file."""
     left = len(lines) - MOST_LINES
     if left <= 0:

@@ -13,7 +13,7 @@ from .scene_keys import find_key, with_values
 MOST_WORKERS = 256
 
 
-def changed(
+def with_study_settings(
     table: Mapping[str, Any], max_frequency: float | None, repetitions: int | None, seed: int | None
 ) -> dict[str, Any]:
     """A scene's table with a study's settings; None keeps the scene's value. Raises InputError."""

@@ -17,7 +17,7 @@ from .axis import READY_MADE, Axis, axes_of
 from .point import EvaluationSettings
 from .report import ENDINGS, answers, describe_experiment, spacing, write_table
 from .scene_keys import scene_table
-from .settings import changed
+from .settings import with_study_settings
 from .study_figure import draw_study
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def plan_study(
     each pixel in a draw. seed: None takes the scene's. Raises InputError for an invalid key or
     value, and for scenes that cannot be scored.
     """
-    table = changed(scene_table(scene), max_frequency, repetitions, seed)
+    table = with_study_settings(scene_table(scene), max_frequency, repetitions, seed)
     axes = axes_of(vary or READY_MADE, table)
     varied = [place[0] for axis in axes for place in axis.key.places]
     trial = EvaluationSettings(target, draws, repetitions is not None or "experiment" in varied)

@@ -30,7 +30,7 @@ NEIGHBOURS, RESIDUALS = 50, 5000
 """Number of errors whose root mean square is a deviation, and of errors kept in all."""
 FEWEST = 10
 """Minimum number of sweeps with a baseline to fit guards of changes to, and to score them by."""
-ALL = np.arange(0), np.arange(0)
+WHOLE_FIT = np.arange(0), np.arange(0)
 """Placeholder for the fit to all sweeps, which progress counts together with the splits."""
 
 
@@ -50,14 +50,14 @@ def learn_classes(
     """
     if np.unique(samples.y).size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {np.unique(samples.y).size}")
-    samples = samples.first_sessions(estimator.sessions)
+    samples = samples.first_sessions(estimator.max_sessions)
     splits = scoring_splits(samples.strata, samples.sessions)
     train = trainer(estimator, tune=tune)
-    fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
+    fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
     unseen = held_out_indices(splits)
-    again = _again(train, estimator, pipeline)
+    again = _retrained(train, estimator, pipeline)
     held_out = held_out_decisions(again, samples, fits, unseen, pipeline.classes_)
     index = np.searchsorted(pipeline.classes_, samples.y[unseen])
     sharpness = sharpness_of(held_out, index)
@@ -80,14 +80,14 @@ def learn_positions(
 
     progress: callback for the fits. Raises InputError as `scoring_splits` does.
     """
-    samples = samples.first_sessions(estimator.sessions)
+    samples = samples.first_sessions(estimator.max_sessions)
     splits = scoring_splits(None, samples.sessions)
     unseen = held_out_indices(splits)
     train = trainer(estimator, tune=tune)
-    fits = iter(tracked([ALL, *splits], f"training {estimator.name}", progress))
+    fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
-    told, deviation = held_out_positions(_again(train, estimator, pipeline), samples, fits)
+    told, deviation = held_out_positions(_retrained(train, estimator, pipeline), samples, fits)
     told, residual = told[unseen], (told - samples.y)[unseen]
     factor, spread = np.ones(told.shape[1]), None
     if deviation is None:
@@ -100,19 +100,19 @@ def learn_positions(
     return Regressor(pipeline, _guards(samples, splits, pipeline), factor, spread, median)
 
 
-def _again(
+def _retrained(
     train: Callable[[Samples], Pipeline], estimator: Estimator, whole: Pipeline
 ) -> Callable[[Samples], Pipeline]:
     """Training on a part of the sweeps; the pipeline of all if it does not depend on sweeps."""
-    return train if estimator.taught else lambda part: whole
+    return train if estimator.uses_sweeps else lambda part: whole
 
 
-def _spread(told: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
+def _spread(predicted: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
     """Fit the variance of errors as the mean over the nearest positions of held-out sweeps."""
     physical_cpu_count()
-    kept = np.random.default_rng(0).permutation(len(told))[:RESIDUALS]
+    kept = np.random.default_rng(0).permutation(len(predicted))[:RESIDUALS]
     near = KNeighborsRegressor(min(NEIGHBOURS, len(kept)), algorithm="brute")
-    return make_pipeline(StandardScaler(), near).fit(told[kept], np.square(residual[kept]))
+    return make_pipeline(StandardScaler(), near).fit(predicted[kept], np.square(residual[kept]))
 
 
 def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:

@@ -96,21 +96,21 @@ def by_session(sessions: NDArray[np.int64]) -> bool:
     return np.unique(sessions).size >= MIN_SESSIONS
 
 
-def describe_splits(splits: Splits, sessions: NDArray[np.int64], asked: int = 0) -> str:
+def describe_splits(splits: Splits, sessions: NDArray[np.int64], requested: int = 0) -> str:
     """Text on how sweeps were held out. asked: requested folds, named if there are fewer."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
-    if len(splits) < asked:
-        folds += f" ({asked} asked: there are no more {_units(sessions)})"
+    if len(splits) < requested:
+        folds += f" ({requested} asked: there are no more {_units(sessions)})"
     if by_session(sessions):
         return f"{folds}, whole sessions held out"
     return f"{folds} of the one session; what another mounting or skin brings is not judged"
 
 
-def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], asked: int) -> str:
+def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], requested: int) -> str:
     """Text of `describe_splits`, with a remark if the inner folds hold out no whole sessions."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
-    return describe_splits(splits, sessions, asked) + but
+    return describe_splits(splits, sessions, requested) + but
 
 
 def _units(sessions: NDArray[np.int64]) -> str:

@@ -24,11 +24,11 @@ COMPONENTS = 6
 """Number of principal components that describe a press; further ones hold noise alone."""
 SWEEPS_FOR_EACH = 4
 """Sweeps, less the number of kinds, that are needed for each component."""
-LENT = 10
+POOLED_WEIGHT = 10
 """Weight of the pooled covariance in the covariance of each kind, as a number of sweeps."""
 MOST_PLACES, SWEEPS_OF_PLACE = 25, 20
 """Maximum number of clusters of positions, and minimum mean number of sweeps in each."""
-FURTHER, FURTHER_UNSEEN = 1.15, 2.0
+LIMIT_MARGIN, LIMIT_MARGIN_OF_ONE_SESSION = 1.15, 2.0
 """Factor of the limit over the distances of held-out sweeps.
 
 The first allows for skins that differ more than the held-out sessions. The second applies where no
@@ -71,7 +71,7 @@ class KindGuard(Guard):
     components to the same limit.
     """
 
-    def __init__(self, share=0.98, reach=FURTHER):
+    def __init__(self, share=0.98, reach=LIMIT_MARGIN):
         self.share = share
         self.reach = reach
 
@@ -81,8 +81,8 @@ class KindGuard(Guard):
         kinds: ArrayLike,
         *,
         splits: Splits,
-        told: NDArray[np.intp] | None = None,
-        alike: bool = True,
+        columns: NDArray[np.intp] | None = None,
+        equal_errors: bool = True,
     ):
         """Fit the spread of each kind, and the limit to the distances of held-out sweeps.
 
@@ -92,9 +92,9 @@ class KindGuard(Guard):
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         kinds = np.asarray(kinds).astype(str)
-        self.told_ = np.arange(X.shape[1]) if told is None else told
-        unseen = [self._learn(X[a], kinds[a], alike)._both(X[b]) for a, b in splits]
-        self._learn(X, kinds, alike)
+        self.told_ = np.arange(X.shape[1]) if columns is None else columns
+        unseen = [self._learn(X[a], kinds[a], equal_errors)._both(X[b]) for a, b in splits]
+        self._learn(X, kinds, equal_errors)
         within, beside = np.concatenate(unseen, axis=1)
         self.limit_ = self.reach * float(np.quantile(within, self.share, method="higher")) or 1.0
         farthest = float(np.quantile(beside, SHARE_BESIDE, method="higher"))
@@ -118,10 +118,12 @@ class KindGuard(Guard):
         beside = np.linalg.norm(shown - self.pca_.inverse_transform(seen), axis=1)
         return np.array([np.sqrt(reduce(np.minimum, squares)), beside])
 
-    def _learn(self, X: NDArray[np.float64], kinds: NDArray[np.str_], alike: bool) -> KindGuard:
+    def _learn(
+        self, X: NDArray[np.float64], kinds: NDArray[np.str_], equal_errors: bool
+    ) -> KindGuard:
         X = _without_outliers(X[:, self.told_])
         names, index = np.unique(kinds, return_inverse=True)
-        spread = np.full(X.shape[1], X.std()) if alike else X.std(axis=0)
+        spread = np.full(X.shape[1], X.std()) if equal_errors else X.std(axis=0)
         self.scale_ = np.where(spread > 0, spread, 1.0)
         enough = max(1, (len(X) - names.size) // SWEEPS_FOR_EACH)
         self.pca_ = PCA(min(COMPONENTS, enough, *X.shape), svd_solver="full").fit(X / self.scale_)
@@ -134,10 +136,12 @@ class KindGuard(Guard):
 def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
     """Guard for the classes of a target, or for places. splits: sweeps to train and hold out."""
     problem = samples.problem
-    told, alike = press_features(problem.quantities, problem.features)
+    columns, equal_errors = press_features(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y
-    reach = FURTHER if by_session(samples.sessions) else FURTHER_UNSEEN
-    return KindGuard(reach=reach).fit(samples.X, kinds, splits=splits, told=told, alike=alike)
+    reach = LIMIT_MARGIN if by_session(samples.sessions) else LIMIT_MARGIN_OF_ONE_SESSION
+    return KindGuard(reach=reach).fit(
+        samples.X, kinds, splits=splits, columns=columns, equal_errors=equal_errors
+    )
 
 
 def _without_outliers(X: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -156,7 +160,7 @@ def _whitenings(
     found = []
     for k, name in enumerate(names):
         own = aside[index == k]
-        lent = (own.T @ own + LENT * pooled) / (len(own) + LENT)
+        lent = (own.T @ own + POOLED_WEIGHT * pooled) / (len(own) + POOLED_WEIGHT)
         spread = pooled if name in NOTHING_PRESSED else lent
         found.append(np.linalg.inv(np.linalg.cholesky(spread)).T)
     return np.array(found)

@@ -52,9 +52,9 @@ class SeveralGuard(Guard):
         several: NDArray[np.float64],
         *,
         splits: Splits,
-        apart: list[NDArray[np.intp]],
+        several_parts: list[NDArray[np.intp]],
         touched: NDArray[np.bool_],
-        told: NDArray[np.intp],
+        columns: NDArray[np.intp],
     ):
         """Fit the SVM that separates several touches from fewer, and the limit.
 
@@ -64,12 +64,12 @@ class SeveralGuard(Guard):
         told: indices of the features to use. Returns self.
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
-        self.told_ = told
+        self.told_ = columns
         unseen = []
-        for (known, held_out), others in zip(splits, apart, strict=True):
-            self.parting_ = _separating_svm(X[known][:, told], several[others][:, told])
+        for (known, held_out), others in zip(splits, several_parts, strict=True):
+            self.parting_ = _separating_svm(X[known][:, columns], several[others][:, columns])
             unseen.append(self.away(X[held_out[touched[held_out]]]))
-        self.parting_ = _separating_svm(X[:, told], several[:, told])
+        self.parting_ = _separating_svm(X[:, columns], several[:, columns])
         self.limit_ = float(np.quantile(np.concatenate(unseen), self.share, method="higher"))
         return self
 
@@ -102,7 +102,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     one = problem.continuous or ~np.isin(samples.y.astype(str), NOTHING_PRESSED)
     touched = np.broadcast_to(one, len(samples.X))
     return SeveralGuard().fit(
-        samples.X, several, splits=splits, apart=apart, touched=touched, told=told
+        samples.X, several, splits=splits, several_parts=apart, touched=touched, columns=told
     )
 
 

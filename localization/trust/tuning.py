@@ -22,7 +22,7 @@ def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline
     """
 
     def train(some: Samples) -> Pipeline:
-        few = some.subsampled(estimator.most)
+        few = some.subsampled(estimator.max_sweeps)
         chosen = _best(estimator, few) if tune else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ConvergenceWarning)  # a kernel's parameter at its bound

@@ -27,10 +27,10 @@ def with_overwrite_options(commands: typer.Typer, above: str = "") -> None:
         callback = each.callback
         if callback and {*OUTPUTS} & {*inspect.signature(callback).parameters}:
             name = each.name or callback.__name__
-            each.callback = _on_occasion(callback, f"{above} {name}".strip())
+            each.callback = _with_overwrite(callback, f"{above} {name}".strip())
 
 
-def _on_occasion(command: Callable[..., Any], name: str) -> Callable[..., Any]:
+def _with_overwrite(command: Callable[..., Any], name: str) -> Callable[..., Any]:
     @wraps(command)
     def run(*, overwrite: bool, overwrite_measured: bool, **given: Any) -> Any:
         from ..sweeps.writing import WriteContext, in_write_context

@@ -10,7 +10,7 @@ import xarray as xr
 from rcskin.benchmarks.localization.foreign_parts.effects import BODY, MOST_FINGER
 from rcskin.benchmarks.localization.foreign_parts.skin import THICKNESS
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE, WHOLE, simulated
-from rcskin.localization.adaptation.class_adaptation import adapted
+from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.model_file import load as load_model
@@ -97,7 +97,7 @@ def after_touches(model: Model, sweeps: xr.Dataset) -> tuple[Model, xr.Dataset]:
     few = _few_of_each(samples)
     taught = np.intersect1d(few.rows, np.flatnonzero(sweeps["press"].values != "none"))
     rest = np.setdiff1d(np.arange(sweeps.sizes["sweep"]), taught)
-    return adapted(model, few).model, sweeps.isel(sweep=rest)
+    return adapt_classes(model, few).model, sweeps.isel(sweep=rest)
 
 
 def _few_of_each(samples: Samples) -> Samples:

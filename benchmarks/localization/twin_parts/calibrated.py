@@ -40,7 +40,7 @@ def calibrated(
     found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
     examples = _examples(_narrowed(trial.believed, found.values), believed)
     named = estimators()
-    taught = tuple(name for name in models if named[name].taught)
+    taught = tuple(name for name in models if named[name].uses_sweeps)
     again = localized(replace(trial, estimators=taught), examples)
     moved = {
         name: _moved(model, examples, named[name])

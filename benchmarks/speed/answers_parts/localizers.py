@@ -15,7 +15,7 @@ from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import LocalizationProblem, Samples, samples_of
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
-from rcskin.localization.learners.networks import SHORT
+from rcskin.localization.learners.networks import SHORT_STAGES
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.trust.fitting import learn_classes
 from sklearn.pipeline import Pipeline
@@ -31,7 +31,7 @@ LEARNED = {
     "network, short course": "network",
 }
 """Ways, and the localizers that they are."""
-SET = {"network": {"classify__stages": SHORT}}
+SET = {"network": {"classify__stages": SHORT_STAGES}}
 """Parameters of localizers, as `--tune` finds them from 1940 sweeps on; others are as they are."""
 HELD_BACK = 0.25
 """Of all sessions, the last."""

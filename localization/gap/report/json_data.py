@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...evaluation.confusion import Confusion
-    from ..comparison import Comparison
+    from ..comparison import PreparedComparison
     from ..gap_findings import CalibrationStage, GapFindings
     from ..mean_accuracy import CrossValidated, MeanAccuracy
 
@@ -106,7 +106,7 @@ def _by_model(findings: GapFindings) -> dict[str, Any] | None:
     return {"adapted": found, "as it is": findings.model.score.figures()}
 
 
-def _compared(trial: Comparison) -> dict[str, Any]:
+def _compared(trial: PreparedComparison) -> dict[str, Any]:
     sides = {"simulated": trial.pair.simulated, "other": trial.pair.other}
     counted: dict[str, dict[str, Any]] = {
         name: {
@@ -119,7 +119,7 @@ def _compared(trial: Comparison) -> dict[str, Any]:
     return counted
 
 
-def _meter_error(trial: Comparison) -> dict[str, Any] | None:
+def _meter_error(trial: PreparedComparison) -> dict[str, Any] | None:
     error = trial.reading_deviation
     if error is None:
         return None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..mean_accuracy import MeanAccuracy
 
 
-MOST, PART, WORTH_TELLING = 0.5, 0.1, 0.005
+MOST, NOTABLE_SHARE, MENTIONED_SHARE = 0.5, 0.1, 0.005
 """Minimum shares of the misfit that three statements require.
 
 A parameter explains most of a gap; it explains a part of it; a second parameter is mentioned.
@@ -96,11 +96,11 @@ def cause_sentence(findings: GapFindings) -> str:
     name, share = cause_label(first), f"{100 * first.removed:.0f} % of the misfit"
     if first.removed >= MOST:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
-    elif first.removed >= PART:
+    elif first.removed >= NOTABLE_SHARE:
         told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
     else:
         told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
-    if others and others[0].removed >= WORTH_TELLING:
+    if others and others[0].removed >= MENTIONED_SHARE:
         told += f"; next is {cause_label(others[0])} with {100 * others[0].removed:.0f} %"
     return told[0].upper() + told[1:] + "." + _pairs(findings)
 

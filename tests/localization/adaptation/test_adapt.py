@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.adaptation.class_adaptation import adapted
+from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.adaptation.position_adaptation import adapt_positions
 from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
@@ -47,7 +47,7 @@ def _pressed_elsewhere(sweeps):
 
 def test_touches_of_other_sessions_are_told_better_after_than_before(model, other):
     touches, unseen = other(2), other(4).isel(sweep=slice(40, None))
-    found = adapted(model, model.samples(touches))
+    found = adapt_classes(model, model.samples(touches))
     asked = model.samples(unseen)
     rates = [(each.pipeline.predict(asked.X) == asked.y).mean() for each in (model, found.model)]
     assert rates[1] > rates[0] + 0.1
@@ -56,31 +56,31 @@ def test_touches_of_other_sessions_are_told_better_after_than_before(model, othe
 
 def test_before_and_after_are_of_the_same_sweeps_and_no_sweep_teaches_what_it_judges(model, other):
     touches = other(3)
-    found = adapted(model, model.samples(touches))
+    found = adapt_classes(model, model.samples(touches))
     np.testing.assert_array_equal(found.before.truth, found.after.truth)
     first_of_sessions = 3
     assert len(found.before.truth) == touches.sizes["sweep"] - first_of_sessions
     assert "whole sessions held out" in found.validation
     samples = model.samples(touches)
     nonsense = np.random.default_rng(0).permutation(samples.y)
-    lies = adapted(model, replace(samples, y=nonsense))
+    lies = adapt_classes(model, replace(samples, y=nonsense))
     assert lies.after.right.mean() < 0.5 < found.after.right.mean()
 
 
 def test_an_adapted_model_is_read_back_and_taught_only_once(model, other, tmp_path):
     touches = other(2)
-    better = adapted(model, model.samples(touches)).model
+    better = adapt_classes(model, model.samples(touches)).model
     save(tmp_path / "m.skops", better)
     again = load(tmp_path / "m.skops")
     told = [each.probabilities(touches)[1] for each in (better, again)]
     np.testing.assert_array_equal(*told)
     with pytest.raises(Exception, match="was adapted before: give all touches"):
-        adapted(again, again.samples(touches))
+        adapt_classes(again, again.samples(touches))
 
 
 def test_sweeps_unlike_the_training_are_answered_once_the_skin_is_known(make_sweeps, model, other):
     touches = other(2)
-    found = adapted(model, model.samples(touches))
+    found = adapt_classes(model, model.samples(touches))
     told = [each.answers(touches).answered.mean() for each in (model, found.model)]
     assert told[0] < told[1] and told[1] > 0.9
 
@@ -127,7 +127,7 @@ def folder(model, other, make_sweeps, tmp_path_factory):
     folder = tmp_path_factory.mktemp("adapt")
     save(folder / "m.skops", model)
     touches = other(2)
-    save(folder / "a.skops", adapted(model, model.samples(touches)).model)
+    save(folder / "a.skops", adapt_classes(model, model.samples(touches)).model)
     places = train(_placed(make_sweeps(1, 4)), "position", quantities=("dlnZ",))
     save(folder / "p.skops", places)
     taught = adapt_positions(places, places.samples(_placed(make_sweeps(1, 4)))).model

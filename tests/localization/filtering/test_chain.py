@@ -123,7 +123,7 @@ def test_places_are_wandered_over_as_far_as_told():
     for cells in (20, 30):
         width = 240.0 / cells
         one = TouchDynamics(lasts=1e9, every=1e9, speed=20.0)
-        places = chain_of_places(cells, cells, (width, width), one, rest=True)
+        places = chain_of_places(cells, cells, (width, width), one, knows_unpressed=True)
         middle = np.zeros(len(places.stationary))
         middle[1 + cells // 2 * cells + cells // 2] = 1.0
         later = places.propagated(middle, 1.0)[1:-1].reshape(cells, cells)

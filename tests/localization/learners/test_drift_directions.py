@@ -28,7 +28,7 @@ def test_noise_is_averaged_and_drift_is_followed():
     random = np.random.default_rng(1)
     way = random.standard_normal(FEATURES)
     _, opening, recent = at_rest(random, way)
-    learned = DriftDirections.learned(opening, recent, 1)
+    learned = DriftDirections.fitted(opening, recent, 1)
     averaged = np.sqrt(OPENING**2 + (1 - OPENING) ** 2)
     assert abs(error(learned, *at_rest(random, way)) - averaged) < 0.03
     assert abs(error(learned, *at_rest(random, way, drift=0.5)) - averaged) < 0.03
@@ -43,7 +43,7 @@ def test_noise_is_averaged_along_ways_that_neither_foam_nor_sheets_drift():
     opening, still, recent = (
         each + NOISE * random.standard_normal(now.shape) for each in (opened, opened, now)
     )
-    learned = DriftDirections.learned(opening, still, FOLLOWED)
+    learned = DriftDirections.fitted(opening, still, FOLLOWED)
     averaged = (OPENING**2 + (1 - OPENING) ** 2) * 8 / 10 + 2 / 10
     assert error(learned, now, opening, recent) < np.sqrt(averaged) + 0.03
 
@@ -52,7 +52,7 @@ def test_a_skin_that_has_moved_far_in_another_way_is_told_against_its_latest_res
     random = np.random.default_rng(2)
     way, other = random.standard_normal((2, FEATURES))
     _, opening, recent = at_rest(random, way)
-    learned = DriftDirections.learned(opening, recent, 1)
+    learned = DriftDirections.fitted(opening, recent, 1)
     assert error(learned, *at_rest(random, way, across=other)) < 1.1
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import LocalizationProblem, Samples
-from rcskin.localization.learners.networks import SHORT, STAGES
+from rcskin.localization.learners.networks import SHORT_STAGES, STAGES
 from rcskin.localization.learners.registry import learners
 from rcskin.localization.trust.tuning import trainer
 from sklearn.model_selection import ParameterGrid
@@ -36,8 +36,10 @@ def test_whatever_is_tuned_is_a_parameter_of_the_pipeline(made, target):
 
 def test_networks_may_be_tuned_to_a_short_course():
     network = learners()["network"]
-    assert network.grid_for(asked("column")) == {"classify__stages": [STAGES, SHORT]}
-    assert network.grid_for(asked("position")) == {"regress__regressor__stages": [STAGES, SHORT]}
+    assert network.grid_for(asked("column")) == {"classify__stages": [STAGES, SHORT_STAGES]}
+    assert network.grid_for(asked("position")) == {
+        "regress__regressor__stages": [STAGES, SHORT_STAGES]
+    }
 
 
 def test_a_tuned_network_learns_in_the_steps_that_tell_more():

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.image import imread
 from rcskin.localization.study.scene_keys import scene_table
-from rcskin.localization.study.settings import changed
+from rcskin.localization.study.settings import with_study_settings
 from rcskin.simulator.scene.scene_files import BUILTIN
 
 FAST = ("--repetitions", "8", "--workers", "1", "--rtol", "1e-2")
@@ -130,7 +130,7 @@ def test_the_same_command_writes_the_same_bytes(run, tmp_path):
 
 def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
     grid, listed = (
-        changed(scene_table(name), 5e3, None, None)["sweep"]["frequencies"]
+        with_study_settings(scene_table(name), 5e3, None, None)["sweep"]["frequencies"]
         for name in ("sheet-3x3", "strip-1x4")
     )
     assert grid == {"start": 1e3, "stop": 5e3, "points": 20, "spacing": "log"}
