@@ -21,10 +21,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .localization.api.files import plot, read, write
+from .localization.api.analysis import calibrate, limits, study
+from .localization.api.input_output import plot, read, write
 from .localization.api.localizer import evaluate, features, load_model, localize, train
 from .localization.api.simulation import dataset, load, measured, reduce, sweep
-from .localization.api.skin import calibrate, limits, study
 
 if TYPE_CHECKING:
     __version__: str

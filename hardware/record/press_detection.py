@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.sweeps.laws.examination import FEWEST_FREQUENCIES
+from ...simulator.sweeps.laws.examination import MIN_FREQUENCIES
 from ...simulator.sweeps.laws.noise import local_scale, roughness
 from .measured_sweep import MeasuredSweep
 
@@ -61,7 +61,7 @@ def _noise(change: NDArray[np.complex128], rests: NDArray[np.complex128]) -> NDA
     the changes between baseline sweeps. rests: ohm, shape (sweep, frequency).
     """
     at_rest = rests[1:] / rests[:-1] - 1
-    if change.size >= FEWEST_FREQUENCIES:
+    if change.size >= MIN_FREQUENCIES:
         seen = roughness(at_rest if len(at_rest) else change[None])
     elif len(at_rest):
         seen = local_scale(at_rest)

@@ -58,7 +58,7 @@ class LineReader:
         return None if refused else line.decode("ascii", errors="replace").strip()
 
 
-MOST_CLIENTS = 32
+MAX_CLIENTS = 32
 """Clients of one port. Three such ports stay below 256, the limit of files on macOS."""
 BACKLOG = 16
 """Connections that wait to be accepted."""
@@ -136,7 +136,7 @@ class Clients:
             client.leave()
 
     def _make_room(self) -> None:
-        if len(self.present) >= MOST_CLIENTS:
+        if len(self.present) >= MAX_CLIENTS:
             min(self.present, key=lambda client: (client.answered, client.heard)).leave()
 
 

@@ -23,7 +23,7 @@ from ..trust.fitted import Classifier, Guards, with_known_baseline
 from ..trust.folds import describe_splits, splits_of
 from ..trust.temperature import probabilities, sharpness_of
 
-FEWEST = 2
+MIN_TOUCHES_PER_CLASS = 2
 """Minimum number of touches of each class: one trains while another is scored."""
 ACCEPTED_SHARE = 0.98
 """Share of the training touches that a widened guard accepts."""
@@ -54,7 +54,7 @@ def adapt_classes(model: Model, samples: Samples) -> Adaptation:
     """Adapt the model by all of the samples, which are of the skin to be localized on.
 
     samples: as of `model.samples`. Raises InputError for models that were adapted before, labels
-    that the model does not know, and fewer than FEWEST sweeps of one of its classes.
+    that the model does not know, and fewer than MIN_TOUCHES_PER_CLASS sweeps of one of its classes.
     """
     learned = checked_classifier(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
@@ -96,12 +96,16 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
         raise InputError(f"the model knows no {model.target} {unknown[0]}, which was touched")
     met = dict(zip(known.tolist(), counts.tolist(), strict=True))
     needed = known if model.estimator in FINE_TUNING_PARAMETER else learned.classes
-    few = [(each, met.get(each, 0)) for each in needed.tolist() if met.get(each, 0) < FEWEST]
+    few = [
+        (each, met.get(each, 0))
+        for each in needed.tolist()
+        if met.get(each, 0) < MIN_TOUCHES_PER_CLASS
+    ]
     if few:
         others = f" (and {len(few) - 1} more)" if len(few) > 1 else ""
         raise InputError(
-            f"needs at least {FEWEST} sweeps of each {model.target}, got {few[0][1]} of "
-            f"{few[0][0]}{others}"
+            f"needs at least {MIN_TOUCHES_PER_CLASS} sweeps of each {model.target}, got "
+            f"{few[0][1]} of {few[0][0]}{others}"
         )
     return learned
 

@@ -18,7 +18,7 @@ from ..trust.fitted import Guards, Regressor
 from ..trust.folds import describe_splits, splits_of
 from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
 
-FEWEST = 6
+MIN_TOUCHES = 6
 """Minimum number of touches: some in each direction, and some to score."""
 
 
@@ -27,7 +27,7 @@ def adapt_positions(model: Model, samples: Samples, counted: Samples | None = No
 
     samples: as of `model.samples`. counted: samples of the same sweeps for the model's gate, if it
     has one, whose guards are widened to accept them. Raises InputError for models that invert the
-    simulator or were adapted before, and for fewer than FEWEST touches.
+    simulator or were adapted before, and for fewer than MIN_TOUCHES touches.
     """
     learned = _checked(model, samples)
     splits = splits_of(None, samples.sessions, FOLDS)
@@ -65,8 +65,10 @@ def _checked(model: Model, samples: Samples) -> Regressor:
             "the model was adapted before: give all touches, old and new, to the one that it was "
             "adapted from"
         )
-    if len(samples.X) < FEWEST:
-        raise InputError(f"needs at least {FEWEST} touches of known place, got {len(samples.X)}")
+    if len(samples.X) < MIN_TOUCHES:
+        raise InputError(
+            f"needs at least {MIN_TOUCHES} touches of known place, got {len(samples.X)}"
+        )
     return learned
 
 

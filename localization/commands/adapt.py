@@ -25,7 +25,7 @@ def adapt(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
     rest: options.Rest = None,
-    most: options.MaxSweeps = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
     anyway: options.Anyway = False,
 ) -> None:
     """Adapt a model to your skin by a few touches whose places are known.

@@ -32,7 +32,7 @@ def evaluate(
     certain: options.Certain = None,
     tune: options.Tune = False,
     folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
-    most: options.MaxSweeps = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
     anyway: options.Anyway = False,
     charts: options.Charts = "png",
 ) -> None:

@@ -25,7 +25,7 @@ def localize(
         Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
     ] = None,
     rest: options.Rest = None,
-    most: options.MaxSweeps = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
     anyway: options.Anyway = False,
     filtered: options.Filtered = False,
     touch_lasts: options.TouchLasts = options.TOUCH_LASTS,

@@ -11,9 +11,9 @@ from typing import Annotated, Any
 
 import typer
 
-MOST_SWEEPS = 20_000
+MAX_SWEEPS_READ = 20_000
 SWEEPS = "Sweeps: FILE.nc, FILE.zarr or FILE.csv; several are joined."
-MOST = "Use at most this many sweeps, in whole sessions."
+MAX_SWEEPS_HELP = "Use at most this many sweeps, in whole sessions."
 REST = "Sweeps of the unpressed skin, if SWEEPS has none and the model needs them."
 
 
@@ -74,7 +74,7 @@ Certain = Annotated[
     ),
 ]
 Tune = Annotated[bool, typer.Option("--tune", help="Choose parameters by cross-validation.")]
-MaxSweeps = Annotated[int, typer.Option(help=MOST)]
+MaxSweeps = Annotated[int, typer.Option(help=MAX_SWEEPS_HELP)]
 Charts = Annotated[
     str,
     typer.Option(

@@ -26,7 +26,7 @@ def train(
     interface: options.Interfaces = None,
     certain: options.Certain = None,
     tune: options.Tune = False,
-    most: options.MaxSweeps = options.MOST_SWEEPS,
+    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
 ) -> None:
     """Train a localizer on sweeps whose presses are known.
 

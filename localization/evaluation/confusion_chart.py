@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 RIGHT, WRONG = COLOURS[5], COLOURS[4]
 """Sky blue and orange: light enough in grey print for black figures on them."""
-MOST_NAMED = 50
+MAX_LABELLED_CLASSES = 50
 """Maximum number of classes with a label each."""
-LARGEST, LEAST, LEAST_OF_TWO = 11.0, 4.0, 6.5
+MAX_FONT_SIZE, MIN_FONT_SIZE, MIN_FONT_SIZE_OF_TWO = 11.0, 4.0, 6.5
 """Font sizes in points: maximum, minimum alone, and minimum with the percentage below."""
 LETTER = 0.62
 """Width of a digit divided by its size."""
@@ -34,11 +34,14 @@ def draw_confusion(axes: Axes, confusion: Confusion) -> None:
     axes.grid(False)
     classes = np.arange(len(confusion.labels))
     axes.imshow(_colours(confusion))
-    shown = classes[:: 1 + len(classes) // MOST_NAMED]
+    shown = classes[:: 1 + len(classes) // MAX_LABELLED_CLASSES]
     names = [str(confusion.labels[k]) for k in shown]
     cell = _cell(axes, len(classes))
     longest = len(max(names, key=len))
-    size = min(LARGEST, max(LEAST, 0.6 * cell * (shown[1] - shown[0] if shown.size > 1 else 1)))
+    size = min(
+        MAX_FONT_SIZE,
+        max(MIN_FONT_SIZE, 0.6 * cell * (shown[1] - shown[0] if shown.size > 1 else 1)),
+    )
     upright = LETTER * size * longest > cell
     axes.set_xticks(shown, names, rotation=90 if upright else 0, fontsize=size)
     axes.set_yticks(shown, names, fontsize=size)
@@ -49,7 +52,7 @@ def draw_confusion(axes: Axes, confusion: Confusion) -> None:
         f"Accuracy {100 * confusion.accuracy:.1f} % ({confusion.correct} of {confusion.total})",
         fontsize=1.1 * large,
     )
-    if classes.size <= MOST_NAMED:
+    if classes.size <= MAX_LABELLED_CLASSES:
         _rule_cells(axes, classes)
     _write_counts(axes, confusion, cell)
 
@@ -82,13 +85,15 @@ def _rule_cells(axes: Axes, classes: NDArray[np.intp]) -> None:
 def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
     """Write counts as large as they fit, with the percentage if it is readable."""
     digits = len(str(confusion.counts.max(initial=0)))
-    alone = min(LARGEST, 0.9 * cell / (LETTER * digits), 0.7 * cell)
-    both = min(LARGEST, 0.9 * cell / (LETTER * len("99.9 %")), 0.4 * cell)
-    if alone < LEAST:
+    alone = min(MAX_FONT_SIZE, 0.9 * cell / (LETTER * digits), 0.7 * cell)
+    both = min(MAX_FONT_SIZE, 0.9 * cell / (LETTER * len("99.9 %")), 0.4 * cell)
+    if alone < MIN_FONT_SIZE:
         return
     for (target, output), count in np.ndenumerate(confusion.counts):
         if count:
-            percent = f"\n{100 * count / confusion.total:.1f} %" if both >= LEAST_OF_TWO else ""
+            percent = (
+                f"\n{100 * count / confusion.total:.1f} %" if both >= MIN_FONT_SIZE_OF_TWO else ""
+            )
             axes.text(
                 target,
                 output,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 OBSERVED_COLOUR, STATED_COLOUR = COLOURS[0], "0.5"
-BINS, LEAST_IN_BIN = 10, 10
+BINS, MIN_IN_BIN = 10, 10
 GRID_LINES = 61
 """Number of lines of the grid on which regions are drawn."""
 
@@ -46,7 +46,7 @@ def draw_reliability(
     625-632.
     """
     order = np.argsort(probability, kind="stable")
-    bins = np.array_split(order, max(1, min(BINS, order.size // LEAST_IN_BIN)))
+    bins = np.array_split(order, max(1, min(BINS, order.size // MIN_IN_BIN)))
     stated = np.array([probability[each].mean() for each in bins])
     rate = np.array([right[each].mean() for each in bins])
     low, high = np.array([interval(int(right[each].sum()), each.size) for each in bins]).T

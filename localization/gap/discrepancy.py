@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 PERMUTATIONS = 499
-FEWEST = 2
-MOST = 500
+MIN_SAMPLE = 2
+MAX_SAMPLE = 500
 """Maximum number of sweeps of a sample; larger samples are subsampled."""
 
 
@@ -41,9 +41,10 @@ def discrepancy(
 ) -> Discrepancy | None:
     """Discrepancy of samples of the same features, shapes (n, feature) and (m, feature).
 
-    None if either has fewer than FEWEST. random: draws permutations, and subsamples to MOST sweeps.
+    None if either has fewer than MIN_SAMPLE. random: draws permutations, and subsamples to
+    MAX_SAMPLE sweeps.
     """
-    if min(len(X), len(Y)) < FEWEST:
+    if min(len(X), len(Y)) < MIN_SAMPLE:
         return None
     X, Y = _subsampled(X, random), _subsampled(Y, random)
     both = np.concatenate([X, Y])
@@ -102,4 +103,4 @@ def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float6
 
 
 def _subsampled(X: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
-    return X if len(X) <= MOST else X[random.choice(len(X), MOST, replace=False)]
+    return X if len(X) <= MAX_SAMPLE else X[random.choice(len(X), MAX_SAMPLE, replace=False)]

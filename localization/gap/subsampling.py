@@ -10,32 +10,32 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-MOST = 1000
+MAX_SWEEPS = 1000
 """Maximum number of sweeps: the cost of kernel machines grows with the square."""
 SESSION_EXCESS = 2
-"""The sessions drawn have this multiple of MOST sweeps, so that each keeps enough of them."""
+"""The sessions drawn have this multiple of MAX_SWEEPS sweeps, so that each keeps enough of them."""
 BASELINES_PER_SESSION = 5
 """Number of first unpressed sweeps that are kept of each session, as its baseline."""
 
 
 def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
-    """At most MOST of the sweeps, of sessions drawn at random; the unpressed ones first."""
-    if sweeps.sizes["sweep"] <= MOST:
+    """At most MAX_SWEEPS of the sweeps, of sessions drawn at random; the unpressed ones first."""
+    if sweeps.sizes["sweep"] <= MAX_SWEEPS:
         return sweeps
     session = sweeps["session"].values
     among = np.flatnonzero(np.isin(session, _drawn(session, random)))
-    rest = _first_baselines(among, session, sweeps["row"].values)[:MOST]
+    rest = _first_baselines(among, session, sweeps["row"].values)[:MAX_SWEEPS]
     others = np.setdiff1d(among, rest)
-    more = random.choice(others, min(MOST - rest.size, others.size), replace=False)
+    more = random.choice(others, min(MAX_SWEEPS - rest.size, others.size), replace=False)
     return sweeps.isel(sweep=np.union1d(rest, more))
 
 
 def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[np.int64]:
-    """Random sessions that together have SPREAD times MOST sweeps, or all."""
+    """Random sessions that together have SPREAD times MAX_SWEEPS sweeps, or all."""
     names, counts = np.unique(session, return_counts=True)
     order = random.permutation(names.size)
     before = np.cumsum(counts[order]) - counts[order]
-    return names[order[before < SESSION_EXCESS * MOST]]
+    return names[order[before < SESSION_EXCESS * MAX_SWEEPS]]
 
 
 def _first_baselines(

@@ -14,7 +14,7 @@ from .sequential_posterior import SequentialPosterior
 SAMPLED = 64
 """Number of entries drawn from the posterior to estimate gains."""
 NO_PLACE = -1
-LEAST_SHARE = 1e-4
+MIN_POSTERIOR_SHARE = 1e-4
 """Share relative to the most probable entry below which an entry is ignored."""
 
 
@@ -60,7 +60,7 @@ class PlacePosterior(SequentialPosterior):
     def posterior(self) -> Posterior:
         """Posterior of place and strength, given that there is a touch."""
         share, of = self._share[:-1], self._localizer
-        kept = np.flatnonzero(share > LEAST_SHARE * share.max())
+        kept = np.flatnonzero(share > MIN_POSTERIOR_SHARE * share.max())
         T, scale = self._along[kept], of.scale_
         moved = np.einsum("erk,er->ek", T, self.latent_mean[kept]) * scale
         known = np.eye(T.shape[1]) - self.latent_covariance[kept]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
 
 PROBABILITY = 0.95
-LEAST = 1e-3
+MIN_DEVIATION = 1e-3
 """Minimum deviation, mm."""
 
 
@@ -30,7 +30,7 @@ def places_of(
     if hasattr(last, "places"):
         return last.places(X)
     told, deviation = (each[:, :2] for each in learned.positions(X))
-    deviation = np.maximum(deviation, LEAST)
+    deviation = np.maximum(deviation, MIN_DEVIATION)
     bounds = _reach(told, deviation) if scene is None else sides_of(scene)
     told = np.clip(told, *bounds.T)
     pairs = zip(told, deviation, strict=True)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST_PROBABILITY = 1e-12
+MIN_PROBABILITY = 1e-12
 
 
 def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -15,4 +15,4 @@ def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
     if hasattr(classifier, "decision_function"):
         told = classifier.decision_function(X)
         return told if told.ndim == 2 else np.column_stack([-told, told]) / 2
-    return np.log(np.maximum(classifier.predict_proba(X), LEAST_PROBABILITY))
+    return np.log(np.maximum(classifier.predict_proba(X), MIN_PROBABILITY))

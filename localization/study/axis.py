@@ -17,7 +17,7 @@ SYNTAX = (
     "KEY=VALUE,VALUE,..."
 )
 READY_MADE = (f"{BOTH_SHEETS}=1e3:1e6:13:log", f"{ALL_PIXELS}=2:10")
-MOST_VALUES, MOST_POINTS = 1000, 10_000
+MAX_VALUES, MAX_POINTS = 1000, 10_000
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ def parse_axes(texts: Sequence[str], table: Mapping[str, Any]) -> list[Axis]:
         if any(place in other.key.places for other in axes[1:]):
             raise InputError(f"--vary: {texts[0]} and {texts[1]} set the same number of the scene")
     points = math.prod(len(axis.values) for axis in axes)
-    if points > MOST_POINTS:
-        raise InputError(f"--vary must make at most {MOST_POINTS} points, got {points}")
+    if points > MAX_POINTS:
+        raise InputError(f"--vary must make at most {MAX_POINTS} points, got {points}")
     return axes
 
 
@@ -88,8 +88,8 @@ def _whole_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
     if len(parts) != 2:
         raise InputError(f"--vary {text!r}: {key.name} is a whole number: {key.name}=START:STOP")
     first, last = (int(_number(text, key, part)) for part in parts)
-    if last - first >= MOST_VALUES:
-        raise InputError(f"--vary {text!r}: at most {MOST_VALUES} values, got {last - first + 1}")
+    if last - first >= MAX_VALUES:
+        raise InputError(f"--vary {text!r}: at most {MAX_VALUES} values, got {last - first + 1}")
     return Axis(key, tuple(range(first, last + 1)))
 
 
@@ -101,9 +101,9 @@ def _real_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
             "linear]"
         )
     first, last = (_number(text, key, part) for part in parts[:2])
-    if not (parts[2].strip().isdecimal() and 2 <= int(parts[2]) <= MOST_VALUES):
+    if not (parts[2].strip().isdecimal() and 2 <= int(parts[2]) <= MAX_VALUES):
         raise InputError(
-            f"--vary {text!r}: POINTS must be from 2 to {MOST_VALUES}, got {parts[2]!r}"
+            f"--vary {text!r}: POINTS must be from 2 to {MAX_VALUES}, got {parts[2]!r}"
         )
     if spacing == "log" and first <= 0:
         raise InputError(f"--vary {text!r}: START must be > 0 for log spacing, got {first:g}")

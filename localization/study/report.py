@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 IN_HERTZ = {"band_start": "band_start_Hz", "band_stop": "band_stop_Hz"}
 ENDINGS = (".csv", ".nc")
 AS_GOOD = 0.05
-MOST_LINES = 20
+MAX_LINES = 20
 LABELS = {BOTH_SHEETS: "Sheet resistance of both sheets", ALL_PIXELS: "Pixels along each side"}
 
 
@@ -62,11 +62,11 @@ def _spaced(axis: Axis) -> str:
 
 
 def first_lines(lines: Sequence[str], output: Path) -> list[str]:
-    """The first MOST_LINES lines; if there are more, a line that names the complete file."""
-    left = len(lines) - MOST_LINES
+    """The first MAX_LINES lines; if there are more, a line that names the complete file."""
+    left = len(lines) - MAX_LINES
     if left <= 0:
         return list(lines)
-    return [*lines[:MOST_LINES], f"{left} more lines left out: all points are in {output}"]
+    return [*lines[:MAX_LINES], f"{left} more lines left out: all points are in {output}"]
 
 
 def best_index(findings: xr.Dataset) -> int:

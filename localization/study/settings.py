@@ -10,7 +10,7 @@ from typing import Any
 from ...simulator.sweeps import InputError
 from .scene_keys import find_key, with_values
 
-MOST_WORKERS = 256
+MAX_WORKERS = 256
 
 
 def with_study_settings(
@@ -35,8 +35,8 @@ def checked_workers(count: int | None) -> int:
         from joblib import cpu_count
 
         return cpu_count()
-    if not 1 <= count <= MOST_WORKERS:
-        raise InputError(f"--workers must be from 1 to {MOST_WORKERS}, got {count}")
+    if not 1 <= count <= MAX_WORKERS:
+        raise InputError(f"--workers must be from 1 to {MAX_WORKERS}, got {count}")
     return count
 
 

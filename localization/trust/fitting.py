@@ -28,7 +28,7 @@ from .tuning import trainer
 
 NEIGHBOURS, RESIDUALS = 50, 5000
 """Number of errors whose root mean square is a deviation, and of errors kept in all."""
-FEWEST = 10
+MIN_BASELINE_SWEEPS = 10
 """Minimum number of sweeps with a baseline to fit guards of changes to, and to score them by."""
 WHOLE_FIT = np.arange(0), np.arange(0)
 """Placeholder for the fit to all sweeps, which progress counts together with the splits."""
@@ -135,6 +135,6 @@ def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
         return None
     known = with_known_baseline(samples.changes)
     apart = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
-    if min(part.size for split in apart for part in split) < FEWEST:
+    if min(part.size for split in apart for part in split) < MIN_BASELINE_SWEEPS:
         return None
     return _guards_of(as_changes(samples).part(known), [(a, b) for a, b in apart])

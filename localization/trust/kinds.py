@@ -26,7 +26,7 @@ SWEEPS_FOR_EACH = 4
 """Sweeps, less the number of kinds, that are needed for each component."""
 POOLED_WEIGHT = 10
 """Weight of the pooled covariance in the covariance of each kind, as a number of sweeps."""
-MOST_PLACES, SWEEPS_OF_PLACE = 25, 20
+MAX_CLUSTERS, SWEEPS_OF_PLACE = 25, 20
 """Maximum number of clusters of positions, and minimum mean number of sweeps in each."""
 LIMIT_MARGIN, LIMIT_MARGIN_OF_ONE_SESSION = 1.15, 2.0
 """Factor of the limit over the distances of held-out sweeps.
@@ -34,14 +34,14 @@ LIMIT_MARGIN, LIMIT_MARGIN_OF_ONE_SESSION = 1.15, 2.0
 The first allows for skins that differ more than the held-out sessions. The second applies where no
 session was held out, so that the difference between sessions is unknown.
 """
-LEAST_VARIANCE = 1e-9
+MIN_VARIANCE = 1e-9
 """Variance added to each component, relative to the total variance within kinds."""
-SHARE_BESIDE, FURTHER_BESIDE = 0.99, 1.3
+OUTSIDE_QUANTILE, OUTSIDE_MARGIN = 0.99, 1.3
 """Quantile of held-out distances outside the components, and factor of the limit over it.
 
 Only noise lies outside the components. It is larger after fewer baseline sweeps.
 """
-LEAST_BESIDE = 1e-5
+MIN_OUTSIDE_DISTANCE = 1e-5
 """Minimum of that quantile, relative to the root-sum-square spread of the features."""
 TAILS = 0.01
 """Share of the training at either end of a feature that may be outliers."""
@@ -97,9 +97,9 @@ class KindGuard(Guard):
         self._learn(X, kinds, equal_errors)
         within, beside = np.concatenate(unseen, axis=1)
         self.limit_ = self.reach * float(np.quantile(within, self.share, method="higher")) or 1.0
-        farthest = float(np.quantile(beside, SHARE_BESIDE, method="higher"))
-        least = LEAST_BESIDE * np.sqrt(self.told_.size)
-        self.beside_ = self.limit_ / (FURTHER_BESIDE * max(farthest, least))
+        farthest = float(np.quantile(beside, OUTSIDE_QUANTILE, method="higher"))
+        least = MIN_OUTSIDE_DISTANCE * np.sqrt(self.told_.size)
+        self.beside_ = self.limit_ / (OUTSIDE_MARGIN * max(farthest, least))
         return self
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -155,7 +155,7 @@ def _whitenings(
 ) -> NDArray[np.float64]:
     """Matrices that whiten deviations from each kind's mean, (kind, component, component)."""
     pooled = aside.T @ aside / max(1, len(aside) - names.size)
-    floor = LEAST_VARIANCE * max(float(np.trace(pooled)), np.finfo(float).tiny)
+    floor = MIN_VARIANCE * max(float(np.trace(pooled)), np.finfo(float).tiny)
     pooled += floor * np.eye(len(pooled))
     found = []
     for k, name in enumerate(names):
@@ -170,7 +170,7 @@ def _places(positions: NDArray[np.float64]) -> NDArray[np.intp]:
     """Cluster number of each touch, by its place. positions: shape (n, >= 2)."""
     from sklearn.cluster import KMeans
 
-    count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MOST_PLACES))
+    count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MAX_CLUSTERS))
     places = positions[:, :2]
     count = min(count, len(np.unique(places, axis=0)))
     return KMeans(count, random_state=0).fit_predict(places)

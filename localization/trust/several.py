@@ -21,7 +21,7 @@ from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
 from .guard import Guard
 
-FEWEST, MOST = 50, 5000
+MIN_SWEEPS, MAX_SWEEPS_PER_KIND = 50, 5000
 """Minimum number of sweeps of several touches, and maximum number of sweeps of each kind."""
 PENALTY = 10.0
 """Penalty of sweeps on the wrong side, `C` of the SVM."""
@@ -96,7 +96,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
         np.flatnonzero(~np.isin(sessions, samples.sessions[test]) | (not whole))
         for _, test in splits
     ]
-    if min(map(len, apart)) < FEWEST:
+    if min(map(len, apart)) < MIN_SWEEPS:
         return None
     told, _ = press_features(problem.quantities, problem.features)
     one = problem.continuous or ~np.isin(samples.y.astype(str), NOTHING_PRESSED)
@@ -115,4 +115,8 @@ def _separating_svm(one: NDArray[np.float64], several: NDArray[np.float64]) -> P
 
 
 def _at_most(X: NDArray[np.float64]) -> NDArray[np.float64]:
-    return X if len(X) <= MOST else X[draw_stratified(np.zeros(len(X)), MOST)]
+    return (
+        X
+        if len(X) <= MAX_SWEEPS_PER_KIND
+        else X[draw_stratified(np.zeros(len(X)), MAX_SWEEPS_PER_KIND)]
+    )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .error_estimate import Swept, rounded
 from .excitation import Combination
-from .lanczos import FEWEST_STEPS, MOST_STEPS, Pencil, Steps, coefficients
+from .lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS, Pencil, Steps, coefficients
 
 
 def respond_together(
@@ -38,10 +38,10 @@ def respond_together(
             before = change = np.zeros(len(s))
             break
         last, now = now, np.stack([each.form() for each in found])
-        if step < FEWEST_STEPS:
+        if step < MIN_LANCZOS_STEPS:
             continue
         before, change = change, combined.relative_change(last, now).max(axis=(0, 1))
-        if step == MOST_STEPS or max(before.max(), change.max()) <= rtol:
+        if step == MAX_LANCZOS_STEPS or max(before.max(), change.max()) <= rtol:
             break
     delayed = np.abs(combined.weights) @ np.abs(at_once - now)
     return now, np.maximum(before, change) + rounded(combined.admittance(now), delayed)[0]

@@ -27,7 +27,7 @@ from .error_estimate import (
     reference_susceptance,
     relative_difference,
 )
-from .safety_factors import MOST_GAINED
+from .safety_factors import MAX_ORDER_GAIN
 
 
 @dataclass(frozen=True)
@@ -145,6 +145,6 @@ def impedance_with_error(
     off = estimated_error(combined.relative_change(Q, finer))
     for before, _ in coarser:
         gained = estimated_error(combined.relative_change(before, Q))
-        off = np.maximum(off, gained / MOST_GAINED)
+        off = np.maximum(off, gained / MAX_ORDER_GAIN)
     here = np.s_[:, : len(frequency)]
     return combined.impedance(Q)[here], off + change[here] + ROUNDING

@@ -14,7 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 from ..sweeps import ToleranceError
 
-FEWEST_SIDES = 3
+MIN_RIGHT_HAND_SIDES = 3
 """Number of right-hand sides from which on one pass pays."""
 
 
@@ -63,7 +63,7 @@ class Factors:
 
     def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^-1 y. y: shape (unknown, ...)."""
-        if y.ndim == 1 or y.shape[1] < FEWEST_SIDES:
+        if y.ndim == 1 or y.shape[1] < MIN_RIGHT_HAND_SIDES:
             return self._lu.solve(y)
         from .kernels import substitute
 

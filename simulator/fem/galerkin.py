@@ -32,7 +32,7 @@ from .excited_terminals import (
     unshifted_pencils,
 )
 from .factors import Factors, factorised, without_zeros
-from .lanczos import MOST_STEPS, CachedSteps, Pencil, Pencils, Steps, respond
+from .lanczos import MAX_LANCZOS_STEPS, CachedSteps, Pencil, Pencils, Steps, respond
 from .low_rank import Bordered, LowRankMass, Mass
 from .system import Films, System
 from .terminal_network import Network
@@ -272,7 +272,7 @@ def swept(
 
     The excitations combine to interfaces as in `excitation.combination`. mass: M in F.
     """
-    fits = MOST_STEPS * space.inner * len(excitations) <= KEPT_NUMBERS
+    fits = MAX_LANCZOS_STEPS * space.inner * len(excitations) <= KEPT_NUMBERS
     own, combined = kept if fits else None, combination(excitations)
     Q, error = np.empty((len(excitations), len(s)), dtype=np.complex128), []
     for weights, group in zip(combined.weights, combined.groups, strict=True):

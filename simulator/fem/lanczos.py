@@ -19,8 +19,8 @@ from .error_estimate import LOST_SUSCEPTANCE, lost_digits
 from .excitation import Excitation
 from .lazy_kernel import LazyKernel
 
-MOST_STEPS = 60
-FEWEST_STEPS = 3
+MAX_LANCZOS_STEPS = 60
+MIN_LANCZOS_STEPS = 3
 
 
 def last_change_readable(
@@ -80,7 +80,7 @@ def respond(
     pencil: Pencil,
     s: NDArray[np.complex128],
     rtol: float,
-    most_steps: int = MOST_STEPS,
+    most_steps: int = MAX_LANCZOS_STEPS,
     kept: Steps | None = None,
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,). kept: the steps are added
@@ -108,10 +108,10 @@ def respond(
         steps += 1
         if kept is not None:
             kept.add(*step)
-        if steps < most_steps and (steps < FEWEST_STEPS or not settled(steps)):
+        if steps < most_steps and (steps < MIN_LANCZOS_STEPS or not settled(steps)):
             change = unknown
             continue
-        skipped = change is unknown and steps == most_steps > FEWEST_STEPS
+        skipped = change is unknown and steps == most_steps > MIN_LANCZOS_STEPS
         before = changed(steps - 1)[1] if skipped else change
         Y, change = changed(steps)
         quiet = max(before.max(), change.max()) <= rtol
@@ -125,7 +125,7 @@ def respond(
 
 
 def potentials(
-    pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
+    pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MAX_LANCZOS_STEPS
 ) -> NDArray[np.float64]:
     """u(s) - u(0) in V at real s >= 0 of an unshifted pencil, shape (unknown, s).
 
@@ -152,7 +152,7 @@ class Pencils:
 
 
 def potentials_of_all(
-    pencils: Pencils, shifts: NDArray[np.float64], rtol: float, most_steps: int = MOST_STEPS
+    pencils: Pencils, shifts: NDArray[np.float64], rtol: float, most_steps: int = MAX_LANCZOS_STEPS
 ) -> list[NDArray[np.float64]]:
     """`potentials` of each pencil, all advanced step by step together."""
     found = [_Spanned(shifts) for _ in pencils.start]

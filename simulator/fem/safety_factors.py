@@ -20,7 +20,7 @@ direction. A single press cannot estimate it."""
 UNSEEN = 3.0
 """k of a first mesh, which cannot estimate it. The largest observed k was 3.7, and 2.5 at ends of
 foils."""
-LEAST, MOST = 1.3, 4.0
+MIN_FACTOR, MAX_FACTOR = 1.3, 4.0
 """Bounds of an estimated k. A smaller estimate may come from refining smooth regions alone. A
 larger one is noise of a mesh that is far too coarse. The upper bound is raised at corners where
 conductance jumps by a large factor: k is larger there."""
@@ -33,9 +33,9 @@ PARITY = 0.8
 """Largest share of the previous difference that is taken as the error. This covers cells far wider
 than a boundary layer: every second order hardly changes the answer there, so the latest two orders
 may agree by chance."""
-MOST_BY_ORDERS = 5.0
+MAX_FACTOR_BY_ORDERS = 5.0
 """Upper bound of k where lower orders give it."""
-MOST_GAINED = 10.0
+MAX_ORDER_GAIN = 10.0
 """Largest accepted gain of one order over the previous one. In a cell far wider than a boundary
 layer every second order hardly changes the answer: the difference from the next order alone was a
 ninth of the error there."""

@@ -100,11 +100,11 @@ class PixelSystem(System):
         return self.pattern.matrix(values)
 
 
-FEWEST_ALONG = 2
+MIN_UNKNOWNS_ALONG = 2
 """Unknowns along a pixel of the coarsest elements."""
 
 
-def check_grid_fits(scene: Scene, circuit: Circuit, along: int = FEWEST_ALONG) -> None:
+def check_grid_fits(scene: Scene, circuit: Circuit, along: int = MIN_UNKNOWNS_ALONG) -> None:
     """Raise InputError if elements on a scene's grid of pixels would not fit in memory.
 
     along: unknowns along each side of a pixel.

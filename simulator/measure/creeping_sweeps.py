@@ -28,7 +28,7 @@ from .foam_state import FoamState
 
 Number = TypeVar("Number", np.float64, np.complex128)
 
-FIRST, MOST = 3, 9
+FIRST, MAX_NODES = 3, 9
 """First and largest number of nodes in each decay. Every second node belongs to the coarser
 interpolation that estimates the error; nodes are added in the decay with the largest error."""
 OF_NODES = 0.4
@@ -105,11 +105,11 @@ class Interpolation:
         return np.einsum("nif,...nif->...if", weights, values)
 
     def finer(self, solid: int) -> Interpolation | None:
-        """Interpolation with twice as many intervals in the decay of a solid; None beyond MOST
+        """Interpolation with twice as many intervals in the decay of a solid; None beyond MAX_NODES
         nodes."""
         counts = list(self.counts)
         counts[solid] = 2 * counts[solid] - 1
-        return Interpolation(self.moments, tuple(counts)) if counts[solid] <= MOST else None
+        return Interpolation(self.moments, tuple(counts)) if counts[solid] <= MAX_NODES else None
 
     def _of_solid(self, solid: int) -> Array:
         own = self.moments[solid]

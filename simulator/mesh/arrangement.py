@@ -76,7 +76,7 @@ WIDEST = np.pi / 8
 CLOSE = 0.05
 """Distance to a circle over its radius within which points divide it at their angles."""
 
-MOST_ROUNDS = 20
+MAX_ARRANGEMENT_ROUNDS = 20
 
 
 class Chords(NamedTuple):
@@ -142,7 +142,7 @@ def _divided(
         ]
         apart = _distinct(np.concatenate(first), same / circle.radius)
         found.append(_filled(apart, widest))
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ARRANGEMENT_ROUNDS):
         before = sum(map(len, found))
         for k, circle in enumerate(circles):
             there = [c.at(at) for c, at in zip(circles, found, strict=True) if c is not circle]

@@ -93,7 +93,7 @@ def _shape(corners: Points) -> NDArray[np.float64]:
     return 2 * np.sqrt(3) * (u[0] * v[1] - u[1] * v[0]) / squares
 
 
-LEAST = 1e-9
+MIN_EXCESS = 1e-9
 """Smallest sine of the excess over 180 degrees of angles opposite a turned edge."""
 
 ROUNDS = 200
@@ -116,7 +116,7 @@ def flipped(p: Points, t: Numbers, part: Numbers, segments: Points, same: float)
         best = np.argmax(excess[of_triangle], axis=0)
         chosen = of_triangle[best, np.arange(t.shape[1])]
         number = np.arange(len(first))
-        turn = (excess > LEAST) & (chosen[first] == number) & (chosen[second] == number)
+        turn = (excess > MIN_EXCESS) & (chosen[first] == number) & (chosen[second] == number)
         if not turn.any():
             break
         t = _turned(t, edges[:, turn], first[turn], second[turn])

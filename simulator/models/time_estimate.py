@@ -14,7 +14,7 @@ from ..sweeps import ToleranceError
 
 LOG = logging.getLogger(__name__)
 
-MOST_PARTS = 64.0
+MAX_CELL_PARTS = 64.0
 """Largest number of parts of one cell: where more were needed, the answer is singular, and graded
 cells need fewer."""
 WORTH_A_WORD = 60.0
@@ -38,14 +38,16 @@ def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
         return float(len(parts))
 
     def divided(raised: float) -> NDArray[np.float64]:
-        return np.clip((np.exp(raised) * parts) ** (1 / (order + 1)), 1.0, MOST_PARTS)
+        return np.clip((np.exp(raised) * parts) ** (1 / (order + 1)), 1.0, MAX_CELL_PARTS)
 
     def excess(raised: float) -> float:
         n = divided(raised)
-        return float((parts * n**-order)[n < MOST_PARTS].sum() - rtol)
+        return float((parts * n**-order)[n < MAX_CELL_PARTS].sum() - rtol)
 
     least, most = (-np.log(each) for each in (parts.max(), parts[parts > 0].min()))
-    every = most + (order + 1) * np.log(MOST_PARTS) + 1.0  # beyond rounding, all have MOST_PARTS
+    every = (
+        most + (order + 1) * np.log(MAX_CELL_PARTS) + 1.0
+    )  # beyond rounding, all have MAX_CELL_PARTS
     raised = brentq(excess, least, every)
     return float(divided(raised).sum())  # pyright: ignore[reportArgumentType]
 

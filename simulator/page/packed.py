@@ -38,7 +38,7 @@ RISES = (-0.5, 3.0)
 """Range of the rise of capacitance under a touch, over the unpressed capacitance."""
 FREQUENCIES = 24
 POINTS = 1024
-MOST_TOUCHES = 2
+MAX_PACKED_TOUCHES = 2
 
 
 def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
@@ -53,7 +53,7 @@ def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator]
 
     def draw(random: np.random.Generator) -> Case:
         rises, fingers = np.zeros((2, *shape))
-        for _ in range(random.integers(0, MOST_TOUCHES, endpoint=True)):
+        for _ in range(random.integers(0, MAX_PACKED_TOUCHES, endpoint=True)):
             first = [int(random.integers(count)) for count in shape]
             size = random.integers(1, 2 * cells, 2, endpoint=True)
             here = tuple(slice(a, a + n) for a, n in zip(first, size, strict=True))

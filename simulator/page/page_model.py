@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.lanczos import FEWEST_STEPS, MOST_STEPS
+from ..fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
 from ..fem.terminal_network import allowed_potentials
 from ..models.heterogeneous.coefficients import ELECTRODES
 from ..models.heterogeneous.materials import gauged
@@ -33,7 +33,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
     rows, columns = reduced.grid
     return {
         "grid": {"rows": rows, "columns": columns},
-        "steps": {"fewest": FEWEST_STEPS, "most": MOST_STEPS, "rtol": KRYLOV_RTOL},
+        "steps": {"fewest": MIN_LANCZOS_STEPS, "most": MAX_LANCZOS_STEPS, "rtol": KRYLOV_RTOL},
         "terminals": len(rest.rows),
         "size": rest.rows.shape[1],
         "rows": exactly(rest.rows),

@@ -143,7 +143,7 @@ def _by(strength: WrittenStrength) -> Strength:
     return kinds[strength.unit](strength.value) if strength.unit else strength.value
 
 
-LEAST_SIZE = 1e-6
+MIN_TOUCH_SIZE = 1e-6
 """Smallest size of a touch over that of the skin: a thousand times the distance at which lines
 coincide."""
 
@@ -231,7 +231,7 @@ def check_fingers(press: Press, scene: Scene) -> None:
 
 
 def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:
-    least = LEAST_SIZE * max(scene.skin.length, scene.skin.width)
+    least = MIN_TOUCH_SIZE * max(scene.skin.length, scene.skin.width)
     try:
         check_simple("poly", np.array(touch.points), least)
     except ValueError as error:
@@ -261,8 +261,8 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
                 f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
                 f"got {low:g}..{high:g} m"
             )
-        if not high - low >= LEAST_SIZE * length:
+        if not high - low >= MIN_TOUCH_SIZE * length:
             raise InputError(
-                f"press {press}: touches must be at least {LEAST_SIZE * length:g} m large along "
-                f"{axis} on {scene.name}, got {high - low:g} m"
+                f"press {press}: touches must be at least {MIN_TOUCH_SIZE * length:g} m large "
+                f"along {axis} on {scene.name}, got {high - low:g} m"
             )

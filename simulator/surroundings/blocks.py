@@ -22,7 +22,7 @@ PANELS = (6, 10)
 """Panels from the edge of a rectangle to its middle, of a coarse and of a fine block."""
 LAYERS = (2, 4)
 """Layers of triangles at an outline, coarse and fine."""
-LONGEST, FEWEST = 2.0, 100
+LONGEST, MIN_EDGE_COUNT = 2.0, 100
 """Longest edge along outlines over the foam's thickness, and count of such edges.
 
 Edges may be longer than that, up to the length of all outlines over the count.
@@ -99,7 +99,7 @@ def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
         edges, of_triangle = edges_of(mesh.t)
         outer = np.bincount(of_triangle.ravel()) == 1
         lengths = outer * np.linalg.norm(p[:, edges[1]] - p[:, edges[0]], axis=0)
-        coarse = (lengths > max(longest, lengths.sum() / FEWEST))[of_triangle].any(axis=0)
+        coarse = (lengths > max(longest, lengths.sum() / MIN_EDGE_COUNT))[of_triangle].any(axis=0)
         if not coarse.any():
             break
         mesh = refined(mesh, np.flatnonzero(coarse))

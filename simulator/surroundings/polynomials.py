@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SMOOTH = 1
-DEGREE, LEAST_DEGREE = 8, 3
+DEGREE, MIN_DEGREE = 8, 3
 """Degrees along the longer side of a skin, and minimum along any.
 
 Half a wave of the highest is an eighth of the side.
@@ -82,5 +82,5 @@ class Polynomials:
 def polynomials(sides: tuple[float, float]) -> Polynomials:
     """Polynomials of about the same resolution along both sides, m."""
     longer = max(sides)
-    degrees = [max(LEAST_DEGREE, int(np.ceil(DEGREE * side / longer))) for side in sides]
+    degrees = [max(MIN_DEGREE, int(np.ceil(DEGREE * side / longer))) for side in sides]
     return Polynomials(sides, (degrees[0], degrees[1]))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body
 
-LEAST_WEIGHT = 1e-3
+MIN_IMAGE_WEIGHT = 1e-3
 """Smallest weight of an image: the rest of a series of weights b^n is at most as large."""
 ITSELF = (1.0, 0.0, 1.0)
 
@@ -50,7 +50,7 @@ def images(layer: Layer | None) -> NDArray[np.float64]:
         b = (layer.permittivity - 1) / (layer.permittivity + 1)
         found += [(-1.0, 0.0, -b)] if b else []
         weight, depth = b * b - 1, 2 * layer.thickness
-        while abs(weight) > LEAST_WEIGHT:
+        while abs(weight) > MIN_IMAGE_WEIGHT:
             found.append((-1.0, -depth, weight))
             weight, depth = -b * weight, depth + 2 * layer.thickness
     return np.array(found)

@@ -30,7 +30,7 @@ BAR_WIDTH, BAR_ROOM = 0.13, 1.05
 NUMBER_COLOUR = "0.35"
 HALO_WIDTH, SHADE_WIDTH = 1.3, 0.6
 """Widths of the white and the black of a line between pixels, points."""
-MOST_NAMED = 12
+MAX_NAMED_PIXELS = 12
 """Largest number of pixels along a grid's side at which each is named."""
 FACING = 0.3
 """Component of a normal towards the eye up to which pixels are not named."""
@@ -97,7 +97,7 @@ def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> 
     from matplotlib.patheffects import withStroke
 
     facing = _facing(camera, skin, marks.middles)
-    if marks.grid_lines and max(facing.shape) > MOST_NAMED:
+    if marks.grid_lines and max(facing.shape) > MAX_NAMED_PIXELS:
         kept = np.zeros_like(facing, dtype=bool)
         kept[0, :] = True
         kept[:, int(np.argmax(facing.sum(axis=0)))] = True

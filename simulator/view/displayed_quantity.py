@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
 """Degrees between lines of equal phase, to choose from."""
-MOST_CONTOURS = 9
+MAX_CONTOURS = 9
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def phase_contours(skin: SkinSurface, V: NDArray[np.complex128]) -> tuple[tuple[
     """
     turned = np.degrees(np.angle(V * np.exp(-1j * np.angle(V.mean()))))
     span = np.ptp(turned)
-    step = next((step for step in CONTOUR_STEPS if span <= MOST_CONTOURS * step), 90.0)
+    step = next((step for step in CONTOUR_STEPS if span <= MAX_CONTOURS * step), 90.0)
     lines = [
         line for level in np.arange(-180, 180, step) for line in _isophase(skin, V, float(level))
     ]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .displayed_quantity import DisplayedQuantity
     from .foils import Foil
 
-SINGLE, PANEL, LEAST_WIDTH = 5.0, 2.3, 5.0
+SINGLE, PANEL, MIN_FIGURE_WIDTH = 5.0, 2.3, 5.0
 """Width of a single panel, of one of several, and the least for a title, inches."""
 HIGHEST = 5.6
 """Largest height of a panel, inches."""
@@ -84,7 +84,7 @@ def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
         max(_width(panel, alone) * panel.camera.aspect for panel in row) + _words_height(row)
         for row in rows
     ]
-    width = max(columns * (max(widths) + BESIDE), LEAST_WIDTH)
+    width = max(columns * (max(widths) + BESIDE), MIN_FIGURE_WIDTH)
     return width, sum(heights) + TITLE_AND_FOILS
 
 

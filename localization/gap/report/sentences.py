@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..mean_accuracy import MeanAccuracy
 
 
-MOST, NOTABLE_SHARE, MENTIONED_SHARE = 0.5, 0.1, 0.005
+MAIN_SHARE, NOTABLE_SHARE, MENTIONED_SHARE = 0.5, 0.1, 0.005
 """Minimum shares of the misfit that three statements require.
 
 A parameter explains most of a gap; it explains a part of it; a second parameter is mentioned.
@@ -94,7 +94,7 @@ def cause_sentence(findings: GapFindings) -> str:
         return ""
     first, *others = findings.causes
     name, share = cause_label(first), f"{100 * first.removed:.0f} % of the misfit"
-    if first.removed >= MOST:
+    if first.removed >= MAIN_SHARE:
         told = f"{name} explains most of the gap: fitted alone, it removes {share}"
     elif first.removed >= NOTABLE_SHARE:
         told = f"{name} explains a part of the gap: fitted alone, it removes {share}"

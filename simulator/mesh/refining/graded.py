@@ -23,8 +23,8 @@ STRENGTH = 0.12
 
 It is that with triangles as large as the skin.
 """
-MOST_ROUNDS = 16
-MOST_GROWN = 8.0
+MAX_GRADING_ROUNDS = 16
+MAX_GROWTH = 8.0
 """Largest ratio of triangles after and before; predictions beyond are unreliable."""
 
 
@@ -41,8 +41,8 @@ def graded(
     shape (error, triangle). order: that of the elements. exponents: at points, as from
     `corner_exponents`. Raises what `finer` raises.
     """
-    pixel, found, most = mesh.pixel, mesh, MOST_GROWN * mesh.t.shape[1]
-    for _ in range(MOST_ROUNDS):
+    pixel, found, most = mesh.pixel, mesh, MAX_GROWTH * mesh.t.shape[1]
+    for _ in range(MAX_GRADING_ROUNDS):
         large = parts[parts.sum(axis=1) > enough]
         if not len(large) or found.t.shape[1] > most:
             break

@@ -15,13 +15,13 @@ from .refinement import arcs_halved, refined
 
 STEPS = 6
 """Number of parts of an edge; triangles are checked at the ends of the parts."""
-LEAST = 1e-3
+MIN_AREA_RATIO = 1e-3
 """Smallest area of a bent triangle over that of the straight one, but at corners.
 
 Where a circle touches a line, it falls linearly from 1 to 0 at the corner.
 """
 ROUNDING = 1e-6
-MOST_ROUNDS = 10
+MAX_UNTANGLING_ROUNDS = 10
 
 
 def finer(mesh: Domain, marked: ArrayLike) -> Domain:
@@ -39,7 +39,7 @@ def untangled(mesh: Domain) -> Domain:
     """
     if not len(mesh.arcs.curvature):
         return mesh
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_UNTANGLING_ROUNDS):
         if not _tangled(mesh).size:
             return mesh
         mesh = _turned(mesh)
@@ -51,7 +51,7 @@ def _tangled(mesh: Domain) -> Numbers:
     """Triangles that their arcs turn over, and those that lie upon a neighbour."""
     curvature = mesh.curvature
     bent = np.flatnonzero(curvature.any(axis=0))
-    turned = bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < LEAST]
+    turned = bent[_upright(mesh, mesh.t[:, bent], curvature[:, bent]) < MIN_AREA_RATIO]
     return np.union1d(turned, _folded(mesh))
 
 
@@ -72,8 +72,8 @@ def _folded(mesh: Domain) -> Numbers:
 def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
     """Smallest area ratio of a bent and the straight triangle, shape (triangle,).
 
-    t: of ascending points. At corners, where the ratio may be 0, LEAST is added. It is -1 for a
-    straight triangle without area.
+    t: of ascending points. At corners, where the ratio may be 0, MIN_AREA_RATIO is added. It is -1
+    for a straight triangle without area.
     """
     a, b = (each.ravel() / STEPS for each in np.meshgrid(*2 * [np.arange(STEPS + 1.0)]))
     within = a + b < 1 + ROUNDING
@@ -83,7 +83,7 @@ def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArra
     straight = _area(mesh, t)[:, None]
     flat = np.full((t.shape[1], len(a)), -1.0)
     part = np.divide(_cross(along, across), straight, out=flat, where=straight != 0)
-    return (part + (LEAST + ROUNDING) * cornered).min(axis=1)
+    return (part + (MIN_AREA_RATIO + ROUNDING) * cornered).min(axis=1)
 
 
 def _turned(mesh: Domain) -> Domain:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST, MOST, STEP = 0.01, 5.0, 0.02
+MIN_EXPONENT, MAX_EXPONENT, STEP = 0.01, 5.0, 0.02
 """Range and step of the exponents searched.
 
 Beyond the range, all is as smooth as elements are.
@@ -50,10 +50,10 @@ def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def _first(
-    values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], most: float = MOST
+    values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], most: float = MAX_EXPONENT
 ) -> float:
     """First power at which values that begin above 0 no longer are; inf if none."""
-    low, high, count = LEAST, most, round((most - LEAST) / STEP) + 1
+    low, high, count = MIN_EXPONENT, most, round((most - MIN_EXPONENT) / STEP) + 1
     for _ in range(ZOOMS + 1):
         powers = np.linspace(low, high, count)
         below = np.flatnonzero(values_at(powers) <= 0)

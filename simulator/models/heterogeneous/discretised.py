@@ -151,7 +151,7 @@ class Discretised:
         return [on_cells(solved.system.unknowns, solved.elements.trial, v) for v in V.T]
 
 
-LEAST_LEFT = 0.1
+MIN_REFINED_ENERGY = 0.1
 """Smallest energy that meshes are refined for, over the energy of all excitations of an interface.
 """
 KEPT = 0.7
@@ -198,14 +198,14 @@ def _over_all(
     """Parts over the sum of the whole; 0 where that sum is 0.
 
     The sum is 0 behind foils that insulate, where heat in the sheet is below double precision. The
-    parts of all excitations add; the whole counts as at least LEAST_LEFT of its absolute sum,
-    though excitations are subtracted.
+    parts of all excitations add; the whole counts as at least MIN_REFINED_ENERGY of its absolute
+    sum, though excitations are subtracted.
     """
     parts, signed, unsigned = (
         sum(w * each for w, each in zip(signs, of_each, strict=True))
         for signs, of_each in ((abs(weights), part), (weights, whole), (abs(weights), whole))
     )
-    total = max(np.sum(signed), LEAST_LEFT * np.sum(unsigned))
+    total = max(np.sum(signed), MIN_REFINED_ENERGY * np.sum(unsigned))
     return parts / total if total > 0 else np.zeros_like(parts)
 
 

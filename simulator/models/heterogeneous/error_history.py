@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from ...fem.safety_factors import (
     FORESEEN,
-    LEAST,
-    MOST,
-    MOST_BY_ORDERS,
+    MAX_FACTOR,
+    MAX_FACTOR_BY_ORDERS,
+    MIN_FACTOR,
     PARITY,
     TELLS,
     UNSEEN,
@@ -48,7 +48,7 @@ class ErrorHistory:
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
         self._errors: list[float] = []
-        self._unseen, self._most = UNSEEN, MOST
+        self._unseen, self._most = UNSEEN, MAX_FACTOR
         self._foreseen = np.ones(1), np.full(1, np.inf)
 
     def predict(self, frequency: NDArray[np.float64], k: NDArray[np.float64]) -> None:
@@ -58,7 +58,7 @@ class ErrorHistory:
     def account_for_corners(self, exponents: NDArray[np.float64], order: int) -> None:
         """Account for corners of these exponents, at which k may be larger than elsewhere."""
         slowest = float(at_corners(exponents.min(initial=np.inf), order))
-        self._unseen, self._most = max(UNSEEN, slowest), max(MOST, slowest)
+        self._unseen, self._most = max(UNSEEN, slowest), max(MAX_FACTOR, slowest)
 
     def relative_error(self, rtol: float) -> float:
         """Latest error over the tolerance; 1 before there is one."""
@@ -93,7 +93,9 @@ class ErrorHistory:
         largest = max(self._recorded.values())
         error = np.array([self._recorded.get(each, largest) for each in frequency.tolist()])
         return (
-            error if self._largest else error * np.clip(likely, LEAST, self._unseen) / self._unseen
+            error
+            if self._largest
+            else error * np.clip(likely, MIN_FACTOR, self._unseen) / self._unseen
         )
 
     def effect(
@@ -113,7 +115,7 @@ class ErrorHistory:
             return np.full(len(frequency), self._unseen)
         at, k = self._foreseen
         foreseen = FORESEEN * np.interp(np.log(frequency), np.log(at), k)
-        return np.clip(np.minimum(self._largest, foreseen), LEAST, self._most)
+        return np.clip(np.minimum(self._largest, foreseen), MIN_FACTOR, self._most)
 
 
 def at_corners(exponents: NDArray[np.float64] | np.float64, order: int) -> NDArray[np.float64]:
@@ -147,7 +149,7 @@ def by_orders(order: int, steps: list[NDArray[np.float64]]) -> NDArray[np.float6
     gained = _ratio(before, latest)
     power = np.log(gained) / math.log(order / (order - 1)) - 1
     left = (order / (order + 1)) ** np.maximum(power, 0.0)
-    k = np.minimum(1 / np.maximum(1 - left, 1 / MOST_BY_ORDERS), MOST_BY_ORDERS)
+    k = np.minimum(1 / np.maximum(1 - left, 1 / MAX_FACTOR_BY_ORDERS), MAX_FACTOR_BY_ORDERS)
     if not first:
         return k * steps[0]
     odd = np.minimum(PARITY, 1 / _ratio(first[0], before))

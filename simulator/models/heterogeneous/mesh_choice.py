@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 MECHANICS_SHARE = 0.3
 """Share of the tolerance for the error of mechanics."""
-LEAST_STEP = 0.3
+MIN_ERROR_RATIO = 0.3
 """Smallest ratio by which the error of mechanics is reduced at once."""
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
 """Tolerance of the capacitance factor anywhere over the tolerance of Rs and Cp, and its maximum.
@@ -82,7 +82,7 @@ class DeflectedTriangles:
             error = found.changes(raised, frequency, self._rtol)
             if error.max() <= most:
                 return replace(found, deflection_error=error)
-            self._pressed = closer(max(LEAST_STEP, most / error.max()) * self._pressed.error)
+            self._pressed = closer(max(MIN_ERROR_RATIO, most / error.max()) * self._pressed.error)
             self._place.triangles = triangles = triangles.for_other_depths(self._pressed)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..mechanics.deflection_cache import DeflectionCache
     from .triangle_meshes import Triangles
 
-MOST_NODES = 100_000
+MAX_CACHED_NODES = 100_000
 """Maximum count of membrane nodes in the cache, all places together."""
 Key = tuple[Press, tuple[Shape, ...]]
 
@@ -37,7 +37,7 @@ class PressPlace:
 
 
 class PressCache:
-    """The latest places, up to MOST_NODES, but at least one."""
+    """The latest places, up to MAX_CACHED_NODES, but at least one."""
 
     def __init__(self) -> None:
         self._known: dict[Key, PressPlace] = {}
@@ -46,7 +46,7 @@ class PressCache:
         """Place of a press."""
         key = press.on_patches, tuple(map(place_of, press.indented))
         place = self._known.pop(key, None) or PressPlace()
-        while sum(each.deflections.nodes for each in self._known.values()) > MOST_NODES:
+        while sum(each.deflections.nodes for each in self._known.values()) > MAX_CACHED_NODES:
             del self._known[next(iter(self._known))]
         self._known[key] = place
         return place

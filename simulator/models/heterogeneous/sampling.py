@@ -11,7 +11,7 @@ from .discretised import Discretised
 from .materials import position
 
 FEW_CELLS = 12_000
-MOST_PARTS = 8
+MAX_SAMPLING_PARTS = 8
 INWARD = 0.01
 """Relative shift towards the middle of a cell for gradients. Where a circle touches a line, a cell
 has no width at its corner, and no gradient there."""
@@ -30,7 +30,7 @@ class Sampler:
         self._discretised, self._elements = discretised, discretised.fine.elements
         sides = len(np.asarray(self._elements.element.refdom.p).T)
         cut = round((FEW_CELLS / self._elements.cells) ** 0.5)
-        corners, parts = lattice(sides, min(max(cut, 1), MOST_PARTS))
+        corners, parts = lattice(sides, min(max(cut, 1), MAX_SAMPLING_PARTS))
         self._scene = scene
         middle = corners.mean(axis=1, keepdims=True)
         within = corners + INWARD * (middle - corners)

@@ -31,7 +31,7 @@ from .pressed_system import pressed_system
 CELLS_TO_A_LENGTH = 2.0
 """Cells of order 1 along the shortest length of a map; fewer of higher order."""
 
-MOST_UNKNOWNS = 300_000
+MAX_MAP_UNKNOWNS = 300_000
 """Maximum unknowns of a field where a map needs more cells than pixels do: they take some ten
 seconds."""
 AN_ORDER = 15.0
@@ -114,7 +114,7 @@ class Squares:
         corners = ringed_corners(self.materials, self.circuit.contacts, self.press, self.rtol)
         cells = max(resolution.cells, math.ceil(needed))
         unknowns = cells**2 * math.prod(self.scene.pixels.shape) * resolution.order**2
-        if cells > resolution.cells and unknowns > MOST_UNKNOWNS:
+        if cells > resolution.cells and unknowns > MAX_MAP_UNKNOWNS:
             raise ToleranceError(f"{cells} x {cells} cells in each pixel are too many")
         return self._towards_foils(replace(finer, cells=cells, corners=corners))
 

@@ -39,15 +39,15 @@ ORDERS, ORDERS_OF_SPREAD = ((5e-3, 2), (0.0, 3)), ((1e-3, 2), (0.0, 3))
 """Pairs of the smallest tolerance and the order of elements for it: in general, and for deflected
 skins. Elements of one order more estimate the error. Order 1 is not used: it needs more unknowns
 for 1e-2 than order 2 for 1e-3."""
-MOST_TRIANGLES = 60_000
+MAX_TRIANGLES = 60_000
 FIRST_SHARE = 0.25
-"""Share of MOST_TRIANGLES for a first mesh, so that finer ones can follow."""
+"""Share of MAX_TRIANGLES for a first mesh, so that finer ones can follow."""
 DEPTHS_PER_ORDER = 1.0
 """Longest edge of a triangle at a foil over the depth of the field, for each order of the elements,
 at the highest frequency."""
 AIMED = 1.2
 """Predicted error at which refining of the next mesh stops, over the tolerance."""
-LEAST_GAIN = 0.5
+MIN_REFINEMENT_GAIN = 0.5
 """Upper limit of the predicted error of the next mesh, over the expected error of this mesh."""
 TELLS_OF = 0.2
 """Factor on the square of an error. The product is the part of the error that may arise in other
@@ -102,7 +102,7 @@ class Triangles:
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """Next discretisation, for frequencies in Hz.
 
-        Raises ToleranceError if the tolerance needs more than MOST_TRIANGLES, triangles too small
+        Raises ToleranceError if the tolerance needs more than MAX_TRIANGLES, triangles too small
         for double precision, or a more exact geometry of touches and outlines.
         """
         ends = np.unique(frequency[[0, -1]])
@@ -112,12 +112,12 @@ class Triangles:
             parts = indicators(self._before, ends)
             interfaces = len(self.scene.interfaces)
             needed = cells_needed(parts.mean(axis=0) / interfaces, self.order, self.rtol)
-            check_within_reach(needed, MOST_TRIANGLES, self.order, "triangles")
+            check_within_reach(needed, MAX_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)
             _check_beyond_rounding(found)
-        if found.t.shape[1] > MOST_TRIANGLES:
+        if found.t.shape[1] > MAX_TRIANGLES:
             raise ToleranceError(
-                f"{found.t.shape[1]} triangles are too many, at most {MOST_TRIANGLES} are solved; "
+                f"{found.t.shape[1]} triangles are too many, at most {MAX_TRIANGLES} are solved; "
                 "at lower frequencies fields reach farther, and fewer triangles suffice"
             )
         if found is not self._domain:
@@ -148,7 +148,7 @@ class Triangles:
         likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
         expected = self._history.expected_at(frequency, float(likely.max()))
         largest = float(expected.max())
-        enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), LEAST_GAIN * largest)
+        enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), MIN_REFINEMENT_GAIN * largest)
         found, left = graded(mesh, expected[:, None] * share, enough, self.order, exponents)
         likely = (left * _shown(exponents, found, self.order)).sum(axis=1) / left.sum(axis=1)
         self._history.predict(frequency, likely)
@@ -287,7 +287,7 @@ def _fine_at_foils(mesh: Domain, longest: float) -> Domain:
         for facets in mesh.foils.values():
             on_foil[facets] = True
         coarse = np.flatnonzero(on_foil[mesh.t].any(axis=0) & (mesh.lengths > longest))
-        if not coarse.size or mesh.t.shape[1] > MOST_TRIANGLES:
+        if not coarse.size or mesh.t.shape[1] > MAX_TRIANGLES:
             return mesh
         mesh = finer(mesh, coarse)
 
@@ -296,8 +296,8 @@ def _check_width(length: float, width: float, size: float) -> None:
     """Raise ToleranceError if triangles no larger than `size` or a side are too many; all in m."""
     edge = min(length, width, size)
     needed = length * width / (math.sqrt(3) / 4 * edge**2)
-    if needed > FIRST_SHARE * MOST_TRIANGLES:
+    if needed > FIRST_SHARE * MAX_TRIANGLES:
         raise ToleranceError(
             f"a skin of {length:g} m x {width:g} m that is not uniform needs {needed:.2g} "
-            f"triangles of {edge:.2g} m; a first mesh may have {FIRST_SHARE * MOST_TRIANGLES:g}"
+            f"triangles of {edge:.2g} m; a first mesh may have {FIRST_SHARE * MAX_TRIANGLES:g}"
         )

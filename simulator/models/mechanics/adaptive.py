@@ -30,19 +30,19 @@ OF_TAIL = 0.2
 presses up to the closing of the cells it was 0.05 to 0.18 of that."""
 FALLS = 5.0
 """Power of a triangle's size by which the error falls where the deflection is smooth."""
-MOST_AT_ONCE = 8
+MAX_REFINEMENTS_AT_ONCE = 8
 HALF_AGAIN = 2.0
 """Error of the first triangles over the tolerance that is assumed where they seem to suffice
 already."""
-MOST_TRIANGLES = 60_000
-LEAST_ALONG = 4
+MAX_PRESS_TRIANGLES = 60_000
+MIN_TRIANGLES_ALONG = 4
 """Triangles for every length of the skins' spread along an applicator's edge."""
 MORE_AGAIN = 4.0
 """Upper bound of the growth in triangles: some fifty presses that reached their tolerance had at
 least 1.5 times as many."""
 PRESSING = "pressing the skin in"
 SPREADS = "a tension that spreads it by next to nothing may be set to 0"
-TOO_FINE = f"the press needs more than {MOST_TRIANGLES} triangles at this tolerance; {SPREADS}"
+TOO_FINE = f"the press needs more than {MAX_PRESS_TRIANGLES} triangles at this tolerance; {SPREADS}"
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,9 @@ def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> Non
     smooth = np.delete(excess, ground.cornered)
     needed = (np.maximum(smooth, 1.0) ** (2 / FALLS)).sum()
     needed *= np.clip(needed / len(excess), 1.0, MORE_AGAIN)
-    check_within_reach(needed, MOST_TRIANGLES, FALLS / 2, f"triangles under the press; {SPREADS}")
+    check_within_reach(
+        needed, MAX_PRESS_TRIANGLES, FALLS / 2, f"triangles under the press; {SPREADS}"
+    )
 
 
 def _refined(ground: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
@@ -145,7 +147,7 @@ class _Pressing:
     pushed: ApplicatorLoads
 
     def level(self, ground: ContactMesh, start: MembraneSurface | None = None) -> DeflectionLevel:
-        if ground.mesh.nelements > MOST_TRIANGLES:
+        if ground.mesh.nelements > MAX_PRESS_TRIANGLES:
             raise ToleranceError(TOO_FINE)
         tension = self.mechanics.tension
         membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
@@ -187,7 +189,7 @@ def _times(excess: float) -> int:
     """Number of further halvings of triangles at corners that exceed the target by so much."""
     if excess <= 1:
         return 0
-    return min(MOST_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)
+    return min(MAX_REFINEMENTS_AT_ONCE, math.ceil(math.log(excess) / -math.log(SHRINKS)) - 1)
 
 
 def _pushed(press: Press) -> ApplicatorLoads:
@@ -199,7 +201,7 @@ def _pushed(press: Press) -> ApplicatorLoads:
 
 def _check_length(ground: ContactMesh, mechanics: Mechanics, thickness: float) -> None:
     spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
-    if LEAST_ALONG * ground.edges > MOST_TRIANGLES * spread:
+    if MIN_TRIANGLES_ALONG * ground.edges > MAX_PRESS_TRIANGLES * spread:
         raise ToleranceError(TOO_FINE)
 
 

@@ -21,12 +21,12 @@ SETTLED = 1e-10
 """Residual at free nodes over the largest force at a clamped node, both N."""
 
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
-MOST_STEPS = 100
+MAX_NEWTON_STEPS = 100
 GAINED = 10.0
 """Smallest gain of an undamped step; one that gains less is damped, and new factors follow."""
 SUFFICIENT = 1e-4
 ROUNDING = 1e-13
-MIXED, MOST_MIXED = 4, 8
+MIXED, MAX_MIXED_TRIALS = 4, 8
 """Number of steps that are mixed, and number of trials before new factors, which take as long as
 ten."""
 
@@ -92,7 +92,7 @@ def equilibrium(
 
     w, reaction, downhill = pulled(q)
     solve, newton, before = None, None, np.inf
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         left = np.abs(downhill).max(initial=0.0)
         if left <= SETTLED * np.abs(reaction).max():
             return _rest(w, reaction, held, pushed, q[len(q) - count :], newton)
@@ -123,7 +123,7 @@ def nearby_equilibrium(
     """Equilibrium by steps with factors of another deflection of the same nodes.
 
     The latest steps are mixed for the smallest residual, until one is at most `left` of the
-    deflection and half the one before. None if that takes more than MOST_MIXED. Source: D. G.
+    deflection and half the one before. None if that takes more than MAX_MIXED_TRIALS. Source: D. G.
     Anderson, Journal of the ACM 12 (1965) 547.
     """
     turn, fixed = _freedoms(held, pushed)
@@ -132,7 +132,7 @@ def nearby_equilibrium(
     work[len(q) - count :] = pushed.force[pushed.by_force]
     tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
     before = np.inf
-    for _ in range(MOST_MIXED):
+    for _ in range(MAX_MIXED_TRIALS):
         step = newton(work - turn.T @ body.residual(turn @ q + fixed))
         if not np.isfinite(step).all():
             return None
@@ -225,7 +225,7 @@ def _rest(
     return Equilibrium(w, depth, np.array(force), newton)
 
 
-MOST_CHANGES = 200
+MAX_CONTACT_CHANGES = 200
 CLOSE = 1e-6
 SAME = 1e-12
 """Difference of deflections over the foam's thickness below which they count as equal."""
@@ -263,7 +263,7 @@ def clamped_nodes(
         return most
     net, w = LumpedMembrane(membrane, tension), start
     held = np.where(start > _depths(start, most, pushed)[most] + CLOSE * net.thickness, -1, most)
-    for _ in range(MOST_CHANGES):
+    for _ in range(MAX_CONTACT_CHANGES):
         rest = equilibrium(net, held, pushed, w)
         w, reaction = rest.w, net.residual(rest.w)
         reaches = (most >= 0) & (w < rest.depth[most] - SAME * net.thickness)

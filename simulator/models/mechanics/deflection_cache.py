@@ -17,7 +17,7 @@ ones."""
 NEAREST, STEADY = 4, 10.0
 """Number of cached deflections for a first guess, and the largest sum of the sizes of their
 weights: a larger sum magnifies their errors more."""
-MOST_KNOWN = 16
+MAX_CACHED_DEFLECTIONS = 16
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class DeflectionCache:
         key = _key(pushed)
         if key is not None:
             self._known[key] = replace(level.rest, newton=None)
-            while len(self._known) > MOST_KNOWN:
+            while len(self._known) > MAX_CACHED_DEFLECTIONS:
                 del self._known[next(iter(self._known))]
 
     def start(self, level: DeflectionLevel, pushed: ApplicatorLoads) -> NDArray[np.float64]:

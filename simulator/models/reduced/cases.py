@@ -67,7 +67,7 @@ def touched(
 
 Draw = Callable[[np.random.Generator], Case]
 
-MOST_AT_ONCE = 2
+MAX_PIXELS_AT_ONCE = 2
 """Largest number of pixels that one press touches."""
 
 
@@ -92,7 +92,7 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
     strongest = strongest_finger(scene) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
-        touches = random.integers(1, min(MOST_AT_ONCE, pixels), endpoint=True)
+        touches = random.integers(1, min(MAX_PIXELS_AT_ONCE, pixels), endpoint=True)
         cells = random.choice(pixels, touches, replace=False)
         rises = random.uniform(*factor, touches) - 1
         if not parts.fingers:

@@ -45,7 +45,7 @@ IDLE_DRAWS = 50
 """Number of useless draws in a row after which the first sample is complete, see `covering`."""
 AT_ONCE, PRESSES_ON_SKIN = 64, 8
 BATCH = 32
-FEWEST_QUIET, MOST_QUIET = 64, 192
+MIN_QUIET_CASES, MAX_QUIET_CASES = 64, 192
 LARGEST = 1200
 TRAINING = "training a reduced model"
 """Label of the reduction's progress."""
@@ -138,7 +138,7 @@ class Basis:
         draw: Draw,
         random: np.random.Generator,
         progress: ProgressCallback,
-        most: int = MOST_QUIET,
+        most: int = MAX_QUIET_CASES,
     ) -> Reduced:
         """Adds vectors until enough fresh draws in a row keep the tolerance.
 
@@ -151,7 +151,7 @@ class Basis:
         for start in range(0, len(first), AT_ONCE):
             self._add(first[start : start + AT_ONCE])
         quiet, reduced, roughly, begun = 0, self._reduced(), True, 0.0
-        while quiet < min(max(FEWEST_QUIET, cells // 2), most):
+        while quiet < min(max(MIN_QUIET_CASES, cells // 2), most):
             cases = [draw(random) for _ in range(BATCH)]
             roughly = roughly and any(case.variation is not None for case in cases)
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases

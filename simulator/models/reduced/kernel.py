@@ -15,7 +15,7 @@ from ...compiled import compiled
 from ...fem.error_estimate import LOST_SUSCEPTANCE
 from ...fem.excitation import Combination
 from ...fem.kernels import continued_fractions, next_convergent
-from ...fem.lanczos import FEWEST_STEPS, MOST_STEPS
+from ...fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
 from ...press.batch import PressBatch
 from .dense import DenseExcitation, UnpressedMass
 
@@ -45,7 +45,7 @@ def swept(
         parts[0, k], parts[1, k] = s[k].real, s[k].imag
         parts[2, k], parts[3, k] = square.real, square.imag
     room, fractions = room_for(rest, feed), np.empty((2, len(s)))
-    diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
+    diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
     basis = np.empty((0, rest.rows.shape[1]))
     for press in range(len(starts) - 1):
         first, end = starts[press], starts[press + 1]
@@ -111,8 +111,8 @@ def lanczos_steps(
 
     touched: cells and their rises. room: from `room_for`; on return its first vector holds the
     potentials at s = 0, V. diagonal, squared: filled as `continued_fraction` takes them. basis:
-    filled with the vector of each step, shape (MOST_STEPS, m), unless it is empty. Returns the
-    number of steps and the capacitance that acts at once, F.
+    filled with the vector of each step, shape (MAX_LANCZOS_STEPS, m), unless it is empty. Returns
+    the number of steps and the capacitance that acts at once, F.
     """
     terminals, m = rest.rows.shape
     for vector in range(len(room)):
@@ -136,7 +136,7 @@ def lanczos_steps(
     now = feed.conductance + s * capacitance
     convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
     steps, change_before, beside = 0, np.inf, 0.0
-    while steps < MOST_STEPS:
+    while steps < MAX_LANCZOS_STEPS:
         _solve(feed, residual, solution)
         _neutralise(common, charge, own, count, terminals, solution)
         square = _dot(residual, solution)
@@ -160,7 +160,7 @@ def lanczos_steps(
         fraction = convergent[0] * convergent[1].conjugate()
         before, now = now, feed.conductance + s * capacitance - s * s * squared[0] * fraction
         change = _difference(before, now)
-        if steps >= FEWEST_STEPS and change <= rtol and change_before <= rtol:
+        if steps >= MIN_LANCZOS_STEPS and change <= rtol and change_before <= rtol:
             break
         change_before = change
     return steps, capacitance

@@ -25,7 +25,7 @@ from .families.family_meshes import finer_families
 from .projection import Projection
 
 KRYLOV_SHARE = 0.03
-CANCELLED_UNDER_PRESS, MOST_CANCELLED = 3.0, 1e6
+CANCELLED_UNDER_PRESS, MAX_CANCELLATION = 3.0, 1e6
 """Cancellation between excitations under a press over that without one: strong presses change it
 two- or threefold. Largest cancellation that the tolerance of Lanczos' method follows: the method
 ends at rounding, and the certificate covers what is lost beyond it."""
@@ -143,7 +143,9 @@ class ReducedSkin:
         Y = np.asarray(self.combination.admittance(Q), dtype=np.complex128)
         size = self.combination.bound(np.abs(Q))
         of_Rs, of_B = np.abs(Y) ** 2 / size / np.abs(Y.real), size / reference_susceptance(Y)
-        return CANCELLED_UNDER_PRESS * float(np.clip([1 / of_Rs, of_B], 1.0, MOST_CANCELLED).max())
+        return CANCELLED_UNDER_PRESS * float(
+            np.clip([1 / of_Rs, of_B], 1.0, MAX_CANCELLATION).max()
+        )
 
     def certificate(
         self,

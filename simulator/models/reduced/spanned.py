@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ...fem.lanczos import MOST_STEPS
+from ...fem.lanczos import MAX_LANCZOS_STEPS
 from .dense import DenseExcitation, UnpressedMass, aligned
 from .kernel import farthest_of, lanczos_steps, room_for
 
@@ -48,8 +48,8 @@ def spanned(
     touched: cells and their rises. s, rtol: see `swept`.
     """
     m = rest.rows.shape[1]
-    room, basis = room_for(rest, feed), np.empty((MOST_STEPS, m))
-    diagonal, squared = np.empty(MOST_STEPS), np.empty(MOST_STEPS)
+    room, basis = room_for(rest, feed), np.empty((MAX_LANCZOS_STEPS, m))
+    diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
     steps, capacitance = lanczos_steps(
         rest, feed, touched, farthest_of(s), rtol, room, diagonal, squared, basis
     )

@@ -18,7 +18,7 @@ from .passivity import Violation
 if TYPE_CHECKING:
     import xarray as xr
 
-FEWEST_FREQUENCIES = 6
+MIN_FREQUENCIES = 6
 LAWS = 6
 """Number of laws that noise may appear to break."""
 KRAMERS_KRONIG = "Kramers-Kronig"
@@ -113,10 +113,10 @@ def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> No
     for name, value in (("noise", noise), ("tolerance", tolerance)):
         if value is not None and not (np.isfinite(value) and value > 0):
             raise InputError(f"`{name}` must be finite and > 0, got {value}")
-    if noise is None and frequencies < FEWEST_FREQUENCIES:
+    if noise is None and frequencies < MIN_FREQUENCIES:
         raise InputError(
             f"noise cannot be estimated from {frequencies} frequencies: at least "
-            f"{FEWEST_FREQUENCIES} are needed, or a given `noise`"
+            f"{MIN_FREQUENCIES} are needed, or a given `noise`"
         )
 
 
@@ -156,7 +156,7 @@ def fitted(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], inductive: NDArray[np.bool_]
 ) -> Spectrum:
     """Fits the nearest passive network to the part of the spectrum that is not inductive."""
-    if (~inductive).sum() < FEWEST_FREQUENCIES:
+    if (~inductive).sum() < MIN_FREQUENCIES:
         inductive = np.zeros_like(inductive)
     network = fit_passive(Z[~inductive], frequency[~inductive])
     residual = network.residual(Z, frequency)

@@ -16,7 +16,7 @@ from rcskin.hardware.event_counter import counted_events
 from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.tokens import read_token, token_file
-from rcskin.hardware.virtual.clients import LONGEST_LINE, MOST_CLIENTS, LineReader
+from rcskin.hardware.virtual.clients import LONGEST_LINE, MAX_CLIENTS, LineReader
 from rcskin.hardware.virtual.meter_server import running
 from rcskin.hardware.virtual.press_routines import at_random, read_script, scripted
 from rcskin.simulator.sweeps import InputError
@@ -51,7 +51,7 @@ def crowd(ports):
 def test_a_crowd_of_idle_clients_does_not_push_out_the_one_at_work(ports, crowd, said):
     with open_meter(ports.resource, 2) as meter:
         for _ in range(4):
-            crowd(MOST_CLIENTS // 3, *said)
+            crowd(MAX_CLIENTS // 3, *said)
             assert meter.read().Rs == pytest.approx(10e3)
 
 
@@ -214,7 +214,7 @@ def test_a_thousand_bad_clients_do_not_stop_it(ports, meter, pillow):
 
 
 def test_more_clients_than_it_holds_push_out_the_oldest(ports):
-    lines = [socket.create_connection(("127.0.0.1", ports.meter)) for _ in range(MOST_CLIENTS + 9)]
+    lines = [socket.create_connection(("127.0.0.1", ports.meter)) for _ in range(MAX_CLIENTS + 9)]
     try:
         lines[-1].settimeout(5)
         lines[-1].sendall(b"*IDN?\n")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.gap.discrepancy import (
-    MOST,
+    MAX_SAMPLE,
     discrepancy,
     energy_distance,
     kernel,
@@ -97,6 +97,6 @@ def test_the_energy_coefficient_does_not_depend_on_the_unit():
 
 def test_of_many_sweeps_some_are_drawn_and_one_alone_tells_nothing():
     random = np.random.default_rng(0)
-    found = discrepancy(normal(MOST + 20, 1), normal(5, 1, seed=1), random)
-    assert (found.first, found.second) == (MOST, 5)
+    found = discrepancy(normal(MAX_SAMPLE + 20, 1), normal(5, 1, seed=1), random)
+    assert (found.first, found.second) == (MAX_SAMPLE, 5)
     assert discrepancy(normal(1), normal(5), random) is None

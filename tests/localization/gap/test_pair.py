@@ -10,7 +10,7 @@ from rcskin.localization.gap.side_label import (
     check_simulated,
     label_of_side,
 )
-from rcskin.localization.gap.subsampling import MOST, SESSION_EXCESS
+from rcskin.localization.gap.subsampling import MAX_SWEEPS, SESSION_EXCESS
 from rcskin.localization.inputs.features import available_features
 from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError
@@ -74,13 +74,15 @@ def test_presses_of_no_single_pixel_are_left_out(make_skin_sweeps):
 @pytest.mark.parametrize("sessions", [1, 3, 400])
 def test_many_simulated_sweeps_are_thinned_and_keep_the_skin_at_rest(make_skin_sweeps, sessions):
     sweeps = make_skin_sweeps(1)
-    number = np.arange(MOST * SESSION_EXCESS * 2)
+    number = np.arange(MAX_SWEEPS * SESSION_EXCESS * 2)
     many = sweeps.isel(sweep=number % sweeps.sizes["sweep"])
     many = many.assign_coords(session=("sweep", number * sessions // number.size))
     pair = pair_sweeps(many, sweeps, None, 0)
-    assert pair.simulated.sizes["sweep"] == MOST
-    assert pair.notes == [f"{MOST} of {number.size} simulated sweeps are used, drawn at random."]
-    assert available_features(pair.simulated, ["dlnZ"])[1].size > MOST / 3
+    assert pair.simulated.sizes["sweep"] == MAX_SWEEPS
+    assert pair.notes == [
+        f"{MAX_SWEEPS} of {number.size} simulated sweeps are used, drawn at random."
+    ]
+    assert available_features(pair.simulated, ["dlnZ"])[1].size > MAX_SWEEPS / 3
     again = pair_sweeps(many, sweeps, None, 0).simulated
     np.testing.assert_array_equal(again["session"], pair.simulated["session"])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
-from rcskin.simulator.fem.factors import FEWEST_SIDES
+from rcskin.simulator.fem.factors import MIN_RIGHT_HAND_SIDES
 from rcskin.simulator.fem.lanczos import potentials, potentials_of_all
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
@@ -20,7 +20,7 @@ def sheet():
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("sides", [1, FEWEST_SIDES, 11])
+@pytest.mark.parametrize("sides", [1, MIN_RIGHT_HAND_SIDES, 11])
 def test_many_right_hand_sides_are_solved_as_one_by_one(sheet, sides):
     y = np.random.default_rng(sides).normal(size=(sheet.space.inner, sides))
     one_by_one = np.stack([sheet.space.solve(each) for each in y.T], axis=1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refining.wedges import LEAST, around, between, stretched
+from rcskin.simulator.mesh.refining.wedges import MIN_EXPONENT, around, between, stretched
 
 ANGLES = (0.7, np.pi / 2, 2.0, 3 * np.pi / 2, 6.0)
 RATIOS = (0.02, 0.5, 3.0, 161.4476)
@@ -51,7 +51,7 @@ def test_smooth_lines_and_even_sheets_are_no_corners():
 
 def test_powers_beyond_what_elements_feel_are_not_told():
     assert between([(0.2, 1.0)], False, False) == np.inf
-    assert around([(np.pi / 2, 1.0), (np.pi / 2, 1e-9)] * 2) == LEAST
+    assert around([(np.pi / 2, 1.0), (np.pi / 2, 1e-9)] * 2) == MIN_EXPONENT
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.4, 2.0])

@@ -107,7 +107,7 @@ def test_an_outline_needed_what_was_foreseen(foreseen):
 
 
 def test_a_press_out_of_reach_is_told_on_a_small_mesh(monkeypatch):
-    monkeypatch.setattr(adaptive, "MOST_TRIANGLES", 3000)
+    monkeypatch.setattr(adaptive, "MAX_PRESS_TRIANGLES", 3000)
     with pytest.raises(ToleranceError, match="more than 3000 triangles under the press") as told:
         Solver(load_scene("foam"), 1e-7).solve(parse_press("3,3:2mm", 2.0))
     assert 1 < told.value.times < 1e3

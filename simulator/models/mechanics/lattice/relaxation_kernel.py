@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ....compiled import compiled
 
-LEAST_ARM = 1e-3
+MIN_ARM = 1e-3
 """Smallest distance of a node from an applicator's edge, over a step."""
 
 
@@ -141,7 +141,7 @@ def _shorten(
             touch = int(by[i, j + 1] if ahead else by[i, j])
             low, high = _across(own[touch], other[touch], radius[touch], y[i])
             gap = low - x[j] if ahead else x[j + 1] - high
-            part = min(max(gap / (x[j + 1] - x[j]), LEAST_ARM), 1.0)
+            part = min(max(gap / (x[j + 1] - x[j]), MIN_ARM), 1.0)
             right[i, j] /= part
             wide[i, j if ahead else j + 1] -= (1 - part) / 2
 

@@ -14,7 +14,7 @@ from .skin_lattice import Lattice
 
 STILL = 1e-5
 """Largest movement of a node in the last sweep, over the depth."""
-MOST_SWEEPS = 2000
+MAX_RELAXATION_SWEEPS = 2000
 FAINT = 1e-4
 """Rises of c below this are left out."""
 SLOWEST = 2.0
@@ -81,8 +81,10 @@ def deflected(
     slowest = min(SLOWEST * lattice.falls_within(deepest), max(np.ptp(x), np.ptp(y)))
     relaxed = 2 / (1 + np.pi * min(lattice.steps) / slowest)
     law = lattice.law, lattice.per_metre
-    swept = relaxed_in_place(w, least, right, up, load, *law, relaxed, still * deepest, MOST_SWEEPS)
-    if swept > MOST_SWEEPS:
+    swept = relaxed_in_place(
+        w, least, right, up, load, *law, relaxed, still * deepest, MAX_RELAXATION_SWEEPS
+    )
+    if swept > MAX_RELAXATION_SWEEPS:
         raise ToleranceError(
             f"a press by {deepest:g} m: the relaxation of the foam next to it does not converge"
         )

@@ -15,7 +15,7 @@ from ....scene.skin import covers
 
 FINE, OF_TOUCH = 4, 16
 """Minimum steps for each length of the skins' spread, and along the smallest applicator."""
-MOST_ALONG = 800
+MAX_NODES_ALONG = 800
 SAMPLES = 8
 """Samples along each side of a node's area where an edge of the skin passes."""
 LAW = 4096
@@ -112,7 +112,7 @@ def _lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice
     coarsest = min(spread / FINE, smallest / OF_TOUCH)
     (length, width), (rows, columns) = scene.skin.sides, grid
     along, across = (
-        max(1, min(math.ceil(side / cells / coarsest), MOST_ALONG // cells))
+        max(1, min(math.ceil(side / cells / coarsest), MAX_NODES_ALONG // cells))
         for side, cells in ((length, columns), (width, rows))
     )
     step_x, step_y = length / columns / along, width / rows / across

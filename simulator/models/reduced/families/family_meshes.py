@@ -22,7 +22,7 @@ from ....press.touch import Touch
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
-from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
+from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
 from ...resolution import ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
 from .family import Family, Mesh, Triangulation, Weights, weights_under
@@ -34,7 +34,7 @@ FamilyT = TypeVar("FamilyT", bound=Family)
 SHARE = 0.7
 """Share of the tolerance for the mesh; the rest is for the basis. The next order has twice as many
 unknowns. A basis for half the tolerance has a few vectors more: its error is of second order."""
-FEW, MOST_ALONE = 3, 36
+FEW, MAX_SINGLE_PIXELS = 3, 36
 
 
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
@@ -61,7 +61,7 @@ def resolved(
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
     presses = [_everywhere(scene, rise)] if scene.uniform else _in_turns(scene, rise, finger)
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
-    each = [] if scene.uniform else alone(pixel_coverage(scene).numbers, rise, MOST_ALONE)
+    each = [] if scene.uniform else alone(pixel_coverage(scene).numbers, rise, MAX_SINGLE_PIXELS)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency)
 
@@ -157,7 +157,7 @@ def _triangulations(
     bare = Triangles(scene, circuit, Press(), rtol)
     domain = bare.coarsest(float(ends[-1]))
     each = [Triangles(scene, circuit, _on_skin(press, domain, scene), rtol) for press in presses]
-    while domain.t.shape[1] <= MOST_TRIANGLES:
+    while domain.t.shape[1] <= MAX_TRIANGLES:
         yield Triangulation(domain, bare.order)
         marked = [marked_cells(_uncertain(press, domain, ends)) for press in each]
         domain = finer(domain, np.unique(np.concatenate(marked)))

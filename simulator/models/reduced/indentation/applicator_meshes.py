@@ -13,7 +13,7 @@ from ....mesh.refining.untangled import finer
 from ....press.press import Press
 from ....scene.scene import Scene
 from ...heterogeneous.discretised import indicators, marked_cells
-from ...heterogeneous.triangle_meshes import MOST_TRIANGLES, Triangles
+from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
 from ...mechanics.deformation import Deformation
 from ..cases import Case
 from ..families.family import Mesh, Triangulation
@@ -21,7 +21,7 @@ from ..families.family_meshes import alone, coarsest
 from .applicators import PixelApplicators, applicators
 from .indentation_family import IndentationFamily
 
-MOST_ALONE = 12
+MAX_SINGLE_PIXELS = 12
 TURNS = 2
 
 
@@ -51,7 +51,7 @@ def resolved(
     in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
     meshes = _triangulations(scene, circuit, rtol, [e for e in in_turns if e], frequency)
     families = (family_on(scene, circuit, mesh, modes, known, rtol) for mesh in meshes)
-    return coarsest(families, [*cases, *alone(pixels, rise, MOST_ALONE)], rtol, frequency)
+    return coarsest(families, [*cases, *alone(pixels, rise, MAX_SINGLE_PIXELS)], rtol, frequency)
 
 
 def finer_families(
@@ -92,7 +92,7 @@ def _triangulations(
         return finer(domain, np.unique(np.concatenate(marked)))
 
     domain = bare.coarsest(float(ends[-1])) if domain is None else refined(domain)
-    while domain.t.shape[1] <= MOST_TRIANGLES:
+    while domain.t.shape[1] <= MAX_TRIANGLES:
         yield Triangulation(domain, each[0].order)
         domain = refined(domain)
 

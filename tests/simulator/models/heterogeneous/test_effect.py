@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import WINDOW, frequencies_around, relative_difference
-from rcskin.simulator.fem.safety_factors import FORESEEN, LEAST, UNSEEN, VARIED
+from rcskin.simulator.fem.safety_factors import FORESEEN, MIN_FACTOR, UNSEEN, VARIED
 from rcskin.simulator.models.heterogeneous.error_history import (
     ErrorHistory,
     at_corners,
@@ -62,7 +62,9 @@ def test_the_error_of_a_first_mesh_is_told_anew_by_what_corners_will_show():
     course.record(FREQUENCY, told)
     some = FREQUENCY[[0, 2]]
     assert course.expected_at(some, 2.0) == pytest.approx(np.array([2e-3, 2e-3]) * 2.0 / UNSEEN)
-    assert course.expected_at(some, 1.0) == pytest.approx(np.array([2e-3, 2e-3]) * LEAST / UNSEEN)
+    assert course.expected_at(some, 1.0) == pytest.approx(
+        np.array([2e-3, 2e-3]) * MIN_FACTOR / UNSEEN
+    )
     assert course.expected_at(np.array([7.0]), 5.0) == pytest.approx([4e-3])
     for error in (1e-2, 3e-3):
         course.effect(FREQUENCY, off_by(error), off_by(error / 2))
@@ -84,7 +86,7 @@ def test_smooth_errors_are_not_taken_for_less_than_the_least():
     course = ErrorHistory()
     for error in (1e-2, 1e-3):
         found = course.effect(FREQUENCY, off_by(error), Z)
-    assert found.tolist() == [LEAST] * 3
+    assert found.tolist() == [MIN_FACTOR] * 3
 
 
 @pytest.mark.parametrize("power", [1.5, 2.0, 4.0, 8.0])

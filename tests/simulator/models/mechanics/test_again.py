@@ -82,7 +82,7 @@ def test_other_frequencies_are_answered_within_the_tolerance(scene):
 
 
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
-    monkeypatch.setattr(press_cache, "MOST_NODES", 5)
+    monkeypatch.setattr(press_cache, "MAX_CACHED_NODES", 5)
     kept = press_cache.PressCache()
     asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in asked:

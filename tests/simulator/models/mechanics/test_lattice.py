@@ -198,12 +198,12 @@ def test_skin_is_where_the_outline_leaves_it(lattice_on):
 
 def test_it_comes_to_rest_in_half_the_sweeps_allowed(lattice_on, monkeypatch):
     """With limp skins and stiff ones; else ToleranceError is raised."""
-    monkeypatch.setattr(presses, "MOST_SWEEPS", presses.MOST_SWEEPS // 2)
+    monkeypatch.setattr(presses, "MAX_RELAXATION_SWEEPS", presses.MAX_RELAXATION_SWEEPS // 2)
     for tension in (0.5, 20.0, 2000.0):
         raised(lattice_on(tension=tension), disc(0.06, 0.05, 0.006, 2e-3))
 
 
 def test_foam_that_does_not_come_to_rest_is_told(lattice_on, monkeypatch):
-    monkeypatch.setattr(presses, "MOST_SWEEPS", 2)
+    monkeypatch.setattr(presses, "MAX_RELAXATION_SWEEPS", 2)
     with pytest.raises(ToleranceError, match="does not converge"):
         raised(lattice_on(), disc(0.06, 0.05, 0.006, 2e-3))
