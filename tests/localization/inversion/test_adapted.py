@@ -142,7 +142,7 @@ def test_a_skin_that_is_met_again_needs_no_new_tables(adapted, tables):
 
 def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, tables):
     """As `live` asks: sweep after sweep, each against a rest a little other than before."""
-    adapted.beside, columns = True, np.tile([1, 2, 3, 4], 15)
+    adapted.in_background, columns = True, np.tile([1, 2, 3, 4], 15)
     shades = 0.2 + 0.2 * SAME_SKIN_RMS * np.sin(np.arange(60))
     told = [adapted.predict(each[None])[0] for each in rows(columns, shades)]
     np.testing.assert_array_equal(told, columns)
@@ -150,7 +150,7 @@ def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, ta
 
 
 def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, tables):
-    adapted.beside, slow, ready = True, Event(), Event()
+    adapted.in_background, slow, ready = True, Event(), Event()
     adapted.predict(rows([1], [0.2]))
     make = tables.pixels
 
@@ -172,7 +172,7 @@ def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, ta
 
 
 def test_tables_that_cannot_be_made_beside_are_told_at_the_next_sweep(adapted, tables):
-    adapted.beside = True
+    adapted.in_background = True
     adapted.predict(rows([1], [0.2]))
     tables.pixels = None
     adapted.predict(rows([1], [0.6]))

@@ -85,7 +85,7 @@ def test_however_many_batches_are_handed_over_the_network_is_the_same(monkeypatc
     y = np.sign(X[:, 0] * X[:, 1]).astype(int)
     told = []
     for batches in (1, 3, 1000):
-        monkeypatch.setattr(networks, "TOGETHER", batches)
+        monkeypatch.setattr(networks, "BATCHES_AT_ONCE", batches)
         told.append(kind((8,), ((1e-2, 30), (1e-3, 10))).fit(X, y).network_.coefs_)
     for one, two, three in zip(*told, strict=True):
         np.testing.assert_array_equal(one, two)
