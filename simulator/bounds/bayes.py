@@ -140,8 +140,8 @@ class Draws:
 
     def batch(self, among: Sequence[Hypothesis], scene: Scene) -> PressBatch:
         """All hypotheses at all combinations of nodes, as presses on the pixels of a scene."""
-        ways = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
-        return PressBatch.of(each.on(scene, way) for each in among for way in ways - 1)
+        combinations = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
+        return PressBatch.of(each.on(scene, rises) for each in among for rises in combinations - 1)
 
     def score(self, nodes: Array, errors: Array) -> DrawScores:
         """Scores of all draws.
@@ -226,8 +226,8 @@ class Draws:
             return (1,) * self._touches
         found, (turn, _), counts = self._by_touch(nodes), self._strengths(FIRST_STRENGTHS), []
         for touch in range(self._touches):
-            apart = np.diff(np.tensordot(turn, found, axes=(1, touch)), axis=0)
-            speed = float(np.linalg.norm(apart, axis=-1).max())
+            steps = np.diff(np.tensordot(turn, found, axes=(1, touch)), axis=0)
+            speed = float(np.linalg.norm(steps, axis=-1).max())
             counts.append(max(1, math.ceil(speed * FIRST_STRENGTHS / STEP)))
         return tuple(counts)
 

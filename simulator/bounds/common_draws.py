@@ -81,8 +81,8 @@ class CommonDraws:
         frequency = reading.frequency
         batch = self._draws.batch(self._among, self._scene)
         Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
-        seen = observed(reading.leads.at_meter(Z, frequency))
-        numbers = np.moveaxis(seen.reshape(-1, 2, *reading.shape), 1, 2)
+        readings = observed(reading.leads.at_meter(Z, frequency))
+        numbers = np.moveaxis(readings.reshape(-1, 2, *reading.shape), 1, 2)
         whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(taken)]
         flat = np.concatenate(whitened, axis=1)
         return flat.reshape(len(self._among), -1, flat.shape[1])
@@ -95,7 +95,7 @@ class CommonDraws:
         readout, kept = self._scene.readout, numbers[..., taken]
         noise = errors_of(self._scene, self._against_rest).noise[:, None]
         shared = np.array([[readout.magnitude_accuracy], [readout.phase_accuracy]])
-        lessened = 1 - 1 / np.sqrt(1 + taken.sum() * (shared / noise) ** 2)
+        shrinkage = 1 - 1 / np.sqrt(1 + taken.sum() * (shared / noise) ** 2)
         if taken.any() and not self._against_rest:
-            kept = kept - lessened * kept.mean(axis=-1, keepdims=True)
+            kept = kept - shrinkage * kept.mean(axis=-1, keepdims=True)
         return (kept / noise).reshape(len(kept), -1)

@@ -29,8 +29,8 @@ def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
     """
     skin = scene.skin
     sheets = skin.both_sheets
-    fed = scene.contact(scene.interfaces[0].high[0]).edge
-    length = skin.length if fed in ("left", "right") else skin.width
+    edge = scene.contact(scene.interfaces[0].high[0]).edge
+    length = skin.length if edge in ("left", "right") else skin.width
     ends = length * np.arange(n, 0, -1) / n
     return rounded(interrogation_frequency(ends, sheets, skin.foam.unpressed_capacitance_per_area))
 
@@ -104,8 +104,8 @@ def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
     """
     logarithm = np.log(frequencies)
     room = float(np.ptp(logarithm)) / (4 * n)
-    apart = np.abs(logarithm[:, None] - logarithm)
-    return (apart < min(math.log(DISTINCT), room)) | np.eye(len(frequencies), dtype=bool)
+    separation = np.abs(logarithm[:, None] - logarithm)
+    return (separation < min(math.log(DISTINCT), room)) | np.eye(len(frequencies), dtype=bool)
 
 
 def allowed(choice: NDArray[np.int64], excludes: NDArray[np.bool_]) -> bool:

@@ -117,9 +117,9 @@ class Slopes:
         covariance = covariances(information + np.diag(self.prior), len(ESTIMATED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
         x, y = (np.where(spread[:, k] < self.room[k], spread[:, k], np.inf) for k in (0, 1))
-        told = np.isfinite(x) & np.isfinite(y)
-        both = np.where(told, spread[:, 0] * spread[:, 1], 1.0)
-        correlation = np.where(told, covariance[:, 0, 1] / both, 0.0)
+        resolved = np.isfinite(x) & np.isfinite(y)
+        both = np.where(resolved, spread[:, 0] * spread[:, 1], 1.0)
+        correlation = np.where(resolved, covariance[:, 0, 1] / both, 0.0)
         return PositionBounds(
             self.places, x, y, spread[:, 2], np.clip(correlation, -1.0, 1.0), self.room
         )
@@ -191,7 +191,7 @@ def position_slopes(
     against_rest: number of baseline sweeps that the sweep is compared with, 0 for none.
     unknown_skin: True if the skin is unknown too. laying: rasterizer of touches, by default
     `touches_on`. model: error model, needed where not all interfaces are read at all
-    frequencies. Raises InputError for a meter without noise, and as the laying does.
+    frequencies. Raises InputError for a meter without noise, and as the rasterizer does.
     """
     scene = fields.scene
     model = model or error_model(scene, len(frequency), against_rest)
@@ -217,14 +217,14 @@ def errors_of_places(
 ) -> RasterizationErrors | None:
     """Errors of touches rasterized on cells, at a sample of positions.
 
-    None where presses are factors, which end at their edges. Raises as `rasterization_errors`.
+    None where presses are factors, which end at their edges. Raises as `rasterization_errors` does.
     """
     scene = fields.scene
-    deep = rasterizer_for(scene, fields.grid, touch)
-    if not isinstance(deep, DepthRasterizer):
+    rasterizer = rasterizer_for(scene, fields.grid, touch)
+    if not isinstance(rasterizer, DepthRasterizer):
         return None
     sample = [places[k] for k in sample_indices(len(places))]
-    own = np.stack([deep.rasterized(place, touch).factors.ravel() for place in sample]) - 1
+    own = np.stack([rasterizer.rasterized(place, touch).factors.ravel() for place in sample]) - 1
 
     def impedances(batch: PressBatch) -> NDArray[np.complex128]:
         found = []
@@ -234,8 +234,10 @@ def errors_of_places(
             found.append(fields.respond(factors, {}, scene.frequencies).Z)
         return np.stack(found)
 
-    each = [deep.applied(place, touch.rise, beyond=0.0) for place in sample]
-    return rasterization_errors(scene, deep.lattice, each, PressBatch.on_grid(own), impedances)
+    each = [rasterizer.applied(place, touch.rise, beyond=0.0) for place in sample]
+    return rasterization_errors(
+        scene, rasterizer.lattice, each, PressBatch.on_grid(own), impedances
+    )
 
 
 class SkinUnknowns:
@@ -246,8 +248,8 @@ class SkinUnknowns:
     ) -> None:
         scene = fields.scene
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
-        rest = np.ones(fields.grid)
-        self._unpressed = fields.respond(rest, {}, frequency, self.maps(rest))
+        ones = np.ones(fields.grid)
+        self._unpressed = fields.respond(ones, {}, frequency, self.maps(ones))
         self.deviations = {
             name: spread.deviation
             for name, spread in session_spreads(scene).items()

@@ -68,9 +68,9 @@ def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measure
     own = (measured**2).sum(axis=1) / 2 + least
     total = np.zeros((len(known.starts), len(measured)))
     for tile in np.flatnonzero(near.any(axis=1)).tolist():
-        asked, part = np.flatnonzero(near[tile]), slice(tiles[tile], ends[tile])
-        likely = measured[asked] @ known.readings[part].T + prior[part] - own[asked, None]
-        total[answers[tile], asked] += np.exp(likely).sum(axis=1)
+        rows, part = np.flatnonzero(near[tile]), slice(tiles[tile], ends[tile])
+        likely = measured[rows] @ known.readings[part].T + prior[part] - own[rows, None]
+        total[answers[tile], rows] += np.exp(likely).sum(axis=1)
     return (total / total.sum(axis=0)).T
 
 

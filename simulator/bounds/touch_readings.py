@@ -122,10 +122,10 @@ def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
     Any one pixel is touched. size: see `TouchReadings`.
     """
     pixels = [each for each in hypotheses(scene, "pixel", size) if each.pixels]
-    ways = by_rod, lambda each: each, touched_alone
+    changes = by_rod, lambda each: each, touched_alone
     return [
-        replace(way(each), answer=(number,), chance=1 / (len(ways) * len(pixels)))
-        for number, way in enumerate(ways)
+        replace(change(each), answer=(number,), chance=1 / (len(changes) * len(pixels)))
+        for number, change in enumerate(changes)
         for each in pixels
     ]
 
@@ -271,8 +271,8 @@ class TouchReadings:
         if self._size is None:
             return reduced_for(self.scene, RTOL, touches)
 
-        def laid(random: np.random.Generator) -> Case:
+        def rasterized_touches(random: np.random.Generator) -> Case:
             case = touches(random)
             return Case(None, *self._rasterized(PressBatch.of([(case.cells, case.rises)])).one(0))
 
-        return reduced_for(self._divided, RTOL, laid)
+        return reduced_for(self._divided, RTOL, rasterized_touches)

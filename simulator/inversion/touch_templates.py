@@ -48,21 +48,20 @@ def templates(
 ) -> Tables:
     """Tables of a scene, for a localizer of a target.
 
-    presses: "dataset" for strengths of [dataset.press], "press" for those of [press]. rest: mean of
-    `averaged` baseline sweeps in the order of `observed`, shape (number,), from which the skin is
-    estimated; without it the skin is the mean of the sessions, with their uncertainty. drift:
-    relative standard deviation of changes of foam and sheets between the baseline and a touch.
-    All tables have deviation (number,): of one reading by the meter; drift (number, 2): effect of
-    drifting foam and sheets, if there is a baseline; chances (3,): of 0, 1, 2 touches; strengths
-    (strength,), weights and spread (): the prior; weights are of strengths with each possible
-    finger, (strength,).
-    For pixels: grid (2,): rows and columns; pixels (place, 2): row and column; single (place,
-    strength, number): a touch; slope, same shape: derivative by strength; skin (place, strength,
-    number, unknown): effect of one deviation of each unknown of the skin, and of drift; shift
-    (place, strength, number): known effect of the skin. For two touches also pairs (pair, 2):
-    places, and pair (pair, strength, strength, number). For positions: see `position_tables`.
-    Raises InputError for a meter without noise, and as `require_rods` does for more than one touch
-    and for positions.
+    presses: "dataset" for strengths of [dataset.press], "press" for those of [press]. baseline:
+    mean of `averaged` baseline sweeps in the order of `observed`, shape (number,), from which the
+    skin is estimated; without it the skin is the mean of the sessions, with their uncertainty.
+    drift: relative standard deviation of changes of foam and sheets between the baseline and a
+    touch. All tables have deviation (number,): of one reading by the meter; drift (number, 2):
+    effect of drifting foam and sheets, if there is a baseline; chances (3,): of 0, 1, 2 touches;
+    strengths (strength,), weights and spread (): the prior; weights are of strengths with each
+    possible finger, (strength,). For pixels: grid (2,): rows and columns; pixels (place, 2): row
+    and column; single (place, strength, number): a touch; slope, same shape: derivative by
+    strength; skin (place, strength, number, unknown): effect of one deviation of each unknown of
+    the skin, and of drift; shift (place, strength, number): known effect of the skin. For two
+    touches also pairs (pair, 2): places, and pair (pair, strength, strength, number). For
+    positions: see `position_tables`. Raises InputError for a meter without noise, and as
+    `require_rods` does for more than one touch and for positions.
     """
     if target in (POSITION, *TWO_TOUCHES):
         require_rods(scene, presses, target)
@@ -84,18 +83,18 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
     strengths, weights, spread = strength_prior(scene, presses)
     fingers = finger_prior(scene, presses)
-    ways = fingers.pixel_touches(strengths, weights)
+    touches = fingers.pixel_touches(strengths, weights)
     common = {
         "deviation": errors_of(scene).deviation,
         "chances": chances,
         "strengths": strengths,
-        "weights": np.array([way.chance for way in ways]),
+        "weights": np.array([touch.chance for touch in touches]),
         "spread": np.array(spread),
     }
     of_touches = (
         position_tables(unknown, strengths)
         if target == POSITION
-        else pixel_tables(unknown, ways, fingers.deviation)
+        else pixel_tables(unknown, touches, fingers.deviation)
     )
     tables = common | of_touches | _with_drift(of_touches["skin"], unknown, drift)
     return tables | pair_tables(unknown, strengths) if target in TWO_TOUCHES else tables
@@ -116,27 +115,29 @@ def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the probability of each, and their common deviation."""
-    drawn, deep = scene.dataset.press.factor, scene.dataset.press.depth
+    drawn, depth = scene.dataset.press.factor, scene.dataset.press.depth
     if presses == "press":
         return normal_mixture(own_presses(scene).at, STRENGTHS)
-    if scene.press.by_factor or deep is None:
+    if scene.press.by_factor or depth is None:
         return normal_mixture(drawn.at, STRENGTHS)
-    return normal_mixture(lambda chance: scene.pressed_factors(deep.at(chance)), STRENGTHS)
+    return normal_mixture(lambda chance: scene.pressed_factors(depth.at(chance)), STRENGTHS)
 
 
-def pixel_tables(unknown: UnknownSkin, ways: Sequence[PixelTouch], of_finger: float) -> Tables:
+def pixel_tables(unknown: UnknownSkin, touches: Sequence[PixelTouch], of_finger: float) -> Tables:
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
-    rest = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
+    unpressed = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
     places = pixel_coverage(forward.scene).numbers
-    found = [[_touch(unknown, pixel, way, of_finger) for way in ways] for pixel in places.tolist()]
+    found = [
+        [_touch(unknown, pixel, touch, of_finger) for touch in touches] for pixel in places.tolist()
+    ]
     single, slope, skin, shift = (
         np.array([[touch[k] for touch in touches] for touches in found]) for k in range(4)
     )
     return {
         "grid": np.array([pixels.rows, pixels.columns]),
         "pixels": np.stack(np.divmod(places, pixels.columns), axis=1) + 1,
-        "single": single - rest,
+        "single": single - unpressed,
         "slope": slope,
         "skin": skin,
         "shift": shift,
@@ -144,19 +145,19 @@ def pixel_tables(unknown: UnknownSkin, ways: Sequence[PixelTouch], of_finger: fl
 
 
 def _touch(
-    unknown: UnknownSkin, pixel: int, way: PixelTouch, of_finger: float
+    unknown: UnknownSkin, pixel: int, touch: PixelTouch, of_finger: float
 ) -> tuple[NDArray, ...]:
     """Observed values of a touch, slope by strength, effect of the unknown skin, and shift.
 
     An uncertain capacitance of a finger is one more unknown of the touch.
     """
-    cells, rises = np.array([pixel]), np.array([way.factor - 1])
-    if way.finger or of_finger:
+    cells, rises = np.array([pixel]), np.array([touch.factor - 1])
+    if touch.finger or of_finger:
         own = parts_of(unknown.forward.scene).finger(cells)
-        cells, rises = np.append(cells, own), np.append(rises, way.finger)
+        cells, rises = np.append(cells, own), np.append(rises, touch.finger)
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
-    slope = way.presses * unknown.observed_slope(response.Z, by_strength[..., pixel])
+    slope = touch.presses * unknown.observed_slope(response.Z, by_strength[..., pixel])
     skin, shift = unknown.of_touch(cells, rises)
     if of_finger:
         by_finger = of_finger * unknown.observed_slope(response.Z, response.by_parameter["finger"])
@@ -173,6 +174,6 @@ def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
     cells = np.repeat(places[pairs], len(rises), axis=0)
     batch = PressBatch.even(cells, np.tile(rises, (len(pairs), 1)))
     Z = unknown.forward.impedances(batch, unknown.values)
-    rest = unknown.forward.respond(*NOTHING, unknown.values).Z
-    change = unknown.observed(Z) - unknown.observed(rest)
+    unpressed = unknown.forward.respond(*NOTHING, unknown.values).Z
+    change = unknown.observed(Z) - unknown.observed(unpressed)
     return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

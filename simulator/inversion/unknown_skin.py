@@ -90,8 +90,8 @@ class UnknownSkin:
     def baseline(self) -> NDArray[np.float64]:
         """Observed values of the unpressed skin, shape (number,)."""
         shared = len(self._deviations)
-        even = self.observed(self.forward.respond(*NOTHING, self.values).Z)
-        return even + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
+        uniform = self.observed(self.forward.respond(*NOTHING, self.values).Z)
+        return uniform + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
 
     def drift(self, step: float) -> NDArray[np.float64]:
         """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
@@ -99,22 +99,22 @@ class UnknownSkin:
         slopes = [response.by_parameter[name] for name in DRIFTING]
         return step * np.stack([self.observed_slope(response.Z, each) for each in slopes], axis=-1)
 
-    def conditioned_on_baseline(self, rest: NDArray[np.float64], averaged: int) -> UnknownSkin:
+    def conditioned_on_baseline(self, baseline: NDArray[np.float64], averaged: int) -> UnknownSkin:
         """The unknowns after the observation of a baseline, by Gauss-Newton steps.
 
-        rest: mean of `averaged` baseline sweeps in the order of `observed`, with the meter's errors
-        of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly. With
-        hundreds of sweeps the data would be more precise than this linearization.
+        baseline: mean of `averaged` baseline sweeps in the order of `observed`, with the meter's
+        errors of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly.
+        With hundreds of sweeps the data would be more precise than this linearization.
         """
-        skin, error = self, _baseline_covariance(self.forward.scene, rest, averaged)
+        skin, error = self, _baseline_covariance(self.forward.scene, baseline, averaged)
         for _ in range(STEPS):
             weighed = np.linalg.solve(error, skin._baseline_columns).T
             information = weighed @ skin._baseline_columns + np.eye(len(weighed))
-            told = skin._distribution.mean
-            step = np.linalg.solve(information, weighed @ (rest - skin.baseline()) - told)
+            mean = skin._distribution.mean
+            step = np.linalg.solve(information, weighed @ (baseline - skin.baseline()) - mean)
             left = np.linalg.inv(np.linalg.cholesky(information)).T
-            told = np.clip(told + step, -FARTHEST, FARTHEST)
-            skin = skin._with(SkinDistribution(told, left.astype(np.float64)))
+            mean = np.clip(mean + step, -FARTHEST, FARTHEST)
+            skin = skin._with(SkinDistribution(mean, left.astype(np.float64)))
         return skin
 
     def _with(self, known: SkinDistribution) -> UnknownSkin:
@@ -124,8 +124,8 @@ class UnknownSkin:
         return skin
 
     def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
-        waves = math.exp(-self.values["sheet_resistance"]) * self._sheet_modes
-        response = self.forward.respond(cells, rises, self.values, waves)
+        modes = math.exp(-self.values["sheet_resistance"]) * self._sheet_modes
+        response = self.forward.respond(cells, rises, self.values, modes)
         shared = [
             deviation * response.by_parameter[name] for name, deviation in self._deviations.items()
         ]
@@ -150,14 +150,14 @@ class UnknownSkin:
 
 
 def _baseline_covariance(
-    scene: Scene, rest: NDArray[np.float64], averaged: int
+    scene: Scene, baseline: NDArray[np.float64], averaged: int
 ) -> NDArray[np.float64]:
     """Covariance of observed values: errors of the session are common within a meter's range.
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
     error = errors_of(scene, averaged=averaged)
-    decade = np.tile(np.floor(rest[: len(rest) // 2] / math.log(10)), 2)
+    decade = np.tile(np.floor(baseline[: len(baseline) // 2] / math.log(10)), 2)
     noise = np.diag(error.deviation**2)
     return noise + (error.covariance - noise) * (decade[:, None] == decade)
 
@@ -183,8 +183,8 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    waves = mode_values(scene, cell_centres(scene, cells.shape), len(HALF_WAVES))[1:]
-    return (session.foam_spread * waves.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
+    modes = mode_values(scene, cell_centres(scene, cells.shape), len(HALF_WAVES))[1:]
+    return (session.foam_spread * modes.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
 def _sheet_mode_terms(forward: Forward) -> NDArray[np.float64]:
@@ -200,11 +200,11 @@ def _sheet_mode_terms(forward: Forward) -> NDArray[np.float64]:
     W = reduced.coordinates
     terms = family.sheet_terms
     parts = len(terms) // (reduced.circuit.fields * len(HALF_WAVES))
-    waves = [
+    modes = [
         unevenness
         * share
         * np.sum([family.space.sheet_energy(W, term) for term in terms[k : k + parts]], axis=0)
         for k in range(0, len(terms), parts)
         if k // parts % len(HALF_WAVES) and unevenness > 0
     ]
-    return np.reshape(waves, (-1, W.shape[1], W.shape[1]))
+    return np.reshape(modes, (-1, W.shape[1], W.shape[1]))

@@ -53,10 +53,10 @@ def off_centre_accuracy(
     against_rest: int = 0,
     progress: ProgressCallback = silent,
 ) -> LimitInterval:
-    """Best accuracy as in `bayes_accuracy`, for presses that miss the middle of their pixel.
+    """Best accuracy as in `bayes_accuracy`, for presses off the centre of their pixel.
 
     offset: standard deviation of the position along each side of a pixel, over that side. samples:
-    presses over which each hypothesis is marginalised. The limit is between `least` and `most`, up
+    presses over which each hypothesis is marginalised. The limit is between `lower` and `upper`, up
     to `error`; more samples make the interval smaller. Raises InputError as `bayes_accuracy` does,
     and for an offset out of range.
     """
@@ -67,12 +67,12 @@ def off_centre_accuracy(
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
-    hand = RandomPresses.of_pixels(
+    random_presses = RandomPresses.of_pixels(
         scene, presses or own_presses(scene), offset=offset, against_rest=against_rest
     )
     among = hypotheses(scene, target)
     return accuracy_of_presses(
-        hand, among, seed=seed, draws=draws, samples=samples, progress=progress
+        random_presses, among, seed=seed, draws=draws, samples=samples, progress=progress
     )
 
 
@@ -98,13 +98,13 @@ def posterior_distance(
     from .random_presses import RandomPresses, distance_of_presses
 
     touch = chosen_touch(scene, size)
-    hand = RandomPresses(
+    random_presses = RandomPresses(
         scene,
         presses or own_presses(scene),
         size=(touch.width, touch.height),
         against_rest=against_rest,
     )
-    return distance_of_presses(hand, seed=seed, draws=draws, samples=samples)
+    return distance_of_presses(random_presses, seed=seed, draws=draws, samples=samples)
 
 
 def position_bound(
@@ -121,10 +121,10 @@ def position_bound(
 
     They bound all unbiased estimates from one sweep. size: of the square touch in m, by default a
     pixel's. factor: by default the scene's. against_rest: see `bayes_accuracy`. unknown_skin: True
-    if the skin differs from the scene's by [dataset.session]. most: largest number of positions
-    along each side, by default one for every cell. Deviations are infinite where a coordinate is
-    not known better than its range. Raises InputError for a size or factor out of range or a meter
-    without noise.
+    if the skin differs from the scene's by [dataset.session]. max_places: largest number of
+    positions along each side, by default one for every cell. Deviations are infinite where a
+    coordinate is not known better than its range. Raises InputError for a size or factor out of
+    range or a meter without noise.
     """
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
     from ..bounds.position_bound import chosen_touch, places_on, position_slopes

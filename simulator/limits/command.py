@@ -94,11 +94,11 @@ def limits(
     from .survey_results import WRITTEN, SurveyResults
     from .touch_identity import Sampling, identity
 
-    plain = foldable(with_finger(requested_scene(scene), finger), "a limit")
+    folded = foldable(with_finger(requested_scene(scene), finger), "a limit")
     side = None if size is None else 1e-3 * size
-    touch = chosen_touch(plain, side, factor)
-    loaded = with_factor(with_interfaces(plain, interface or []), 1 + touch.rise)
-    question = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
+    touch = chosen_touch(folded, side, factor)
+    loaded = with_factor(with_interfaces(folded, interface or []), 1 + touch.rise)
+    options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
     sampling = Sampling(seed, draws, against_rest, side)
     ending = checked_ending(charts)
     resistances = _listed(sheet_resistance)
@@ -109,10 +109,10 @@ def limits(
             _print_counts(loaded, accuracy, sampling, progress)
         if accuracy is None or output is not None:
             folder = checked_folder(made_folder(output or FOLDER), *WRITTEN)
-            variants = survey(loaded, question, resistances, n, progress)
-            told_apart = identity(loaded, sampling, progress)
-            laid = survey_rasterization_errors(loaded, question)
-            found = SurveyResults(loaded, question, variants, told_apart, laid)
+            variants = survey(loaded, options, resistances, n, progress)
+            pixel_limits = identity(loaded, sampling, progress)
+            rasterization = survey_rasterization_errors(loaded, options)
+            found = SurveyResults(loaded, options, variants, pixel_limits, rasterization)
             found.write(folder, ending)
             found.show(folder)
 
@@ -135,20 +135,19 @@ def _print_counts(
         found = list(counts(scene, target, accuracy, sampling, progress))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
-        told = (
-            f"at most {grid_text(scene, best.n)} pixels"
-            if best
-            else f"fewer than {grid_text(scene, MIN_PIXELS)} pixels"
-        )
-        if best is not None and best.n == MAX_PIXELS:
-            told = f"{grid_text(scene, best.n)} pixels or more"
+        if best is None:
+            possible = f"not possible even with {grid_text(scene, MIN_PIXELS)} pixels"
+        elif best.n == MAX_PIXELS:
+            possible = f"possible with {grid_text(scene, best.n)} pixels or more"
+        else:
+            possible = f"possible with at most {grid_text(scene, best.n)} pixels"
         rows, columns = scene.pixels.shape
-        tried = "; ".join(
+        evaluated = "; ".join(
             f"{grid_text(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
             f"± {100 * each.accuracy.error:.1f} %"
             for each in found
         )
         say(
-            f"{target}: {told} for {100 * accuracy:g} % (rows x columns, in the proportion "
-            f"{rows}:{columns} of the scene; evaluated: {tried})"
+            f"{target}: an accuracy of {100 * accuracy:g} % is {possible} (rows x columns, in the "
+            f"proportion {rows}:{columns} of the scene; evaluated: {evaluated})"
         )

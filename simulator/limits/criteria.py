@@ -81,15 +81,15 @@ def position_criterion(slopes: Slopes) -> Criterion:
     """
     information, prior = summed(slopes.by), np.diag(slopes.prior)
     anywhere = np.square(slopes.room) / 12
-    told = variances(information.sum(axis=1) + prior, 2) < anywhere
-    if not told.any():
+    resolved = variances(information.sum(axis=1) + prior, 2) < anywhere
+    if not resolved.any():
         raise InputError("no frequencies resolve the position of a touch")
 
     def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
-        held = told / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
-        return np.sqrt(held.sum(axis=(-1, -2)) / told.any(axis=-1).sum())
+        posterior = resolved / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
+        return np.sqrt(posterior.sum(axis=(-1, -2)) / resolved.any(axis=-1).sum())
 
-    return Criterion(slopes.frequency, information, prior, 2, merit, int((~told).sum()))
+    return Criterion(slopes.frequency, information, prior, 2, merit, int((~resolved).sum()))
 
 
 def identity_criterion(
@@ -122,15 +122,15 @@ def identity_criterion(
     slopes, prior = _pair_slopes(scene, touch.rise, pairs, answers, model)
     information = summed(slopes)
     whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
-    told = whole < MIN_SEPARATION**-2
-    if not told.any():
+    resolved = whole < MIN_SEPARATION**-2
+    if not resolved.any():
         raise InputError(f"{scene.name}: no frequencies distinguish any two {target}s")
 
     def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sqrt(variance[..., 0].max(axis=-1))
 
-    left_out = int((~told).sum())
-    return Criterion(frequency, information[told], np.diag(prior), 1, merit, left_out)
+    left_out = int((~resolved).sum())
+    return Criterion(frequency, information[resolved], np.diag(prior), 1, merit, left_out)
 
 
 def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
@@ -140,8 +140,8 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
     if scene.pixels.groups is not None and not of_its_size:
         raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
     if scene.pixels.groups is None and (scene_spreads_presses(scene) or not of_its_size):
-        laying = rasterizer_for(scene, fields.grid, touch)
-        return [laying.rasterized(middle, touch) for middle in middles(scene)]
+        rasterizer = rasterizer_for(scene, fields.grid, touch)
+        return [rasterizer.rasterized(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()
     return [RasterizedTouch(1 + touch.rise * each, {"strength": each}) for each in maps]
 

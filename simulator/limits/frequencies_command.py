@@ -70,8 +70,8 @@ def frequencies(
     from .frequency_design import check_design, design
     from .survey import with_interfaces
 
-    plain = foldable(requested_scene(scene), "a limit")
-    loaded = with_interfaces(plain, interface or [])
+    folded = foldable(requested_scene(scene), "a limit")
+    loaded = with_interfaces(folded, interface or [])
     chosen_from = frequencies_among(among, loaded)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as progress:

@@ -96,17 +96,17 @@ def design(
     others = compared(scene, n, band)
     own = candidates_of(scene, n, band, grid) if among is None else among
     every = np.unique(np.concatenate([own, *others.values()]))
-    judged, slopes = _criterion(scene, criterion, every, touch, against_rest, progress)
+    scored, slopes = _criterion(scene, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
     best = best_set(
-        judged, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
+        scored, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
     )
     chosen = {OPTIMAL: best, **numbers}
     return FrequencyDesign(
         criterion,
         {name: every[k] for name, k in chosen.items()},
-        {name: float(judged.score(k[None])[0]) for name, k in chosen.items()},
-        judged.left_out,
+        {name: float(scored.score(k[None])[0]) for name, k in chosen.items()},
+        scored.left_out,
         {}
         if slopes is None
         else {name: slopes.bounds(every[k]).median_error() for name, k in chosen.items()},
@@ -123,7 +123,7 @@ def best_set(
 ) -> NDArray[np.int64]:
     """The best n of the candidates `own`, which are indices of frequencies of the criterion.
 
-    others: further sets from which exchanges begin. spaced: True if no two may be `too_near`.
+    others: further sets from which exchanges start. spaced: True if no two may be `too_near`.
     """
     excludes = too_near(criterion.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats

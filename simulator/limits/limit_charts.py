@@ -29,7 +29,7 @@ QUANTITIES = {
 }
 LONGER, MIN_WIDTH, MIN_HEIGHT = 2.4, 1.5, 1.3
 """Inches of a map: its longer side, and its smallest width and height, for title and label."""
-BESIDE, BETWEEN, AROUND = 1.6, 0.45, 1.4
+BAR_WIDTH, MAP_GAP, OUTER_SPACE = 1.6, 0.45, 1.4
 """Inches: colour bar with label, space between maps, and space above and below all of them."""
 UNRESOLVED_COLOUR = "0.8"
 MARGIN = 0.08
@@ -43,8 +43,8 @@ def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path)
         return _draw_lines(scene, variants, title, path)
     wide, high = _size_of_map(scene)
     columns, rows = len(variants), len(QUANTITIES)
-    width = (wide + BETWEEN) * columns + BESIDE
-    with chart(path, width, (high + BETWEEN) * rows + AROUND) as figure:
+    width = (wide + MAP_GAP) * columns + BAR_WIDTH
+    with chart(path, width, (high + MAP_GAP) * rows + OUTER_SPACE) as figure:
         grid = figure.add_gridspec(rows, columns + 1, width_ratios=[*[wide] * columns, 0.12])
         panels = grid.subplots(squeeze=False)
         for row, (quantity, (unit, label)) in zip(panels, QUANTITIES.items(), strict=True):
@@ -80,26 +80,28 @@ def _draw_row(
     from matplotlib.cm import ScalarMappable
     from matplotlib.colorbar import Colorbar
 
-    norm, beside = _norm(values), panels[-1]
-    beside.grid(False)
+    norm, bar_axes = _norm(values), panels[-1]
+    bar_axes.grid(False)
     for axes, variant, own in zip(panels, variants, values, strict=False):
         _draw_map(axes, scene, variant.bounds, own, norm)
     if norm is None:
-        beside.set_axis_off()
-        told, place = f"{label}:\nnot resolved anywhere", (0.0, 0.5)
-        beside.text(*place, told, rotation=90, va="center", ha="left", transform=beside.transAxes)
+        bar_axes.set_axis_off()
+        text, position = f"{label}:\nnot resolved anywhere", (0.0, 0.5)
+        bar_axes.text(
+            *position, text, rotation=90, va="center", ha="left", transform=bar_axes.transAxes
+        )
         return
-    bar = Colorbar(beside, ScalarMappable(norm, "viridis_r"), label=label)
+    bar = Colorbar(bar_axes, ScalarMappable(norm, "viridis_r"), label=label)
     plain_numbers(bar.ax.yaxis)
 
 
 def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
     from matplotlib.colors import LogNorm
 
-    told = np.concatenate([each[np.isfinite(each)] for each in values])
-    if not told.size:
+    finite = np.concatenate([each[np.isfinite(each)] for each in values])
+    if not finite.size:
         return None
-    return LogNorm(0.999 * float(told.min()), 1.001 * float(told.max()))
+    return LogNorm(0.999 * float(finite.min()), 1.001 * float(finite.max()))
 
 
 def _draw_map(
@@ -114,14 +116,14 @@ def _draw_map(
     cells = skin.length / pixels.columns, skin.width / pixels.rows
     axes.set_facecolor("white")
     edges = _edges(x, 1e3 * cells[0]), _edges(y, 1e3 * cells[1])
-    shown, asked = np.full((2, len(y), len(x)), np.nan)
+    shown, evaluated = np.full((2, len(y), len(x)), np.nan)
     at = (
         np.searchsorted(y, 1e3 * bounds.places[:, 1]),
         np.searchsorted(x, 1e3 * bounds.places[:, 0]),
     )
-    shown[at], asked[at] = values, 0.0
+    shown[at], evaluated[at] = values, 0.0
     grey: Any = {"cmap": "Greys", "vmin": -1, "vmax": 3}
-    for own, looks in ((asked, grey), (shown, {"cmap": "viridis_r", "norm": norm})):
+    for own, looks in ((evaluated, grey), (shown, {"cmap": "viridis_r", "norm": norm})):
         axes.pcolormesh(*edges, np.ma.masked_invalid(own), **looks)
     draw_sheet(axes, scene)
 
@@ -157,9 +159,9 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
         axes = figure.subplots()
         for k, variant in enumerate(variants):
             x, deviation = 1e3 * variant.bounds.places[:, 0], 1e3 * variant.bounds.x
-            told = np.where(np.isfinite(deviation), deviation, np.nan)
+            finite = np.where(np.isfinite(deviation), deviation, np.nan)
             colour, style = COLOURS[k % len(COLOURS)], LINE_STYLES[k % len(LINE_STYLES)]
-            axes.plot(x, told, linestyle=style, color=colour, label=variant.name)
+            axes.plot(x, finite, linestyle=style, color=colour, label=variant.name)
         for line in np.linspace(0, 1e3 * scene.skin.length, scene.pixels.columns + 1):
             axes.axvline(line, color="0.7", linewidth=0.5)
         axes.set_xlim(0, 1e3 * scene.skin.length)

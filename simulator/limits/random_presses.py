@@ -54,7 +54,7 @@ class RandomPresses:
     ) -> None:
         """Raises InputError for a meter without noise, and for a scene that presses by fingers or
         has walls around touches."""
-        require_no_walls(scene, "a limit of a hand that misses")
+        require_no_walls(scene, "a limit for presses at random positions")
         if scene.press.finger:
             raise InputError(
                 f"{scene.name}: limits with position errors support presses by a rod only; leave "
@@ -204,15 +204,15 @@ def distance_of_presses(
     drawing, known = (np.random.default_rng([seed, k]) for k in (0, 1))
     places, readings = presses.anywhere(known, samples)
     axes = axes_of(readings[: AXES_PRESSES * AXES_PRESSES], most=MAX_AXES)
-    even = np.full(samples, 1 / samples, dtype=np.float32)
-    templates = Templates(_single(axes.of(readings)), even, np.arange(samples))
+    uniform = np.full(samples, 1 / samples, dtype=np.float32)
+    templates = Templates(_single(axes.of(readings)), uniform, np.arange(samples))
     truth, clean = presses.anywhere(drawing, draws)
     measured = _single(axes.of(clean + drawing.standard_normal(clean.shape)))
     parts = np.array_split(measured, max(1, draws * samples // PAIRS_AT_ONCE))
-    told = np.concatenate(
+    estimates = np.concatenate(
         [_geometric_medians(posterior(templates, part), places) for part in parts]
     )
-    away = np.hypot(*(told - truth).T)
+    away = np.hypot(*(estimates - truth).T)
     again = np.random.default_rng([seed, 2]).choice(away, (200, draws))
     return float(np.median(away)), float(np.median(again, axis=1).std(ddof=1))
 

@@ -27,7 +27,7 @@ HEADER = (
 
 
 def rounded(value: float, unit: float = 1.0, digits: int = 4) -> float | str:
-    """A rounded number in other units, or NOT_TOLD where it is infinite."""
+    """A rounded number in other units, or UNRESOLVED where it is infinite."""
     return float(f"{unit * value:.{digits}g}") if math.isfinite(value) else UNRESOLVED
 
 

@@ -63,12 +63,14 @@ class SurveyOptions:
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
         unknown = ", and the skin within dataset.session" if self.unknown_skin else ""
-        deep = "; presses by depth: the strength is that under the touch" if self.by_depth else ""
+        by_depth = (
+            "; presses by depth: the strength is that under the touch" if self.by_depth else ""
+        )
         finger = self.touch.finger
-        own = f", and the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
+        of_finger = f", and the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
         return (
             f"known: {skin}the touch's sides, {size}; unknown: x, y and strength, without prior"
-            f"{own}{unknown}{deep}"
+            f"{of_finger}{unknown}{by_depth}"
         )
 
 
@@ -88,8 +90,8 @@ def survey(
     n = n or _pixels_from_edge(scene)
     slopes = _slopes(scene, options, candidates_of(scene, n, own_band(scene), GRID), progress)
     own = scene.frequencies
-    told = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
-    everything = Variant(FREQUENCIES, told, slopes.bounds(own, taken=scene.taken), own)
+    name = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
+    everything = Variant(FREQUENCIES, name, slopes.bounds(own, taken=scene.taken), own)
     sets = _sets(scene, slopes, n)
     others = (Variant(FREQUENCIES, name, slopes.bounds(f), f) for name, f in sets.items())
     variants = [everything, *others]
@@ -101,8 +103,8 @@ def survey(
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
         of_sheets = _slopes(with_sheets(scene, resistance), options, own, progress)
-        told, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
-        variants.append(Variant(SHEETS, told, bounds, own))
+        name, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
+        variants.append(Variant(SHEETS, name, bounds, own))
     return variants
 
 
@@ -184,8 +186,8 @@ def _slopes(
 
 
 def _pixels_from_edge(scene: Scene) -> int:
-    fed = scene.contact(scene.interfaces[0].high[0]).edge
-    return scene.pixels.columns if fed in ("left", "right") else scene.pixels.rows
+    edge = scene.contact(scene.interfaces[0].high[0]).edge
+    return scene.pixels.columns if edge in ("left", "right") else scene.pixels.rows
 
 
 def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:

@@ -37,7 +37,7 @@ COLUMNS = {
 class SurveyResults(NamedTuple):
     """Bounds of a scene.
 
-    laid: errors of touches rasterized on cells, None where presses are factors.
+    rasterization: errors of touches rasterized on cells; None where presses are factors.
     """
 
     scene: Scene

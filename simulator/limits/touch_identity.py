@@ -67,11 +67,11 @@ def distances(
     )
     off = np.zeros_like(factor) if spread is None else ((factor - factor.mean()) / spread) ** 2
     curves = [readings.of_presses(each, np.tile(factor, (len(each.pixels), 1))) for each in among]
-    apart = np.zeros((len(among), len(among)))
+    separation = np.zeros((len(among), len(among)))
     for i, j in itertools.combinations(range(len(among)), 2):
         square = cdist(curves[i], curves[j], "sqeuclidean") + off[:, None] + off
-        apart[i, j] = apart[j, i] = np.sqrt(square.min())
-    return apart
+        separation[i, j] = separation[j, i] = np.sqrt(square.min())
+    return separation
 
 
 def _curve(
@@ -117,9 +117,9 @@ TARGETS = ("column", "row", "pixel")
 class IdentityBounds:
     """Bayes' accuracy and its pairwise bound by target; distances between the sweeps of pixels.
 
-    apart: distances in the meter's errors with unknown strengths, shape (pixel, pixel). names: of
-    the pixels. asked: text of what is known and what is unknown. laid: errors of touches by depth.
-    ways: accuracies of other kinds of touch, where fingers press.
+    separation: distances in the meter's errors with unknown strengths, shape (pixel, pixel). names:
+    of the pixels. assumptions: text of what is known and what is unknown. rasterization: errors of
+    touches by depth. kinds: accuracies of other kinds of touch, where fingers press.
     """
 
     accuracy: dict[str, BayesAccuracy]
@@ -136,19 +136,21 @@ class IdentityBounds:
             target: {**numbers(found), "pairwise_upper_bound": digits(self.bound[target], 6)}
             for target, found in self.accuracy.items()
         }
-        laid, ways = ({} if e is None else e.summary() for e in (self.rasterization, self.kinds))
-        return {"asked": self.assumptions, **laid, **own, **ways}
+        rasterization, kinds = (
+            {} if e is None else e.summary() for e in (self.rasterization, self.kinds)
+        )
+        return {"asked": self.assumptions, **rasterization, **own, **kinds}
 
     def lines(self) -> list[str]:
         """Lines for the terminal."""
-        laid = [] if self.rasterization is None else [f"  {self.rasterization.sentence}"]
+        rasterization = [] if self.rasterization is None else [f"  {self.rasterization.sentence}"]
         own = [
             f"  accuracy of {target}s: at most {percent(found)} "
             f"for any classifier (pairwise bound {100 * self.bound[target]:.1f} %)"
             for target, found in self.accuracy.items()
         ]
-        ways = [] if self.kinds is None else self.kinds.lines()
-        return [f"limits for a press: {self.assumptions}", *laid, *own, *ways]
+        kinds = [] if self.kinds is None else self.kinds.lines()
+        return [f"limits for a press: {self.assumptions}", *rasterization, *own, *kinds]
 
 
 def identity(
@@ -176,13 +178,13 @@ def identity(
 
 def _assumptions(scene: Scene, size: float | None) -> str:
     """Text of what the classifier of the bounds knows and what it does not."""
-    press, rest = scene.press, " or none" if scene.experiment.unpressed else ""
-    where = "whole" if size is None else f"{1e3 * size:.3g} mm about its middle"
-    factor = f"times {scene.pressed_factor:g}{by_finger(scene, size)}"
+    press, none = scene.press, " or none" if scene.experiment.unpressed else ""
+    area = "a whole pixel" if size is None else f"{1e3 * size:.3g} mm around the middle of a pixel"
+    factor = f"{scene.pressed_factor:g} times the capacitance{by_finger(scene, size)}"
     spread = f", with a spread of {100 * press.factor_spread:.3g} % of the rise"
     return (
-        f"known: the skin; that one pixel{rest} is pressed, {where}; the strength, {factor}"
-        f"{spread if press.factor_spread else ' exactly'}; unknown: which pixel"
+        f"known: the skin; the number of touches, one{none}; the touched area, {area}; the "
+        f"strength, {factor}{spread if press.factor_spread else ' exactly'}; unknown: the pixel"
     )
 
 
@@ -201,7 +203,7 @@ class Count:
     bound: float
 
     def reaches(self, required: float) -> bool:
-        """True if this accuracy is possible within the standard error."""
+        """True if the required accuracy is possible within the standard error."""
         return self.accuracy.share + DEVIATIONS * self.accuracy.error >= required
 
 

@@ -27,16 +27,16 @@ class KindAccuracies:
     def summary(self) -> dict[str, Any]:
         """Content of the file."""
         others = {
-            way: {target: numbers(found) for target, found in own.items()}
-            for way, own in self.accuracy.items()
+            kind: {target: numbers(found) for target, found in own.items()}
+            for kind, own in self.accuracy.items()
         }
         return {**others, "kind_of_touch": numbers(self.kinds)}
 
     def lines(self) -> list[str]:
         """Lines for the terminal."""
         each = [
-            f"  {way}: at most " + ", ".join(f"{percent(a)} of {t}s" for t, a in own.items())
-            for way, own in self.accuracy.items()
+            f"  {kind}: at most " + ", ".join(f"{percent(a)} of {t}s" for t, a in own.items())
+            for kind, own in self.accuracy.items()
         ]
         names = "a rod, a finger that presses, a finger that only touches"
         return [*each, f"  accuracy of the kind ({names}): at most {percent(self.kinds)}"]
@@ -55,8 +55,8 @@ def kind_accuracies(
     if not scene.press.finger or scene.pressed_factor == 1:
         return None
     others = {
-        name: {target: accuracy([*map(way, own)]) for target, own in among.items()}
-        for name, way in OTHER_KINDS.items()
+        name: {target: accuracy([*map(changed, own)]) for target, own in among.items()}
+        for name, changed in OTHER_KINDS.items()
     }
     return KindAccuracies(others, accuracy(kinds(scene, size)))
 

@@ -1,9 +1,10 @@
 """Walls of one touch that ends at its edges, on cells that it covers in part.
 
-An edge between two lines of the grid stands on both of them, by how near it is to each: of a cover
-p of cells it is the integral of eps E |p - p'| along all lines between cells, E of the step from
-the foam at rest to that under the touch. So it moves with the touch, and whole cells have it where
-it is. One within the outermost cells stands on the line beside them alone.
+An edge of the touch between two lines of the grid contributes to the wall on each of them, weighted
+by how near it is. For a cover p of the cells, the walls are the integral of eps E |p - p'| along
+all lines between cells, with E of the step from the unpressed foam to that under the touch. They
+move with the touch, and for a touch of whole cells they are exactly at its edge. An edge within the
+outermost cells contributes only to the line next to them.
 """
 
 from __future__ import annotations
@@ -19,15 +20,18 @@ from ...press.parts import Parts
 
 Array = NDArray[np.float64]
 STRENGTH = "strength"
-"""The name of the rise under a touch among what changes a map."""
+"""Name of the rise under a touch among the quantities that change a map."""
 SAME = 1e-9
-"""Of a cell: covers of two cells that differ by less are one."""
+"""Smallest distinct difference between the covers of two cells."""
 
 
 @dataclass(frozen=True)
 class EdgeWalls:
-    """cover: what part of each part of the foam a touch covers, shape (part,). rise: of c under it,
-    over that at rest. grid: rows and columns of cells."""
+    """Walls around one touch.
+
+    cover: fraction of each part of the foam that the touch covers, shape (part,). rise: of c under
+    the touch, over the unpressed c. grid: rows and columns of cells.
+    """
 
     parts: Parts
     cover: Array
@@ -38,7 +42,10 @@ class EdgeWalls:
     def of_touch(
         cls, parts: Parts, foam: Array, by: Mapping[str, Array], grid: tuple[int, int]
     ) -> EdgeWalls | None:
-        """Of foam that one touch presses, (part,), and how that changes; None without any wall."""
+        """Walls around one touch; None if there are none.
+
+        foam: c over the unpressed c, shape (part,). by: its derivatives by name, with STRENGTH.
+        """
         if not parts.walls.count or (foam == 1).all():
             return None
         cover = by[STRENGTH]
@@ -47,11 +54,14 @@ class EdgeWalls:
 
     @property
     def walls(self) -> Array:
-        """How much of each there is, shape (wall,)."""
+        """Amount of each wall, shape (wall,); see `Parts`."""
         return float(self.parts.wall(*self._sides)) * np.abs(self._steps(self.cover))
 
     def change_by(self, name: str, change: Array) -> Array:
-        """How that changes with something of this name by which the foam changes, (part,)."""
+        """Derivative of `walls` by the quantity of this name.
+
+        change: derivative of the foam by it, shape (part,).
+        """
         if name == STRENGTH:
             return float(self.parts.wall_slope(*self._sides)) * np.abs(self._steps(self.cover))
         steps, by_name = self._steps(self.cover), self._steps(change) / self.rise
@@ -59,7 +69,10 @@ class EdgeWalls:
         return float(self.parts.wall(*self._sides)) * grown
 
     def with_foam(self, share: Array) -> Array:
-        """The same as the foam's permittivity changes by such a share, shape (part,)."""
+        """Derivative of `walls` by the foam's permittivity.
+
+        share: its relative change, shape (part,).
+        """
         return self.walls * share[self.parts.walls.pairs].mean(axis=1)
 
     @property
@@ -69,19 +82,19 @@ class EdgeWalls:
     def _steps(self, of_parts: Array) -> Array:
         sides = of_parts[self.parts.walls.pairs]
         less, size = self._less(self.cover), np.abs(sides)
-        alike = np.abs(self.cover[self.parts.walls.pairs] @ [1.0, -1.0]) <= SAME
-        less |= alike[:, None] & (size < size[:, ::-1])
+        equal = np.abs(self.cover[self.parts.walls.pairs] @ [1.0, -1.0]) <= SAME
+        less |= equal[:, None] & (size < size[:, ::-1])
         one, other = np.where(self._outermost & less, 0.0, sides).T
         return other - one
 
     def _less(self, of_parts: Array) -> NDArray[np.bool_]:
-        """Whether one side of each wall is covered less than the other, shape (wall, 2)."""
+        """True for a side of a wall that is covered less than the other, shape (wall, 2)."""
         sides = of_parts[self.parts.walls.pairs]
         return sides < sides[:, ::-1] - SAME
 
     @cached_property
     def _outermost(self) -> NDArray[np.bool_]:
-        """Sides of walls that have nothing behind, shape (wall, 2)."""
+        """True for sides of walls that are outermost cells, shape (wall, 2)."""
         row, column = np.divmod(self.parts.walls.pairs, self.grid[1])
         along = row[:, :1] == row[:, 1:]
         place, count = np.where(along, column, row), np.where(along, self.grid[1], self.grid[0])

@@ -80,16 +80,16 @@ class FullFields:
         skin is known, by the skin's (see `parameters`). Raises InputError where frequencies are too
         far above cut-off.
         """
-        laying, edges = self._maps, self._maps.edges(factors, directions)
-        pressed = laying.pressed(factors, edges)
-        foam = pressed[laying.foam]
+        of_maps, edges = self._maps, self._maps.edges(factors, directions)
+        pressed = of_maps.pressed(factors, edges)
+        foam = pressed[of_maps.foam]
         weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
         masses = {
-            name: laying.by_press(name, each, foam, edges) for name, each in directions.items()
+            name: of_maps.by_press(name, each, foam, edges) for name, each in directions.items()
         }
         if of_foam is not None:
-            masses |= {name: laying.by_foam(each, foam, edges) for name, each in of_foam.items()}
-            masses |= laying.by_skin(pressed)
+            masses |= {name: of_maps.by_foam(each, foam, edges) for name, each in of_foam.items()}
+            masses |= of_maps.by_skin(pressed)
         on = _Pressed(
             self._family.skin(weights),
             weights,

@@ -37,14 +37,16 @@ class PartMaps:
         """Indices of the parts of the foam."""
         return self.parts.kind[0]
 
-    def of_foam(self, map_of: Array, beside: float) -> Array:
-        """Value of each part of the foam. beside: value of parts outside all cells."""
+    def of_foam(self, map_of: Array, outside: float) -> Array:
+        """Value of each part of the foam. outside: value of parts outside all cells."""
         own = map_of if map_of.ndim == 2 else map_of[0]
-        return of_parts(self._scene, own, beside)
+        return of_parts(self._scene, own, outside)
 
     def edges(self, factors: Array, directions: Mapping[str, Array]) -> EdgeWalls | None:
-        """The walls of one touch by its map and how that changes; None where there are none, as
-        where a tension spreads how the scene is pressed."""
+        """Walls around one touch; None if there are none, or if a tension spreads the press.
+
+        factors: map of the touch. directions: its derivatives by name.
+        """
         if not self.parts.walls.count or scene_spreads_presses(self._scene):
             return None
         by = {name: self.of_foam(change, 0.0) for name, change in directions.items()}
@@ -53,7 +55,7 @@ class PartMaps:
         )
 
     def pressed(self, factors: Array, edges: EdgeWalls | None = None) -> Array:
-        """How much of each part there is under a map, shape (part,). edges: of the touch."""
+        """Amount of each part under a map, shape (part,). edges: of the touch."""
         found, kind = self._with_fingers(self.parts.resting, factors), self.parts.kind
         foam, _, across, walls = kind
         found[foam] = self.of_foam(factors, 1.0)
@@ -66,9 +68,10 @@ class PartMaps:
     def by_press(
         self, name: str, change: Array, foam: Array, edges: EdgeWalls | None = None
     ) -> Array:
-        """How that changes as a press does by a map with something of this name.
+        """Derivative of `pressed` by a quantity of a press.
 
-        foam: as it is pressed, shape (foam part,). edges: of the touch.
+        name: of the quantity. change: derivative of the map by it. foam: pressed, shape (foam
+        part,). edges: of the touch.
         """
         found = self._change(change, self.parts.across_slope(foam))
         if edges:
@@ -76,8 +79,10 @@ class PartMaps:
         return found
 
     def by_foam(self, change: Array, foam: Array, edges: EdgeWalls | None = None) -> Array:
-        """The same as the foam's own capacitance does; the field across it and its walls go with
-        that."""
+        """Derivative of `pressed` by the foam's own capacitance.
+
+        It also scales the field along the foam and the walls. Arguments as in `by_press`.
+        """
         found = self._change(change, self.parts.across(foam) / foam)
         if edges:
             found[self.parts.kind[3]] = edges.with_foam(self.of_foam(change, 0.0) / foam)

@@ -1,6 +1,6 @@
-"""As `full`, in the small basis of a model that is trained for all terminals of a skin.
+"""Impedance of any map of capacitance, by a reduced model of all terminals, and its derivatives.
 
-dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
+As in `full_fields`, dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
 """
 
 from __future__ import annotations
@@ -53,18 +53,18 @@ class ReducedFields:
         of_foam: Maps | None = None,
     ) -> Response:
         """Response of one map of c; see `FullFields.respond`."""
-        s, laying, skin = laplace_variable(frequency, self._skin.loss), self._maps, self._pressed
-        edges = laying.edges(factors, directions)
-        pressed = laying.pressed(factors, edges)
-        foam = pressed[laying.foam]
+        s, maps_of, skin = laplace_variable(frequency, self._skin.loss), self._maps, self._pressed
+        edges = maps_of.edges(factors, directions)
+        pressed = maps_of.pressed(factors, edges)
+        foam = pressed[maps_of.foam]
         maps = {
-            name: laying.by_press(name, change, foam, edges) for name, change in directions.items()
+            name: maps_of.by_press(name, change, foam, edges) for name, change in directions.items()
         }
         if of_foam is not None:
-            maps |= {name: laying.by_foam(change, foam, edges) for name, change in of_foam.items()}
-            maps |= laying.by_skin(pressed)
+            maps |= {name: maps_of.by_foam(change, foam, edges) for name, change in of_foam.items()}
+            maps |= maps_of.by_skin(pressed)
         with one_blas_thread():
-            M = skin.unpressed + skin.mass(pressed - laying.parts.resting)
+            M = skin.unpressed + skin.mass(pressed - maps_of.parts.resting)
             u = skin.solved(M, s)
             by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
             if of_foam is not None:

@@ -55,7 +55,7 @@ class DepthRasterizer:
         check_plane(scene.skin)
         self._scene, self._sides, self._stride = scene, sides, stride
         self.lattice: Lattice = lattice_of(scene, grid, min(sides))
-        self._known: dict[tuple[object, ...], Array] = {}
+        self._cache: dict[tuple[object, ...], Array] = {}
 
     def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m.
@@ -84,14 +84,14 @@ class DepthRasterizer:
             return np.stack([*each, in_cells(self.lattice, slope, here)])
 
         rises, by_x, by_y, by_strength = self._everywhere(
-            self._cached("laid", self.applied(place, rise), here, found), here
+            self._cached("rasterized", self.applied(place, rise), here, found), here
         )
         return RasterizedTouch(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
     def applied(self, place: Point, rise: float, beyond: float = SAME) -> LatticeApplicators:
         """The applicator under which c rises by `rise`.
 
-        beyond: margin on each side, in steps. Raises InputError as `laid` does.
+        beyond: margin on each side, in steps. Raises InputError as `rasterized` does.
         """
         (x, y), steps = place, np.array(self.lattice.steps)
         wide, high = np.divide(self._sides, 2) + beyond * steps
@@ -128,12 +128,12 @@ class DepthRasterizer:
         rows, columns = here
         step = np.repeat(self.lattice.steps, 2)
         first = np.repeat([columns.start, rows.start], 2) * np.repeat(self.lattice.within, 2)
-        lies = np.rint((applied.boxes[0] / step - first) / SAME).astype(np.int64).tolist()
+        position = np.rint((applied.boxes[0] / step - first) / SAME).astype(np.int64).tolist()
         sizes = rows.stop - rows.start, columns.stop - columns.start
-        key = what, *lies, *sizes, float(applied.depth[0])
-        if key not in self._known:
-            self._known[key] = found()
-        return self._known[key]
+        key = what, *position, *sizes, float(applied.depth[0])
+        if key not in self._cache:
+            self._cache[key] = found()
+        return self._cache[key]
 
     def _everywhere(self, found: Array, here: Window) -> Array:
         """Values in a window placed among all cells, shape (..., row, column)."""

@@ -67,14 +67,14 @@ def rasterized_with_fingers(
     """
     foam = parts_of(scene).foam
     finger = batch.cells >= foam
-    laid = touches.rasterized(batch.where(~finger))
+    on_cells = touches.rasterized(batch.where(~finger))
     if not finger.any():
-        return laid
+        return on_cells
     own = batch.where(finger)
-    pixel, held_to_earth = by_touch(own)
+    pixel, capacitance = by_touch(own)
     x, y = np.moveaxis(np.array(middles(scene))[pixel - foam], -1, 0)
-    squares = Footprints.rectangles(x, y, size, size, 1.0, held_to_earth)
-    return with_fingers_at(scene, laid, np.diff(own.starts), squares, grid)
+    squares = Footprints.rectangles(x, y, size, size, 1.0, capacitance)
+    return with_fingers_at(scene, on_cells, np.diff(own.starts), squares, grid)
 
 
 def by_touch(batch: PressBatch) -> tuple[Index, Array]:
@@ -127,7 +127,7 @@ class DepthPixelTouches:
     def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:
         self._scene, self._deep = scene, DepthRasterizer(scene, grid, (size, size))
         self._strongest, self._middles = strongest, middles(scene)
-        self._known: dict[int, _Depths] = {}
+        self._cache: dict[int, _Depths] = {}
 
     def rasterized(self, batch: PressBatch) -> PressBatch:
         """See `PixelTouches`.
@@ -166,11 +166,11 @@ class DepthPixelTouches:
         )
 
     def _of(self, pixel: int) -> _Depths:
-        if pixel not in self._known:
-            self._known[pixel] = self._through(self._middles[pixel])
-        return self._known[pixel]
+        if pixel not in self._cache:
+            self._cache[pixel] = self._depth_curve(self._middles[pixel])
+        return self._cache[pixel]
 
-    def _through(self, place: Point) -> _Depths:
+    def _depth_curve(self, place: Point) -> _Depths:
         """Rises over depth with twice as many nodes as RTOL needs."""
         here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
 

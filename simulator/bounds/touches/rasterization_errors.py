@@ -47,7 +47,7 @@ class RasterizationErrors(NamedTuple):
         """Line for the terminal."""
         return (
             f"touches by depth are rasterized on cells: error of Rs and Cp up to {self.cells:.1e}, "
-            f"of which the lattice of the deflection makes up to {self.deflection:.1e}"
+            f"of which the lattice of the deflection causes up to {self.deflection:.1e}"
         )
 
 
