@@ -24,7 +24,7 @@ def compared(readings, among, presses, seed, draws):
     found, chance = [], []
     for each in among:
         every = combined_strengths([strengths(presses, steps[pixel]) for pixel in each.pixels])
-        found.append(readings.of(each, every.factor))
+        found.append(readings.of_presses(each, every.factor))
         chance.append(each.chance * every.weight)
     starts = starts_of([each.answer for each in among], [len(each) for each in chance])
     whole = np.concatenate(found)
@@ -38,7 +38,7 @@ def _steps(readings, pixel, presses):
     if look.size == 1:
         return 1
     alone = Hypothesis((pixel,), (), 1.0)
-    speed = np.linalg.norm(np.diff(readings.of(alone, look[None]), axis=0), axis=1).max()
+    speed = np.linalg.norm(np.diff(readings.of_presses(alone, look[None]), axis=0), axis=1).max()
     return max(1, math.ceil(float(speed) * FIRST_STRENGTHS / STEP))
 
 

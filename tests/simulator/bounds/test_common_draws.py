@@ -65,9 +65,9 @@ def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
 def test_more_readings_never_tell_less(judged):
     each = [judged(count) for count in range(1, len(READINGS) + 1)]
     for fewer, more in zip(each[:-1], each[1:], strict=True):
-        gain = more.above(fewer)
+        gain = more.gain_over(fewer)
         assert gain.share > -4 * gain.error
-    assert each[1].above(each[0]).share > 0.05
+    assert each[1].gain_over(each[0]).share > 0.05
 
 
 def test_a_difference_errs_far_less_than_each(scene, model):
@@ -93,7 +93,7 @@ def test_readings_left_out_are_not_told(scene, model, judged):
     told = np.zeros((len(READINGS), 3), dtype=bool)
     told[0] = True
     found = CommonDraws(scene, draws=3000).score(*read_by(model, scene), told)
-    np.testing.assert_allclose(found.correct, judged(1).right, atol=1e-3)
+    np.testing.assert_allclose(found.correct, judged(1).correct, atol=1e-3)
 
 
 @pytest.fixture(scope="module")

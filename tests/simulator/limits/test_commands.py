@@ -52,7 +52,8 @@ def test_the_most_pixels_for_an_accuracy_are_printed(run, coarse):
     code, out, err = run("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "100")
     assert (code, err) == (0, "")
     column, pixel = out.splitlines()
-    assert column.startswith("column: at most 1x") and pixel.startswith("pixel: at most 1x")
+    possible = "an accuracy of 99 % is possible with at most 1x"
+    assert column.startswith(f"column: {possible}") and pixel.startswith(f"pixel: {possible}")
 
 
 def accuracies(folder):
