@@ -253,6 +253,9 @@ def _run(failures: tuple[type[Exception], ...], received: EndSignal) -> NoReturn
         with end_on_signals(received):
             code = app(standalone_mode=False)
     except typer.TyperException as error:
+        if _is_help(error):  # a group of commands without a command
+            say(*error.format_message().splitlines(), err=True)
+            sys.exit(BAD_INPUT)
         _end(error.format_message() + _example(error), BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         _end("interrupted", received.code)
@@ -303,6 +306,10 @@ def _is_of_numbers(error: Exception) -> bool:
 
     numeric = isinstance(error, ArithmeticError | RecursionError | LinAlgError)
     return numeric or (type(error) is ValueError and str(error) in OF_NUMBERS)
+
+
+def _is_help(error: typer.TyperException) -> bool:
+    return error.format_message().startswith("Usage: ")
 
 
 def _example(error: typer.TyperException) -> str:

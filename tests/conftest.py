@@ -219,13 +219,15 @@ def refused(run):
 
 @pytest.fixture(scope="session")
 def earth_alone():
-    """A function of standard error: whether it warns once that nothing is said of earth, no more.
+    """A function of standard error: whether it warns once of missing surroundings, no more.
 
     Commands on measured skins do where their scene has no surroundings.
     """
 
     def alone(err):
-        return err.count("\n") == 1 and ": nothing is said of earth: a metal body 5 mm" in err
+        return (
+            err.count("\n") == 1 and ": the scene has no [surroundings]: a metal body 5 mm" in err
+        )
 
     return alone
 

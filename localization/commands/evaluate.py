@@ -68,12 +68,12 @@ def evaluate(
     if by_model:
         model = load_model_for(sweeps, recordings, files[0], anyway=anyway)
         found = evaluated(model.learned, model.samples(sweeps, resting))
-        problem, judged = model.problem, "those given"
+        problem, judged = model.problem, "these ones"
         note_known_sweeps(model, sweeps, files[0])
     else:
         samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=resting)
         note_features(quantities, samples.problem.quantities)
-        problem, judged = samples.problem, "not trained on"
+        problem, judged = samples.problem, "outside the training"
         with on_terminal() as progress:
             found = _by_folds(
                 samples, name, certain=certain, tune=tune, folds=folds, progress=progress

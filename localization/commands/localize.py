@@ -63,7 +63,7 @@ def localize(
     if output is not None:
         write_rows(output, header, rows)
         silent = sum(row[2] == CANNOT_TELL for row in rows)
-        say(f"answers: {len(rows)} sweeps, {silent} cannot be told -> {output}")
+        say(f"answers: {len(rows)} sweeps, {silent} without an answer -> {output}")
         return
     for row in (header, *rows):
         say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
@@ -117,9 +117,9 @@ def _table(
     told = model.answers(sweeps, rest)
     early = sweeps.sizes["sweep"] - model.usable_features(sweeps, rest)[1].size
     if early:
-        why = "nothing at rest was measured before them in their session; --rest can tell it"
+        why = "no baseline sweep was measured before in their session; --rest FILE gives one"
         say(
-            f"rcskin: note: {early} sweep{'' if early == 1 else 's'} cannot be told: {why}",
+            f"rcskin: note: {early} sweep{' has' if early == 1 else 's have'} no answer: {why}",
             err=True,
         )
     header = ["sweep", "press", "answer", "probability"]

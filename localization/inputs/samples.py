@@ -85,9 +85,11 @@ class LeftOut(NamedTuple):
         parts = [f"{self.other} without a {target}"]
         if self.without_baseline:
             plural = "" if self.sessions == 1 else "s"
-            parts.append(f"{self.without_baseline} of {self.sessions} session{plural} without rest")
+            parts.append(
+                f"{self.without_baseline} of {self.sessions} session{plural} without baseline"
+            )
         if self.early:
-            parts.append(f"{self.early} before the first at rest of their session")
+            parts.append(f"{self.early} before the first baseline of their session")
         return f"{', '.join(parts)} left out"
 
 

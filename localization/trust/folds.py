@@ -61,14 +61,14 @@ def splits_of(
     most = folds if groups is None else min(folds, np.unique(groups).size)
     if strata is None:
         if not 2 <= most <= sessions.size:
-            raise InputError(f"need at least 2 sweeps, got {sessions.size}")
+            raise InputError(f"training needs at least 2 sweeps, got {sessions.size}")
         kind = KFold if groups is None else GroupKFold
         splitter = kind(n_splits=most, shuffle=True, random_state=seed)
         return list(splitter.split(np.zeros(sessions.size), None, groups))
     classes, sizes = np.unique(strata, return_counts=True)
     if sizes.min() < 2:
         raise InputError(
-            f"need at least 2 sweeps of each class, got 1 of {classes[sizes.argmin()]}"
+            f"training needs at least 2 sweeps of each class, got 1 of {classes[sizes.argmin()]}"
         )
     return _split(strata, groups, min(most, int(sizes.min())), seed)
 

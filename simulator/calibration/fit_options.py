@@ -37,9 +37,10 @@ def candidates(
     InputError for names that do not exist, that are in both lists, or that the scene does not
     depend on.
     """
-    for name in (*fit, *fix):
-        if name not in KNOWN and not (fit and name == OTHERS and name in fix):
-            raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
+    for option, names in (("fit", fit), ("fix", fix)):
+        for name in names:
+            if name not in KNOWN and not (fit and name == OTHERS and name in fix):
+                raise InputError(f"`{option}` must be one of {', '.join(KNOWN)}, got {name!r}")
     for name in fit:
         if name in fix:
             raise InputError(f"{name} cannot be both fitted and fixed")

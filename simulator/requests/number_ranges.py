@@ -29,7 +29,7 @@ SHARE = AllowedRange(0.0, 1.0, "a fraction")
 ERROR = AllowedRange(1e-9, 1.0, "a fraction of |Z|")
 MILLIMETRES = AllowedRange(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
 FACTOR = AllowedRange(1e-6, 1e6, "foam cannot be pressed or lifted further")
-SWEEPS = AllowedRange(1, 10**12, "a million meters need a year for more")
+SWEEPS = AllowedRange(1, 10**12, "more than a million meters measure in a year")
 
 RANGES: dict[str, AllowedRange] = {
     "rtol": RTOL,

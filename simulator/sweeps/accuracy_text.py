@@ -18,11 +18,12 @@ def bound_text(against_rest: int, skins: str) -> str:
     features = (
         f"{CHANGES} (mean of {against_rest} sweeps)"
         if against_rest
-        else "readings as they stand, with the meter's errors of a session"
+        else "readings without a baseline, with the meter's errors of a session"
     )
     return (
         f"at most means: share of presses that the best localizer of {skins} finds, from "
-        f"{features}, with the meter's noise; reached on skins not trained on: rcskin study"
+        f"{features}, with the meter's noise; rcskin study computes what a trained localizer reaches "
+        "on other skins"
     )
 
 
@@ -31,12 +32,13 @@ def accuracy_text(
 ) -> str:
     """The line that explains an accuracy.
 
-    features: what was evaluated. judged: which sweeps, such as "not trained on". scene: name or
+    features: what was evaluated. judged: which sweeps, such as "outside the training". scene: name or
     path, for the command that computes the bound. noisy: True if a real or simulated meter read the
     sweeps.
     """
     found = FOUND.get(target, f"{target} was found")
     return (
         f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, "
-        f"{NOISE if noisy else NOISE_FREE}; bound for a known skin: rcskin limits {scene}"
+        f"{NOISE if noisy else NOISE_FREE}; rcskin limits {scene} computes the bound for a known "
+        "skin"
     )

@@ -70,3 +70,9 @@ def test_shells_complete_scenes_targets_and_estimators(typed, expected, tmp_path
     env = asked | {"COMP_CWORD": str(len(words) - 1)}
     shown = CliRunner().invoke(app, [], prog_name="rcskin", env=env)
     assert set(shown.stdout.split()) == expected
+
+
+@pytest.mark.parametrize("words", [(), ("meter",)], ids=["rcskin", "meter"])
+def test_without_a_command_the_help_is_shown_line_by_line(run, words):
+    code, out, err = run(*words)
+    assert (code, out) == (2, "") and err.rstrip() == run(*words, "--help")[1].rstrip()

@@ -96,7 +96,7 @@ class Typed(io.StringIO):
 def test_a_new_scene_overwrites_nothing(refused, scene_with):
     path = scene_with("name", "name")
     before = path.read_text()
-    assert "is there already" in refused("new", path)
+    assert "already exists" in refused("new", path)
     assert path.read_text() == before
 
 

@@ -116,7 +116,7 @@ def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> No
     if noise is None and frequencies < MIN_FREQUENCIES:
         raise InputError(
             f"noise cannot be estimated from {frequencies} frequencies: at least "
-            f"{MIN_FREQUENCIES} are needed, or a given `noise`"
+            f"{MIN_FREQUENCIES} are needed; give `noise` instead"
         )
 
 

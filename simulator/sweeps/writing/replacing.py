@@ -73,7 +73,7 @@ def check_replaceable(path: Path) -> None:
     maker = made_by(path)
     if readings := measured(path, maker == now.command):
         raise InputError(
-            f"{path}: is there already with {readings}; {now.option('overwrite_measured')} "
+            f"{path}: already exists with {readings}; {now.option('overwrite_measured')} "
             "replaces it, or give another name"
         )
     if now.overwrite:
@@ -96,15 +96,15 @@ def log_replaced(path: Path) -> None:
     noted = write_context().noted
     if path.exists() and path.parent not in noted:
         noted.add(path.parent)
-        log.info("%s: replaces what was there", path)
+        log.info("%s: replaces the earlier file", path)
 
 
 def _reason(path: Path, maker: str | None, now: WriteContext) -> str | None:
     """Why a file may not be overwritten; None if it may."""
     if any(each.exists() and os.path.samefile(each, path) for each in now.inputs):
-        return "is read by this command, too"
+        return "this command also reads it"
     if maker is None:
-        return "is there already, and was not made by rcskin or was changed since"
+        return "already exists, and was not made by rcskin or was changed since"
     if maker != now.command:
-        return f"is there already, made by {maker if maker == PYTHON else f'rcskin {maker}'}"
+        return f"already exists, made by {maker if maker == PYTHON else f'rcskin {maker}'}"
     return None

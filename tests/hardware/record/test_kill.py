@@ -46,7 +46,7 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0
     earth, put_back = err.splitlines()
-    assert "nothing is said of earth" in earth
+    assert "the scene has no [surroundings]" in earth
     assert re.fullmatch(rf"{folder}: .* the original ones at its end: header = .*", put_back)
     sweeps = read(output)
     assert not folder.exists()

@@ -47,7 +47,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     code, out, err = run("evaluate", model, tmp_path / "some.csv", "--rest", files / "known.nc")
     assert code == 0 and err.startswith(f"rcskin: note: {model}: 41 of these 42 sweeps")
     code, out, err = run("localize", model, files / "unseen.nc")
-    assert code == 0 and "note: 1 sweep cannot be told: nothing at rest was measured before" in err
+    assert code == 0 and "note: 1 sweep has no answer: no baseline sweep was measured before" in err
     header, first, second, *_ = out.splitlines()
     assert header == "sweep,press,answer,probability"
     assert first == "0,none,cannot tell,0.2500" and second.startswith('1,"1,1:2.0",1,')
@@ -91,7 +91,9 @@ def test_a_session_without_rest_is_left_out_and_counted(run, make_sweeps, tmp_pa
     write(sweeps, tmp_path / "some.nc")
     code, out, _ = run("evaluate", tmp_path / "some.nc", "--features", "dlnZ,dphase")
     assert code == 0
-    assert "69 sweeps, 0 without a column, 18 of 1 session without rest, 3 before the first" in out
+    assert (
+        "69 sweeps, 0 without a column, 18 of 1 session without baseline, 3 before the first" in out
+    )
 
 
 def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_path):

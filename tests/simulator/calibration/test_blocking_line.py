@@ -63,7 +63,9 @@ def calibrated(run, tmp_path):
     def calibrated(*more, start=NEAR):
         scene.write_text(SCENE.format(resistance=start[0], capacitance=start[1]))
         code, out, err = run("calibrate", scene, sweeps, "--band", ":1000", "-o", folder, *more)
-        assert code == 0 and all("nothing is said of earth" in line for line in err.splitlines())
+        assert code == 0 and all(
+            "the scene has no [surroundings]" in line for line in err.splitlines()
+        )
         return json.loads((folder / "calibration.json").read_text()), out
 
     return calibrated

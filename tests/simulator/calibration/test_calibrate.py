@@ -264,10 +264,10 @@ def test_presses_that_are_no_pixels_are_left_out(line, read):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"fit": ("bulk",)}, "`parameter` must be one of sheet_resistance.*'bulk'"),
+        ({"fit": ("bulk",)}, "`fit` must be one of sheet_resistance.*'bulk'"),
         ({"fit": ("contact_resistance",)}, "contact_resistance has no effect in this scene"),
         ({"fit": ("capacitance",), "fix": ("capacitance",)}, "both fitted and fixed"),
-        ({"fix": ("others",)}, "`parameter` must be one of sheet_resistance.*'others'"),
+        ({"fix": ("others",)}, "`fix` must be one of sheet_resistance.*'others'"),
         ({"band": (1.0, 2.0)}, "`band` must contain frequencies of the sweeps, 1000 to 200000 Hz"),
         ({"session": 7}, "`session` must be one of 0, got 7"),
     ],

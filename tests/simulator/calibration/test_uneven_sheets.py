@@ -159,7 +159,7 @@ def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
     fixed = ("--fix", "others", "--fixed-strength", "--uneven-sheets")
     asked = ("calibrate", tmp_path / "line.toml", tmp_path / "run.nc", *options, *fixed)
     code, out, err = run(*asked, "-o", tmp_path / "found")
-    assert code == 0 and "nothing is said of earth" in err
+    assert code == 0 and "the scene has no [surroundings]" in err
     assert "top_x" in out
     calibrated = read_scene(tmp_path / "found" / "calibrated.toml")
     top, bottom = (sheet.map for sheet in (calibrated.skin.top, calibrated.skin.bottom))

@@ -247,7 +247,7 @@ def test_the_same_command_replaces_what_it_made_with_a_note(path, caplog):
     by("sweep", path)
     with caplog.at_level("INFO", logger="rcskin"):
         by("sweep", path)
-    assert f"{path}: replaces what was there" in caplog.text
+    assert f"{path}: replaces the earlier file" in caplog.text
 
 
 @pytest.mark.parametrize("demand", [None, "overwrite"])
@@ -309,4 +309,4 @@ def test_commands_keep_what_is_not_theirs(run, tmp_path, monkeypatch):
     assert (tmp_path / "a.nc").read_bytes() == before
     assert (tmp_path / "mine.zarr" / "diary").read_text() == DIARY
     code, _, err = run("sweep", "sheet-3x3", "--press", "2,2", "-o", "a.nc")
-    assert code == 0 and "note: a.nc: replaces what was there" in err
+    assert code == 0 and "note: a.nc: replaces the earlier file" in err
