@@ -22,8 +22,8 @@ def bound_text(against_rest: int, skins: str) -> str:
     )
     return (
         f"at most means: share of presses that the best localizer of {skins} finds, from "
-        f"{features}, with the meter's noise; rcskin study computes what a trained localizer reaches "
-        "on other skins"
+        f"{features}, with the meter's noise; rcskin study computes what a trained localizer "
+        "reaches on other skins"
     )
 
 
@@ -32,9 +32,9 @@ def accuracy_text(
 ) -> str:
     """The line that explains an accuracy.
 
-    features: what was evaluated. judged: which sweeps, such as "outside the training". scene: name or
-    path, for the command that computes the bound. noisy: True if a real or simulated meter read the
-    sweeps.
+    features: what was evaluated. judged: which sweeps, such as "outside the training". scene: name
+    or path, for the command that computes the bound. noisy: True if a real or simulated meter read
+    the sweeps.
     """
     found = FOUND.get(target, f"{target} was found")
     return (

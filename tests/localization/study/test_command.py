@@ -33,9 +33,9 @@ def test_two_axes_make_a_table_a_map_and_an_answer_for_each_second_value(run, tm
     assert (code, err) == (0, "")
     *answers, meaning, spaced, end = out.splitlines()
     assert meaning == (
-        "accuracy means: share of sweeps, of skins outside the training, whose column was found, from "
-        "changes from the unpressed skin, with the meter's noise; bound for a known skin: rcskin "
-        "limits strip-1x3"
+        "accuracy means: share of sweeps, of skins outside the training, whose column was found, "
+        "from changes from the unpressed skin, with the meter's noise; rcskin limits strip-1x3 "
+        "computes the bound for a known skin"
     )
     assert [line.split(":")[0] for line in answers] == [f"pixels.columns = {n}" for n in (2, 3, 4)]
     assert spaced == (
