@@ -116,6 +116,6 @@ def earth_left_out(scene: Scene) -> str | None:
     return (
         f"the scene has no [surroundings]: a metal body {1e3 * (NEARBY.distance or 0):g} mm behind "
         f"the {NEARBY.side} sheet would raise Rs by about {100 * body_share(scene):.2g} %, a "
-        f"finger of {prefixed(FINGER, 'F')} by up to {100 * finger_share(scene):.2g} %; add the table "
-        '(low = "floating" for a meter without earth)'
+        f"finger of {prefixed(FINGER, 'F')} by up to {100 * finger_share(scene):.2g} %; add the "
+        'table (low = "floating" for a meter without earth)'
     )
