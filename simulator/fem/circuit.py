@@ -154,7 +154,7 @@ def _conductors(around: Surroundings | None) -> list[Terminal]:
 
 
 def _low(around: Surroundings | None) -> Low:
-    """Low terminal as of `Circuit`; None if the meter floats and nothing reaches earth."""
+    """Low terminal, see `Circuit`; None if the meter floats and nothing reaches earth."""
     if around is None or (around.low == "floating" and not around.reaches_earth):
         return None
     return around.low

@@ -1,7 +1,7 @@
 """Lanczos' method for all excitations of one interface, to the accuracy that their sum needs.
 
-The error is measured at the interface. The part of earth may be next to nothing there, and then
-takes few steps.
+The error is measured at the interface, so an excitation that contributes little there takes few
+steps.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ def lost_digits(Y: NDArray[np.complex128], at_once: NDArray[np.complex128]) -> N
 
 
 def rounded(Y: NDArray[np.complex128], delayed: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rounding error as of `lost_digits`, given the total size of the delayed parts in S."""
+    """Rounding error as in `lost_digits`, given the total size of the delayed parts in S."""
     rounding = ROUNDINGS * np.finfo(float).eps * delayed
     known = np.minimum(np.abs(Y.real), reference_susceptance(Y))
     return np.divide(rounding, known, out=np.full(known.shape, np.inf), where=known > 0)

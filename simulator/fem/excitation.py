@@ -1,4 +1,4 @@
-"""Excitations, and the ONE place where they combine to what a meter reads.
+"""Excitations, and their combination to the impedance that a meter reads.
 
 An excitation fixes the potentials of the meter's two terminals and has a symmetric quadratic form
 Q(s), so each is solved, bounded and differentiated in the same way. Without earth the excitation of
@@ -68,7 +68,7 @@ def through_virtual_earth(high: tuple[int, ...], low: tuple[int, ...]) -> tuple[
 
 @dataclass(frozen=True)
 class Combination:
-    """How excitations combine to interfaces.
+    """Combination of excitations to interfaces.
 
     weights: shape (interface, excitation). Q: forms in S, shape (excitation, ...). Their errors
     add: |dY| <= sum |w_k| |dQ_k|.

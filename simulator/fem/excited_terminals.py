@@ -2,8 +2,8 @@
 
 Floating terminals carry no net current. Their potentials U_f join the inner unknowns through the
 lift F of each: K F = 0 inside, so K splits into the conductance between them and the inner block.
-Potentials that a whole sheet floats at cost no current at all; the sheet then keeps its charge,
-which at zero frequency determines them.
+A potential of a whole floating sheet causes no current. The sheet keeps its charge, which
+determines that potential at zero frequency.
 """
 
 from __future__ import annotations

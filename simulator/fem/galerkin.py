@@ -1,4 +1,4 @@
-"""Galerkin's method in one space of trial functions: all that does not depend on the press, and Y.
+"""Galerkin's method in one trial space: everything that does not depend on the press, and Y.
 
 With the lift G (each terminal at 1 V in turn, the others at 0 V, no capacitance: K G = 0 inside)
 the potentials are G U + d, and the deviation d solves (K + s M) d = -s M G U. The terminals'

@@ -1,6 +1,6 @@
 """Compiled kernels of the elements; each has a readable twin next to its callers.
 
-Imported by `lazy_kernel` where the work is worth it, and by other kernels.
+`lazy_kernel` and other kernels import this module; it loads numba.
 """
 
 from __future__ import annotations

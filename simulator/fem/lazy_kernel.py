@@ -1,6 +1,6 @@
 """Kernels that run as plain Python until their work is worth loading numba.
 
-A few presses never are: importing numba and loading the compiled code takes as long as some hundred
+A few presses are not: importing numba and loading the compiled code takes as long as some hundred
 sweeps of a small skin. Both ways give the same bits.
 """
 

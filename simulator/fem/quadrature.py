@@ -2,8 +2,8 @@
 
 An integral over a cell is a sum over the points of a rule. The products of basis functions at a
 point are the same in every cell; the coefficient there, the cell's area and its slant differ. So
-they are reference matrices like any others, one a point for c u v and three a point for grad u . S
-grad v, and the kernel that adds weighted reference matrices adds them too. Coefficients that are
+they are reference matrices, one per point for c u v and three per point for grad u . S grad v, and
+the kernel for weighted reference matrices adds them. Coefficients that are
 constant in each cell are integrated once: one matrix, and three.
 """
 
@@ -29,7 +29,7 @@ BLOCK = 4_000_000
 ONE_FIELD = np.ones((1, 1))
 
 Terms = tuple[NDArray[np.float64], NDArray[np.float64]]
-"""Weights, shape (cell, term), and the matrices they belong to, one a row, shape (term, local²)."""
+"""Weights, shape (cell, term), and their matrices, one per row, shape (term, local²)."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def mass_terms(
     Yields blocks of a few points; none takes more than BLOCK numbers.
     """
     density = surface.area * c
-    if _even(density):
+    if _uniform(density):
         yield density[:, :1], _between_fields(fields, rule.mass[None])
         return
     weights = rule.weights * density
@@ -181,7 +181,7 @@ def stiffness_terms(
     da db + db da.
     """
     density = _pulled_back(surface, conductance)
-    if _even(density):
+    if _uniform(density):
         yield density[..., 0].T, _between_fields(fields, rule.stiffness)
         return
     weights = rule.weights * density
@@ -207,7 +207,7 @@ def _pulled_back(surface: CellGeometry, conductance: NDArray[np.float64]) -> NDA
     return np.stack([form(to_a, to_a), form(to_b, to_b), form(to_a, to_b)]) / surface.area
 
 
-def _even(density: NDArray[np.float64]) -> bool:
+def _uniform(density: NDArray[np.float64]) -> bool:
     """True if a density is constant in each cell."""
     return bool((density == density[..., :1]).all())
 

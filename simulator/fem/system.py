@@ -79,11 +79,11 @@ class System:
 
 @dataclass(frozen=True)
 class PixelSystem(System):
-    """That of uniform sheets, for any capacitance that is even within each pixel.
+    """System of uniform sheets, for any capacitance that is uniform within each pixel.
 
-    coupling: how s c enters between fields, shape (field, field). pixels: the mesh. M is
-    apart from that of `varied.system`, which integrates at points: here it is the area of each cell
-    times one matrix, and a press fills it three times as fast.
+    coupling: of s c between fields, shape (field, field). pixels: the mesh. M is not assembled as
+    in `PressedSystem`, which integrates at points: here M of a cell is its area times one matrix,
+    and a press fills it three times as fast.
     """
 
     coupling: NDArray[np.float64]

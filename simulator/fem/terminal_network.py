@@ -1,4 +1,5 @@
-"""N-terminal network of a skin, and the impedance that a meter sees between some of its terminals.
+"""N-terminal network of a skin, and the impedance that a meter measures between some of its
+terminals.
 
 Each sheet alone is at one potential at zero frequency, so a network has potentials that cost no
 current. They are kept as separate modes whose conductance is zero by construction. A capacitance of

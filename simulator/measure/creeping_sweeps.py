@@ -1,8 +1,8 @@
 """Sweeps of foam that creeps while it is measured frequency by frequency.
 
 Within a sweep every strain is linear in the decays s_k = exp(-t / time_k) of the foam's solids, so
-Z is smooth in these, however fast the foam is. It is solved at Chebyshev's extrema of each s_k and
-interpolated to the time of each reading.
+Z is smooth in these, however fast the foam creeps. It is solved at Chebyshev's extrema of each s_k
+and interpolated to the time of each reading.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
     """Time of each reading, s after the press, shape (interface, frequency), and the end of the
     last one.
 
-    Times are in the middle of a reading, see `pace.reading_time`; those of skipped readings at the
-    end.
+    Times are in the middle of a reading, see `reading_time`; those of skipped readings are at
+    the end.
     """
     timing, reading = scene.experiment.timed, scene.reading
     moment, now = np.zeros(reading.shape), timing.before
@@ -58,11 +58,10 @@ def describe_timing(scene: Scene) -> list[str]:
     if not scene.skin.foam.in_time:
         return []
     timing, (_, whole) = scene.experiment.timed, reading_moments(scene)
-    before_next = f"let go {prefixed(timing.pause, 's')} before the next"
-    let_go = before_next if timing.pause else "not let go"
+    pause = f"a pause of {prefixed(timing.pause, 's')}" if timing.pause else "no pause"
     return [
-        "the foam remembers: presses come one after the other as they stand, each is held for "
-        f"{prefixed(whole, 's')} while it is read, and {let_go}"
+        "the foam creeps: presses follow each other in the given order; each lasts "
+        f"{prefixed(whole, 's')} while it is read, with {pause} before the next"
     ]
 
 
@@ -100,7 +99,7 @@ class Interpolation:
         """Values at the times of readings, from those of states, shape (..., state, interface,
         frequency).
 
-        weights: as of `weights`.
+        weights: see `weights`.
         """
         return np.einsum("nif,...nif->...if", weights, values)
 
@@ -126,7 +125,7 @@ def interpolation(scene: Scene) -> Interpolation:
 def solved_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, Solution]]:
     """Each press with its readings, in a session of the scene's experiment.
 
-    The foam is unpressed at first. Raises as `FoamState.then` and `Solver.solve`.
+    The foam is unpressed at first. Raises what `FoamState.then` and `Solver.solve` raise.
     """
     scene, (_, whole) = solver.scene, reading_moments(solver.scene)
     closer = Solver(scene, OF_NODES * solver.rtol, solver.model, solver.frequency)

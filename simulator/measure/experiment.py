@@ -25,13 +25,13 @@ def stream(scene: Scene, purpose: int) -> np.random.Generator:
 def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     """Every repetition of every pixel on the skin, and of the unpressed skin if that is a class.
 
-    Strengths are drawn from `own_presses`, separately for each; raises InputError as that does.
+    Strengths are drawn from `own_presses`, separately for each. Raises what `own_presses` raises.
     """
     drawn, planned = own_presses(scene), scene.experiment
-    at_rest = [Press()] * (planned.repetitions if planned.unpressed else 0)
+    unpressed = [Press()] * (planned.repetitions if planned.unpressed else 0)
     pixels = [each for each in pixels_with_skin(scene) for _ in range(planned.repetitions)]
     factors = np.broadcast_to(drawn.at(random.random(len(pixels))), len(pixels)).tolist()
-    return at_rest + [
+    return unpressed + [
         Press((pixel_pressed(scene, row, column, factor),))
         for (row, column), factor in zip(pixels, factors, strict=True)
     ]

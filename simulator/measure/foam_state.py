@@ -64,14 +64,14 @@ class FoamState:
     def then(self, press: Press, seconds: float) -> FoamState:
         """State `seconds` later, when the press changes.
 
-        Raises InputError and ToleranceError as `press_by_depths`, and InputError for a load under
-        which the foam would creep too far, and if one place is pressed twice.
+        Raises what `press_by_depths` raises, and InputError for a load under which the foam would
+        creep too far, and if one place is pressed twice.
         """
         since = self.since + seconds
         if not self.scene.skin.foam.in_time:
             return replace(self, press=press, since=since)
         if len({touch.where for touch in press.touches}) < len(press.touches):
-            raise InputError(f"press {press}: foam that creeps takes each place once")
+            raise InputError(f"press {press}: foam that creeps allows one touch at each place")
         before = {spot.touch.where: self._later(spot, seconds) for spot in self.spots}
         pressed = [
             self._pressed(as_given, touch, before.get(touch.where))
@@ -121,7 +121,7 @@ class FoamState:
         if strain > most:
             raise InputError(
                 f"press {touch}: the foam would creep to {strain:.3g} of its thickness; it must "
-                f"stay within {most:.3g}: press less, or lessen `share` of skin.foam.relaxation"
+                f"stay within {most:.3g}: press less, or reduce `share` of skin.foam.relaxation"
             )
 
     def _at_once(self, spot: Spot) -> float:
@@ -130,7 +130,7 @@ class FoamState:
         return float(let_off(np.array(spot.x), np.array(spot.most), hysteresis))
 
     def _now(self, spot: Spot, decay: Array) -> AnyTouch | None:
-        """Touch that compresses the foam as it is then; None if no trace is left."""
+        """Touch that compresses the foam as the spot does; None if no trace is left."""
         if spot.how == "depth":
             return spot.touch
         at_once = self._at_once(spot)

@@ -100,7 +100,7 @@ class ErrorModel:
 
     readout: of the meter. read: mask of the readings, shape (interface, frequency). averaged:
     number of averaged sweeps. against_rest: number of baseline sweeps whose average is subtracted;
-    0 for values without a baseline, with the errors of the session.
+    0 for values without a baseline, which have the errors of the session.
     """
 
     readout: Readout
@@ -144,7 +144,7 @@ class ErrorModel:
     def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the readings taken, transformed to independent errors of deviation 1.
 
-        numbers: of all readings as of `observed`, shape (..., 2 * readings). Returns shape (..., 2
+        numbers: of all readings, see `observed`, shape (..., 2 * readings). Returns shape (..., 2
         * readings taken).
         """
         numbers = numbers[..., np.tile(self.read.ravel(), 2)]
@@ -156,7 +156,9 @@ class ErrorModel:
 def errors_of(
     scene: Scene, against_rest: int = 0, averaged: int = 1, reading: ReadingSetup | None = None
 ) -> ErrorModel:
-    """Error model of a scene's meter; all readings of the scene for None. Raises InputError without
-    noise."""
+    """Error model of a scene's meter. Raises InputError without noise.
+
+    reading: all readings of the scene for None. The other arguments: see `ErrorModel`.
+    """
     read = scene.reading if reading is None else reading
     return ErrorModel(scene.readout, read.read, averaged, against_rest)

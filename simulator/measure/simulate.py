@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 BYTES_FOR_READING = 120
-"""Memory for Z and its errors as complex numbers, then Rs, X, Cp and theirs, once more while
+"""Memory for a reading, bytes: Z and its errors; Rs, X, Cp and their errors; a copy while
 written."""
 
 
@@ -37,7 +37,7 @@ def check_fits(scene: Scene, presses: int) -> None:
     check_memory(
         BYTES_FOR_READING * presses * readings,
         f"{presses} sweeps of {readings} readings",
-        "ask for fewer presses, frequencies or interfaces",
+        "request fewer presses, frequencies or interfaces",
     )
 
 
@@ -98,19 +98,19 @@ def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]
     """Noise-free sweeps of a scene with the presses and interfaces of other sweeps.
 
     For foam that creeps they follow each other in the given order, session by session. frequency:
-    Hz; if they are those of the sweeps, the same readings are taken as there, else all. Raises as
-    `press_on` and `Solver.solve`.
+    Hz; if they are those of the sweeps, the same readings are taken as there, else all. Raises what
+    `press_on` and `Solver.solve` raise.
     """
     scene = with_frequencies(scene, frequency.tolist())
     found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
     again = found.sel(interface=sweeps["interface"].values)
     again = again.assign_coords(session=("sweep", sweeps["session"].values))
-    alike = np.array_equal(frequency, sweeps["frequency"].values)
-    return restricted(again, read_mask(sweeps)) if alike else again
+    same = np.array_equal(frequency, sweeps["frequency"].values)
+    return restricted(again, read_mask(sweeps)) if same else again
 
 
 def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """Press of each sweep; a repeated press is solved once."""
+    """Simulated sweep of each press; a repeated press is solved once."""
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
@@ -119,7 +119,7 @@ def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
 
 
 def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """Press of each sweep in the order of its session."""
+    """Simulated sweeps in sessions, each in the given order."""
     presses = [press_on(scene, str(press)) for press in sweeps["press"].values]
     return _by_session(
         sweeps["session"].values,

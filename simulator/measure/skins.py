@@ -36,14 +36,14 @@ def drawn_skin(
     drawn, random = scene.dataset.session, stream(seed, session, SKIN)
     foam = scene.skin.foam
     common, top, bottom, c, loss, stray, lead = random.random(7)
-    waves = random.random((2, len(HALF_WAVES) - 1))
+    draws = random.random((2, len(HALF_WAVES) - 1))
     contacts = random.random(len(scene.contacts))
     own_foam = _foam(scene, random, grid)
     of_foam, of_sheets = _ambient(scene, random)
     common_c = float(drawn.capacitance.at(c)) * of_foam
     variation = Variation(
-        _conductance(scene, common, top, waves[0], modes) / of_sheets,
-        _conductance(scene, common, bottom, waves[1], modes) / of_sheets,
+        _conductance(scene, common, top, draws[0], modes) / of_sheets,
+        _conductance(scene, common, bottom, draws[1], modes) / of_sheets,
         1 / drawn.contact_resistance.at(contacts),
         common_c * own_foam,
         Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
@@ -93,7 +93,7 @@ def _foam(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> N
     pixels = scene.pixels.rows, scene.pixels.columns
     if drawn.foam_pattern == "smooth":
         slow = drawn.foam_spread * truncated_normal(random.random(len(HALF_WAVES) - 1), CUT)
-        waves = mode_values(scene, cell_centres(scene, grid), len(HALF_WAVES))[1:]
-        return 1 + np.einsum("k,kij", slow, waves)
+        modes = mode_values(scene, cell_centres(scene, grid), len(HALF_WAVES))[1:]
+        return 1 + np.einsum("k,kij", slow, modes)
     spread = drawn.foam_spread * truncated_normal(random.random(pixels), CUT)
     return np.kron(1 + spread, np.ones((rows // pixels[0], columns // pixels[1])))

@@ -32,7 +32,7 @@ class SolvedScene:
 
     @cached_method(READINGS_KEPT)
     def impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
-        """Z in ohm, shape (interface,), at a frequency in Hz. Raises as `Solver.solve`."""
+        """Z in ohm, shape (interface,), at a frequency in Hz. Raises what `Solver.solve` raises."""
         own = np.flatnonzero(self._frequencies == frequency)
         if press.indented and own.size and not self._solver.scene.skin.foam.in_time:
             return self._sweeps(press)[:, own[0]]
@@ -46,7 +46,7 @@ class SolvedScene:
 
 @dataclass
 class PressedFoam:
-    """State of the pressed foam, by the clock of the reader."""
+    """State of the pressed foam, in time by the reader's clock."""
 
     state: FoamState
 
@@ -74,7 +74,7 @@ class Specimen:
     def hold(self, press: str, now: float) -> str:
         """Press the skin until the next press; returns the press in its full form.
 
-        now: s by any clock. Raises as `check` and `FoamState.then`.
+        now: s by any clock. Raises what `check` and `FoamState.then` raise.
         """
         found, foam = self._checked(press), self._foam
         foam.state = foam.state.then(found, now - foam.state.since)
@@ -89,7 +89,7 @@ class Specimen:
         return state.after(max(0.0, at - state.since))
 
     def impedance(self, press: str | Press, frequency: float) -> complex:
-        """Z in ohm at a frequency in Hz. Raises as `press_on` and `Solver.solve`."""
+        """Z in ohm at a frequency in Hz. Raises what `press_on` and `Solver.solve` raise."""
         found = press_on(self.scene, press) if isinstance(press, str) else press
         return complex(self._solved.impedances(found, frequency)[self._number])
 

@@ -188,8 +188,8 @@ def _same(one: NDArray[np.float64], other: NDArray[np.float64], near: float) -> 
     """True if two sets of points (2, n) are equal."""
     if one.shape != other.shape:
         return False
-    apart = np.abs(one[:, :, None] - other[:, None, :]).max(axis=0)
-    return bool((apart.min(axis=0) <= near).all() and (apart.min(axis=1) <= near).all())
+    distance = np.abs(one[:, :, None] - other[:, None, :]).max(axis=0)
+    return bool((distance.min(axis=0) <= near).all() and (distance.min(axis=1) <= near).all())
 
 
 @dataclass(frozen=True)
@@ -199,11 +199,11 @@ class _Foil:
 
     @cached_property
     def places(self) -> NDArray[np.float64]:
-        """Points on it, m, shape (2, FOIL_POINTS)."""
+        """Points on the foil, m, shape (2, FOIL_POINTS)."""
         return path(self.contact, self.skin, FOIL_POINTS - 1)
 
     def becomes(self, other: _Foil, mapping: Mapping) -> bool:
-        """True if a mapping maps it onto another foil."""
+        """True if a mapping maps the foil onto another one."""
         return (
             mapping.electrode(self.contact.electrode) == other.contact.electrode
             and self.contact.resistance == other.contact.resistance
@@ -237,11 +237,11 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
     images = _exchanged(scene)
     kind = tuple if _guarded(scene) else frozenset
-    seen: dict[Collection[frozenset[int]], list[str]] = {}
+    known: dict[Collection[frozenset[int]], list[str]] = {}
     found = []
     for interface in scene.interfaces:
         sides = interface.high, interface.low
-        alike = [
+        equivalent = [
             kind(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
@@ -249,14 +249,14 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
         earlier = next(
             (
                 name
-                for each in alike
-                for name in seen.get(each, [])
+                for each in equivalent
+                for name in known.get(each, [])
                 if own <= set(scene.reading.frequency_at(name))
             ),
             None,
         )
         if earlier is None:
-            seen.setdefault(alike[0], []).append(interface.name)
+            known.setdefault(equivalent[0], []).append(interface.name)
         else:
             found.append((interface.name, earlier))
     return found
@@ -265,17 +265,17 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
 def _exchanged(scene: Scene) -> list[dict[str, str]]:
     """Image of every foil if the sheets can change places, or nothing."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
-    alike = _layers_kept(scene.skin, exchange) and _equal_surroundings(scene)
-    if scene.skin.mesh is not None or not alike:
+    same = _layers_kept(scene.skin, exchange) and _equal_surroundings(scene)
+    if scene.skin.mesh is not None or not same:
         return []
     images = {name: image for name, image in _images(scene, exchange).items() if image is not None}
     return [images] if len(images) == len(scene.contacts) else []
 
 
 def describe_repeated(scene: Scene) -> list[str]:
-    """A sentence for each interface in `repeated`."""
+    """Sentence for each repeated interface."""
     return [
-        f"{name}: gives the same readings as {earlier}, by symmetry; it only adds averaging"
+        f"{name}: has the impedance of {earlier} by symmetry; it only averages the meter's errors"
         for name, earlier in repeated(scene)
     ]
 

@@ -1,4 +1,4 @@
-"""Strengths of the touches of a press as factors of capacitance, however they are given."""
+"""Strengths of the touches of a press as factors of capacitance, from factors, depths, forces."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FACTOR_RTOL = 1e-3
 def factors_under(scene: Scene, press: str) -> list[float]:
     """Factor under each touch, in their order in the text.
 
-    Raises InputError for a press that does not fit the scene, and as `deformation`.
+    Raises InputError for a press that does not fit the scene, and what `deformation` raises.
     """
     whole, default = press_on(scene, press), strength_of(scene.press)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}

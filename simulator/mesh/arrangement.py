@@ -30,8 +30,8 @@ class Arrangement(NamedTuple):
 def arranged(segments: Points, same: float, marks: Points = NO_MARKS) -> Arrangement:
     """Arrangement of segments, shape (segment, end, 2), and points `marks` on them.
 
-    Points nearer to each other than `same` [m] are merged, and a point nearer to a segment than
-    that lies on it. Points of earlier segments keep their places.
+    Points nearer to each other than `same` [m] are merged; a point nearer than that to a segment
+    lies on it. Points of earlier segments keep their places.
     """
     if not len(segments):
         return Arrangement(marks, np.empty((0, 2), np.int64), np.empty(0, np.int64))
@@ -140,8 +140,8 @@ def _divided(
             *_with_middles(pairs),
             _near(circle, np.concatenate(beside), CLOSE * circle.radius),
         ]
-        apart = _distinct(np.concatenate(first), same / circle.radius)
-        found.append(_filled(apart, widest))
+        distinct = _distinct(np.concatenate(first), same / circle.radius)
+        found.append(_filled(distinct, widest))
     for _ in range(MAX_ARRANGEMENT_ROUNDS):
         before = sum(map(len, found))
         for k, circle in enumerate(circles):
@@ -216,8 +216,8 @@ def _distinct(angles: Sequence[float] | Angles, same: float) -> Angles:
     """Angles in order, without those that equal an earlier one on the circle."""
     kept: list[float] = []
     for angle in angles:
-        apart = np.abs(np.array(kept) - angle)
-        if (np.minimum(apart, 2 * np.pi - apart) > 2 * same).all():
+        gap = np.abs(np.array(kept) - angle)
+        if (np.minimum(gap, 2 * np.pi - gap) > 2 * same).all():
             kept.append(float(angle))
     return np.array(kept)
 

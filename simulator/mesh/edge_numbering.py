@@ -30,9 +30,9 @@ def rim_points(t: Numbers) -> Numbers:
 def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
     """Number of each line among `edges`, -1 if it is no edge, shape (line,)."""
     base = int(max(edges.max(), lines.max(initial=0))) + 1
-    keys, asked = edges[0] * base + edges[1], lines[0] * base + lines[1]
-    number = np.minimum(np.searchsorted(keys, asked), len(keys) - 1)
-    return np.where(keys[number] == asked, number, -1)
+    keys, requested = edges[0] * base + edges[1], lines[0] * base + lines[1]
+    number = np.minimum(np.searchsorted(keys, requested), len(keys) - 1)
+    return np.where(keys[number] == requested, number, -1)
 
 
 def halves(lines: Numbers, edges: Numbers, new: Numbers) -> Numbers:

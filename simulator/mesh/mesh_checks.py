@@ -43,7 +43,7 @@ def _torn(p: Points, t: Numbers) -> str | None:
     count = np.bincount(of_triangle.ravel())
     if (count > 2).any():
         where = p[:, edges[0, count.argmax()]]
-        return f"meet by twos, got {count.max()} at one edge near {_place(where)}"
+        return f"meet in pairs, got {count.max()} at one edge near {_place(where)}"
     rim = edges[:, count == 1]
     points = np.unique(rim)
     same = SAME * np.ptp(p, axis=1).max()
@@ -77,7 +77,7 @@ def _folded(p: Points, t: Numbers) -> str | None:
     total = np.bincount(of_triangle.ravel(), weights=side.ravel())
     bad = np.flatnonzero(np.abs(total) == 2)
     if len(bad):
-        return f"lie beside each other, but overlap near {_place(a[:, bad[0]])}"
+        return f"not overlap, got two that do near {_place(a[:, bad[0]])}"
     return None
 
 
@@ -90,7 +90,7 @@ def _in_parts(t: Numbers) -> str | None:
     shape = (t.shape[1], edges.shape[1])
     shared = coo_array((np.ones(triangle.size), (triangle, of_triangle.ravel())), shape=shape)
     parts = connected_components((shared @ shared.T), directed=False)[0]
-    return f"hang together by edges, got {parts} separate parts" if parts > 1 else None
+    return f"be connected by edges, got {parts} separate parts" if parts > 1 else None
 
 
 def _place(x: Points) -> str:

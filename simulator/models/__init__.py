@@ -1,1 +1,1 @@
-"""What answers for a skin; `solver` picks the cheapest that keeps the tolerance."""
+"""Models of a skin; `solver` chooses the cheapest one that keeps the tolerance."""

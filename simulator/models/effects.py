@@ -14,7 +14,8 @@ from ..surroundings.rim import rim_densities
 
 EFFECTS = ("body", "rim", "finger")
 """Logarithms of factors on the capacitance of all bodies and of the rim; and the capacitance to
-earth of every touch in addition to its press, F. A scene has those that its surroundings allow."""
+earth of every touch in addition to its press, F. A scene has the parameters that its surroundings
+allow."""
 
 NEEDED = {
     "body": "it needs [surroundings.body], not solved",
@@ -25,7 +26,7 @@ NEEDED = {
 
 
 def effects_of(scene: Scene) -> tuple[str, ...]:
-    """Those of EFFECTS that change a scene.
+    """Names among EFFECTS of the parameters that change a scene.
 
     `surroundings.solved` is computed for one geometry: neither body nor rim is a factor there.
     """
@@ -43,7 +44,7 @@ def effects_of(scene: Scene) -> tuple[str, ...]:
 def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
     """Update of a scene's `model_copy` for these values of EFFECTS; empty if they change nothing.
 
-    A computed rim is then given by its values, because it would follow a body that is nearer.
+    A computed rim is replaced by its values, because it would otherwise change with the body.
     Raises InputError if it cannot be computed.
     """
     around, changed = scene.surroundings, {n: values[n] for n in EFFECTS if values.get(n)}

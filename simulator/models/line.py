@@ -1,8 +1,9 @@
 """The exact one-dimensional line: both sheets fed along one whole edge, nothing varies across it.
 
-A uniform segment of total resistance R and capacitance C, closed by an admittance Y_L, shows
-Y = (Y_L + s C T) / (1 + Y_L R T) with T = tanh(q)/q, q² = s R C: the chain of cosh and sinh in a
-form that neither overflows at high frequency nor loses the small real part of Y at low.
+A uniform segment of total resistance R and capacitance C, closed by an admittance Y_L, has the
+admittance Y = (Y_L + s C T) / (1 + Y_L R T) with T = tanh(q)/q, q² = s R C. This form of the chain
+of cosh and sinh does not overflow at high frequency and keeps the small real part of Y at low
+frequency.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ class Line:
     """A scene that is a line; its impedance is exact to rounding."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises InputError, saying why, where the scene is no line."""
+        """Raises InputError, with the reason, if the scene is no line."""
         require_uniform(scene, "the line")
         circuit = one_field(scene)
         if circuit is None:
@@ -46,7 +47,7 @@ class Line:
     def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, frequency); frequency in Hz.
 
-        Raises InputError where the press varies across the line. Source: chain matrices of the
+        Raises InputError if the press varies across the line. Source: chain matrices of the
         RC line, with paper Eqs 1-2.
         """
         c, segments = self.profile(press)
@@ -64,7 +65,7 @@ class Line:
     def profile(self, press: Press) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
 
-        Raises InputError where the press varies across the line.
+        Raises InputError if the press varies across the line.
         """
         x, y = (
             np.sort([*pixel_lines(self.scene, axis), *of_touches])
@@ -81,9 +82,9 @@ class Line:
 
 
 def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """tanh(q)/q for q² = z, with a relative error of rounding in real and imaginary part alike.
+    """tanh(q)/q for q² = z, accurate to rounding in the real and in the imaginary part.
 
-    Small z by Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z as it stands.
+    Small z use Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z the definition.
     """
     small = np.abs(z) < 1
     near, fraction = np.where(small, z, 0), np.zeros(z.shape, dtype=complex)
@@ -127,15 +128,15 @@ def interrogation_frequency(
 
 
 def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
-    """Where the wave has fallen to half power at the place farthest from the driven foils, Hz.
+    """Frequency in Hz at which the wave has half power at the place farthest from the driven foils.
 
-    f = 0.0382 / (R c x²): both sheets in series, the foam at rest, x the distance from the foils
-    that these interfaces drive, all of the scene's where none is given. Above it less of the skin
-    is seen. Maps, curvature and what presses do are left out. Source: paper Eq 6.
+    f = 0.0382 / (R c x²): R of both sheets in series, c of the unpressed foam, x the distance from
+    the foils of these interfaces, by default of all interfaces. Above this frequency a meter
+    observes less of the skin. Maps, curvature and presses are left out. Source: paper Eq 6.
     """
-    even = equivalent_scene(scene)
-    c = even.skin.foam.unpressed_capacitance_per_area
-    return float(interrogation_frequency(even.reach(*interfaces), even.skin.both_sheets, c))
+    uniform = equivalent_scene(scene)
+    c = uniform.skin.foam.unpressed_capacitance_per_area
+    return float(interrogation_frequency(uniform.reach(*interfaces), uniform.skin.both_sheets, c))
 
 
 def open_line_amplitude(
@@ -143,7 +144,7 @@ def open_line_amplitude(
 ) -> NDArray[np.float64]:
     """|V(x) / V(0)| = |cosh(gamma (l - x)) / cosh(gamma l)| on a line of length l, open at its end.
 
-    frequency: Hz. x, length: m. R: ohm/m. C: F/m. Written with decaying exponentials only.
+    frequency: Hz. x, length: m. R: ohm/m. C: F/m. The form uses decaying exponentials only.
     """
     gamma = propagation_constant(frequency, R, C)
     reflected = np.exp(-2 * gamma * (length - x))

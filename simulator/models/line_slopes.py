@@ -97,7 +97,7 @@ class LineModel:
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
     ) -> Response:
-        """Responses to presses that touch as many cells each; see `Forward.respond_together`."""
+        """Responses to presses with equally many touches; see `Forward.respond_together`."""
         found = self._responses(cells, rises, given)
         of_touched = np.take_along_axis(found.by_cell, cells[:, None, None], axis=-1)
         return replace(found, by_cell=of_touched)
@@ -151,9 +151,9 @@ def chain(
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Y in S of segments in series, open at the far end, and its slopes by each segment's s C.
 
-    R in ohm, shape (segment,), and C in F, (..., segment), from the fed end on; s in rad/s. Shapes
-    (..., s) and (..., segment, s). The admittance at the start of a segment is Y = (Y' + p T) / (1
-    + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
+    R in ohm, shape (segment,), and C in F, shape (..., segment), start at the fed end; s in rad/s.
+    Shapes (..., s) and (..., segment, s). The admittance at the start of a segment is Y = (Y' + p
+    T) / (1 + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
     """
     p = C[..., None] * s
     Y, slopes = np.zeros((*C.shape[:-1], len(s)), dtype=complex), np.zeros_like(p)

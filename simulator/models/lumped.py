@@ -1,7 +1,7 @@
 """One resistor and one capacitor: the low-frequency limit of any press on any skin.
 
 Z(s) = 1/(s C) + R_lf + z_1 s + z_2 s² + ..., of which the first two terms are the model. Z is a sum
-of poles on s <= 0 with residues >= 0, so what is left out is never larger than its next terms.
+of poles on s <= 0 with residues >= 0, so the next terms bound the truncation error.
 """
 
 from __future__ import annotations

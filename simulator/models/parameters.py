@@ -1,4 +1,4 @@
-"""Parameters: what can differ from a scene by a number, and the skin that results."""
+"""Parameters of a skin as numbers relative to its scene, and the skin with given values."""
 
 from __future__ import annotations
 
@@ -21,19 +21,18 @@ from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects
 
 HALF_WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
-"""Half waves along x and along y of the cosine modes of a sheet's conductance; the first is its
-mean."""
+"""Half waves along x and y of the cosine modes of a sheet's conductance; the first is its mean."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """Factors on what a scene says of its skin.
+    """Factors on the skin of a scene; nominal values are those of the scene.
 
     top, bottom: coefficients of `mode_values` in conductance over nominal, shape (mode,), 1 and
-    zeros for the scene's own. films: conductance of each contact's resistance over nominal, shape
-    (contact,); nothing at ideal ones. capacitance: of the foam at rest over nominal, shape (rows,
-    columns). loss: as it is, not a factor. beside: as capacitance, of foam that is no pixel's.
-    body, rim: capacitance of all bodies and along the outline over nominal.
+    zeros for the scene's own. films: conductance of each contact's film over nominal, shape
+    (contact,); without effect at ideal contacts. capacitance: of the unpressed foam over nominal,
+    shape (rows, columns). loss: the loss itself, not a factor. beside: capacitance over nominal of
+    foam beyond all pixels. body, rim: capacitance of all bodies and along the outline over nominal.
     """
 
     top: NDArray[np.float64]
@@ -82,7 +81,7 @@ def nominal(scene: Scene, modes: int = 1) -> Variation:
 
 
 def mode_values(scene: Scene, x: NDArray[np.float64], modes: int) -> NDArray[np.float64]:
-    """cos(pi i x / L) cos(pi j y / W) for the first of WAVES, shape (mode, ...).
+    """cos(pi i x / L) cos(pi j y / W) for the first of HALF_WAVES, shape (mode, ...).
 
     x: positions in m, shape (2, ...). Raises InputError for more modes than there are.
     """
@@ -100,7 +99,7 @@ FACTORS = {
     "body": "capacitance of all bodies near the skin",
     "rim": "capacitance along the outline",
 }
-"""Parameters counted by the logarithm of a factor on the scene's own value."""
+"""Parameters that are the logarithm of a factor on the scene's own value."""
 
 VALUES = {
     "loss_tangent": "(tan d)",
@@ -110,15 +109,15 @@ VALUES = {
     "stray_capacitance": "F",
     "finger": "F",
 }
-"""Parameters counted as they are, and their units."""
+"""Parameters that are the value itself, and their units."""
 
 PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
 """Parameters of every scene."""
 
 
 FOAM_MODES = ("foam_x", "foam_y", "foam_xy")
-"""Amplitudes of cosine modes of the foam's capacitance over its mean, of HALF_WAVES but the first:
-0 in every scene, and parameters only on request."""
+"""Amplitudes of cosine modes of the foam's capacitance over its mean, of HALF_WAVES but the first.
+They are 0 in every scene, and are parameters only on request."""
 
 TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
 """Amplitudes of cosine modes of each sheet's conductance."""
@@ -218,11 +217,11 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
 
 
 def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
-    """That of the foam, F/m2, in the keys of a scene.
+    """Capacitance per area of the foam, F/m², times a factor, in the keys of a scene.
 
-    With it goes the thickness where something hangs on it: the strain under a press that changes
-    the sheets or creeps, the factor of a depth, or the field around the skin. Foam of less
-    capacitance than vacuum of its thickness is thicker.
+    The thickness is included if anything depends on it: the strain under a press that changes the
+    sheets or creeps, the factor of a depth, or the field around the skin. Foam whose capacitance
+    would be below that of vacuum becomes thicker.
     """
     foam, press, skin = scene.skin.foam, scene.press, scene.skin
     c = foam.unpressed_capacitance_per_area * factor
@@ -237,11 +236,10 @@ def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
 def by_sheets(
     energy: NDArray[np.complex128], top: float, bottom: float
 ) -> dict[str, NDArray[np.complex128]]:
-    """Derivatives of Y in S by the logarithms of both sheets' resistance and of the top's over the
-    bottom's.
+    """Derivatives of Y in S by `sheet_resistance` and `sheet_mismatch`.
 
-    energy: of each field's sheet at 1 V, u'Ku, S, shape (field, ...). top, bottom: resistances,
-    which share the energy of the one field that stands for both.
+    energy: u'Ku of each field's sheet at 1 V, S, shape (field, ...). top, bottom: resistances of
+    the sheets, which divide the energy of a single field between them.
     """
     if len(energy) == 2:
         mismatch = (energy[1] - energy[0]) / 2
@@ -251,7 +249,7 @@ def by_sheets(
 
 
 class SessionSpread(NamedTuple):
-    """Difference of sessions from a scene in a parameter: mean, and standard deviation."""
+    """Mean and standard deviation over sessions of a parameter's difference from the scene."""
 
     shift: float
     deviation: float
@@ -261,11 +259,11 @@ QUANTILES = (np.arange(4001) + 0.5) / 4001
 
 
 def session_spreads(scene: Scene) -> dict[str, SessionSpread]:
-    """Of every parameter of a scene between sessions of [dataset.session]; 0 of those not drawn.
+    """Spread of every parameter of a scene over sessions of [dataset.session]; 0 if not drawn.
 
-    Temperature and humidity count among both sheets' resistance and the foam's capacitance, each on
-    its own. Each sheet has a factor of its own, of which half of each is both sheets' together, and
-    each contact that has a resistance has one, of which all have the mean.
+    Temperature and humidity contribute independently to the sheets' resistance and to the foam's
+    capacitance. The factors of both sheets are independent: half of each belongs to their common
+    resistance. The factors of contacts with a resistance are independent: their mean counts.
     """
     drawn = scene.dataset.session
     weather = _of_ambient(scene)
@@ -293,7 +291,7 @@ def session_spreads(scene: Scene) -> dict[str, SessionSpread]:
 
 
 def _of_ambient(scene: Scene) -> dict[str, list[SessionSpread]]:
-    """By the temperature and the humidity that are drawn, of capacitance and sheet resistance."""
+    """Spreads of capacitance and sheet resistance by the drawn temperature and humidity."""
     drawn, foam = scene.dataset.session, scene.skin.foam
     states = [(getattr(foam, name), getattr(drawn, name)) for name in AMBIENT]
     return {
@@ -307,7 +305,7 @@ def _of_ambient(scene: Scene) -> dict[str, list[SessionSpread]]:
 
 
 def _with(one: SessionSpread, others: list[SessionSpread]) -> SessionSpread:
-    """Of a sum of what is drawn apart."""
+    """Spread of a sum of independent draws."""
     every = [one, *others]
     return SessionSpread(
         sum(each.shift for each in every), math.hypot(*(e.deviation for e in every))
@@ -323,5 +321,5 @@ def _of_logarithm(drawn: AnyDistribution) -> SessionSpread:
 
 
 def _spread(values: NDArray[np.float64]) -> SessionSpread:
-    """Exactly none of values that are all the same."""
+    """Spread of these values; exactly 0 deviation if all are equal."""
     return SessionSpread(float(values.mean()), float(values.std()) if np.ptp(values) else 0.0)

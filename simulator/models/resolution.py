@@ -32,14 +32,18 @@ LAYER_TAKES, GAINED = 2.6, 90.0
 class ResolutionHierarchy:
     """Levels of resolution of one scene: elements of growing order, then smaller cells.
 
-    The rings at ends of foils shrink as fast as the order gains: they add 0.2^rings to the error,
-    and elements of order p leave 0.15^p in each of them. Cells at contacted edges grow with the
-    order from the depth the field reaches, as a polynomial follows an exponential over p/4 of that.
+    Rings at ends of foils shrink with the order: they contribute 0.2^rings to the error, and
+    elements of order p leave 0.15^p in each ring. The width of cells at contacted edges is
+    proportional to the depth of the field and grows with the order: a polynomial of order p follows
+    an exponential over p/4 of that depth.
     """
 
     def __init__(self, scene: Scene, circuit: Circuit, own: float | None = None) -> None:
-        """own: tolerance of one press that shares no mesh with others. Its cells are as wide as
-        that allows, and do not narrow with the order, so that the next order gains on the error."""
+        """own: tolerance of one press that shares no mesh with others.
+
+        Its cells are as wide as this tolerance allows. Their width does not depend on the order, so
+        that the next order reduces the error.
+        """
         self.scene = scene
         contacts = circuit.contacts
         self.singular = bool(singular_ends(contacts, scene.skin))
@@ -54,7 +58,7 @@ class ResolutionHierarchy:
         return max(0, min(round(-0.45 * math.log10(rtol) - 1.05), 4))
 
     def lowest(self, rtol: float) -> int:
-        """First level, as of `first`, for a press that is solved on one mesh after the other."""
+        """First level, see `first`, for a press that is solved on one mesh after the other."""
         return self.first(rtol) + (self.singular and rtol <= HARDER)
 
     def resolution(self, level: int, press: Press, frequency: float) -> Resolution:
@@ -85,7 +89,7 @@ class ResolutionHierarchy:
         return max(skin.length / pixels.columns, skin.width / pixels.rows)
 
     def _no_plane_of_symmetry(self, cells: int) -> int:
-        """Number of cells so that no element spans the whole skin.
+        """Number of cells with which no element spans the whole skin.
 
         Otherwise a plane of symmetry leaves every second order without effect.
         """
@@ -97,10 +101,9 @@ class ResolutionHierarchy:
         return self._widths or max(1.0, order / 4)
 
     def halved(self, width: float) -> float:
-        """Largest of a few fixed widths that is no larger, so that presses and frequencies share
-        meshes.
+        """Largest of a few fixed widths that is at most `width`; presses then share meshes.
 
-        The same width if they share none.
+        It is `width` itself for a press that shares no mesh.
         """
         if self._widths:
             return width

@@ -22,7 +22,7 @@ class Response:
     leads or touch, of the same shape. by_cell: ohm, by c of each cell over the scene's unpressed c,
     shape (interface, frequency, cell). by_term: ohm, by the weight of each term over that of K,
     shape (interface, frequency, term). by_gauge: ohm, by the factor of a touch on c of a cell, as
-    far as that changes the sheets; of by_cell's shape, or 0.
+    far as it changes the sheets; shape of by_cell, or 0.
     """
 
     Z: NDArray[np.complex128]
@@ -43,7 +43,7 @@ def at_meter(
 ) -> Response:
     """Response at the meter's end of the leads.
 
-    Z: at the skin, ohm; the others: derivatives of its admittance, S, of the shapes in `Response`.
+    Z: at the skin, ohm. All others: derivatives of its admittance, S, of the shapes in `Response`.
     """
     by_skin, by_leads = leads.slopes(Z, frequency)
     by_Y = (-(Z**2) * by_skin).astype(np.complex128)

@@ -33,7 +33,7 @@ class Solution:
     """Z of one press with the estimated errors of Rs and Cp; all of shape (interface, frequency).
 
     frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the result at each
-    frequency. rejected: models that did not keep the tolerance, and why.
+    frequency. rejected: models that did not keep the tolerance, with reasons.
     """
 
     frequency: NDArray[np.float64]
@@ -96,7 +96,7 @@ def reference_capacitance(
 
 
 class SolutionProgress:
-    """Frequencies of one press that have a result, and those that are left.
+    """Frequencies of one press that have a result, and the remaining frequencies.
 
     on_error: called with the largest error of each result.
     """
@@ -122,35 +122,35 @@ class SolutionProgress:
 
     @property
     def frequency(self) -> NDArray[np.float64]:
-        """Frequencies that are left, Hz."""
+        """Remaining frequencies, Hz."""
         return self._all[self._left]
 
     def offer(self, result: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
-        """Take the part of a result that keeps the tolerance, for the frequencies that are left.
+        """Accept a result at the remaining frequencies at which it keeps the tolerance.
 
-        among: those of them that the result covers; all for None.
+        among: mask of the remaining frequencies that the result covers; all for None.
         """
         left = np.ones(len(self._left), dtype=bool)
         among = left if among is None else among
-        asked = self._left[among]
+        covered = self._left[among]
         within = (result.error <= self.rtol) & np.isfinite(result.Z)
         kept = within.all(axis=(0, 1))
-        taken = asked[kept]
+        taken = covered[kept]
         self._Z[:, taken], self._error[:, :, taken] = result.Z[:, kept], result.error[:, :, kept]
         for index in taken:
             self._served[index] = result.model, result.unknowns
         if not kept.all():
-            self.reject(self._reason(result, self._all[asked]))
+            self.reject(self._reason(result, self._all[covered]))
         left[among] = ~kept
         self._left = self._left[left]
         self._on_error(float(result.error.max()))
 
     def reject(self, reason: str) -> None:
-        """Note why a model was not used."""
+        """Record why a model was not used."""
         self.rejected.append(reason)
 
     def answer(self) -> Solution:
-        """Gathered solution, once done."""
+        """Solution from the accepted results; all frequencies must have one."""
         Cp = reference_capacitance(self._Z, self._all)
         models, unknowns = zip(*self._served, strict=True)
         return Solution(

@@ -60,9 +60,9 @@ def fields(
 ) -> SolutionFields:
     """Fields of a press at frequencies in Hz.
 
-    Solved on the flat, unpressed skin, on a mesh that keeps the tolerance of Rs and Cp; currents
-    and power are per length and area of the flat skin. progress: as of `ProgressCallback`. Raises
-    InputError for an unknown interface, ToleranceError if the tolerance is not reached.
+    They are solved on the flat, unpressed skin, on a mesh that keeps the tolerance of Rs and Cp;
+    currents and power are per length and area of the flat skin. progress: see `ProgressCallback`.
+    Raises InputError for an unknown interface, ToleranceError if the tolerance is not reached.
     """
     check_fingers(press, scene)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
@@ -105,10 +105,10 @@ def _resolved(
     finer = meshes(scene, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
-        rung = discretised.result(frequency, rtol)
-        progress(solving, remaining.share(float(rung.error.max())))
-        if rung.error.max() <= rtol:
-            return discretised, rung.Z
+        result = discretised.result(frequency, rtol)
+        progress(solving, remaining.share(float(result.error.max())))
+        if result.error.max() <= rtol:
+            return discretised, result.Z
 
 
 def _at(

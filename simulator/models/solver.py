@@ -1,9 +1,9 @@
-"""The cheapest model that keeps the tolerance of Rs and Cp, and why.
+"""Choice of the cheapest model that keeps the tolerance of Rs and Cp, with the reasons.
 
 The sequence of models: the exact line, one R and one C, two-dimensional elements for one field or
-for two, of growing order. Each answers the frequencies at which it keeps the tolerance and leaves
-the others to the next. The error of elements is estimated by elements of one order more on the same
-mesh: the output error is the square of the field's, so their difference is the error.
+for two, of growing order. Each model solves the frequencies at which it keeps the tolerance and
+leaves the others to the next one. The error of elements is estimated by elements of one order more
+on the same mesh: the output error is the square of the field's, so their difference is the error.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def checked_model(name: str) -> ModelName:
 
 
 class Solver:
-    """A scene at a tolerance: answers any press, refined as far as the tolerance needs."""
+    """A scene at a tolerance: solves any press, refined as far as the tolerance needs."""
 
     def __init__(
         self,
@@ -104,11 +104,11 @@ class Solver:
         InputError if a model chosen by name does not apply to the scene or the press, and for
         invalid frequencies.
         """
-        asked = self.frequency if frequency is None else checked_frequencies(frequency)
-        self._check_depth(press, float(asked[-1]))
+        requested = self.frequency if frequency is None else checked_frequencies(frequency)
+        self._check_depth(press, float(requested[-1]))
         solver = self
         while True:
-            answer = solver._of_skin(press, asked).at_meter(self.scene.leads)
+            answer = solver._of_skin(press, requested).at_meter(self.scene.leads)
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._stricter
@@ -142,26 +142,26 @@ class Solver:
 
             place = self._places.of(press)
             sharp, pressed = deformed(self.scene, press, self.rtol, place=place)
-        even = None if pressed else equivalent_press(self.scene, sharp, self._uniform)
-        if even is None:
+        uniform = None if pressed else equivalent_press(self.scene, sharp, self._uniform)
+        if uniform is None:
             self._solve_heterogeneous(sharp, pressed, progress, place)
         else:
-            self._solve_uniform(even, progress)
+            self._solve_uniform(uniform, progress)
         return progress.answer()
 
     def _solve_uniform(self, press: Press, progress: SolutionProgress) -> None:
-        rungs = {
+        solvers = {
             "line": self._line,
             "lumped": self._lumped,
             "sheet": self._elements,
             "reduced": self._reduced,
         }
-        asked = SEQUENCES.get(self.model, [self.model])
-        for name in asked:
+        sequence = SEQUENCES.get(self.model, [self.model])
+        for name in sequence:
             try:
-                rungs[name](press, progress)
+                solvers[name](press, progress)
             except (InputError, ToleranceError) as reason:
-                if name == asked[-1]:
+                if name == sequence[-1]:
                     raise
                 progress.reject(f"{name}: {reason}")
             if progress.done:
@@ -175,8 +175,9 @@ class Solver:
         progress: SolutionProgress,
         place: PressPlace | None,
     ) -> None:
-        """Solve with elements what is not uniform; a reduced model leaves touches of other shapes
-        to them.
+        """Solve a skin or a press that is not uniform with elements.
+
+        A chosen reduced model comes first; it leaves touches of other shapes to the elements.
 
         place: cache of the place of `pressed`. Raises InputError if another model was chosen.
         """
@@ -192,18 +193,20 @@ class Solver:
             try:
                 discretised = finer.finer(progress.frequency)
             except ToleranceError as end:
-                told = ": ".join([str(end), *progress.rejected[-1:]])
-                raise ToleranceError(told, end.times) from end
+                reasons = ": ".join([str(end), *progress.rejected[-1:]])
+                raise ToleranceError(reasons, end.times) from end
             progress.offer(discretised.result(progress.frequency, self.rtol))
 
     def _reduced_first(
         self, press: Press, pressed: Deformation | None, progress: SolutionProgress
     ) -> None:
-        """Offer the results of a reduced model for what is not uniform."""
+        """Offer the results of a reduced model for a skin or a press that is not uniform."""
         if pressed:
             return None
         if not press.boxes:
-            return progress.reject(f"reduced: answers pixels and rect by a factor, got {press}")
+            return progress.reject(
+                f"reduced: the model takes pixels and rect by a factor, got {press}"
+            )
         try:
             return self._reduced(press, progress)
         except (InputError, ToleranceError) as reason:
@@ -280,9 +283,9 @@ class Solver:
     def _elements(self, press: Press, progress: SolutionProgress) -> None:
         level = self._first_level
         while not progress.done and level < len(self._hierarchy.levels):
-            rung = self._element_result(level, press, progress.frequency)
-            progress.offer(rung)
-            level += self._levels_ahead(float(rung.error.max()))
+            result = self._element_result(level, press, progress.frequency)
+            progress.offer(result)
+            level += self._levels_ahead(float(result.error.max()))
 
     def _levels_ahead(self, error: float) -> int:
         """Number of levels after which the tolerance is likely to be kept, if each gains GAIN."""
@@ -301,8 +304,8 @@ class Solver:
             self.rtol,
         )
         answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
-        told = f"2-D elements, {self._circuit.description}, {answered}"
-        return ModelResult(told, sheet.nested.inner, Z, error)
+        name = f"2-D elements, {self._circuit.description}, {answered}"
+        return ModelResult(name, sheet.nested.inner, Z, error)
 
     def _reduced(self, press: Press, progress: SolutionProgress) -> None:
         self._within_sweep(self._factor_model, press, progress)
@@ -317,12 +320,12 @@ class Solver:
 
         Those lie between the solver's own. Raises InputError with the frequencies that are left.
         """
-        asked, (low, high) = progress.frequency, self.frequency[[0, -1]]
-        within = (low <= asked) & (asked <= high)
+        requested, (low, high) = progress.frequency, self.frequency[[0, -1]]
+        within = (low <= requested) & (requested <= high)
         if within.any():
-            progress.offer(model.result(press, asked[within]), within)
+            progress.offer(model.result(press, requested[within]), within)
         if not within.all():
-            beyond = ", ".join(f"{f:g}" for f in asked[~within])
+            beyond = ", ".join(f"{f:g}" for f in requested[~within])
             raise InputError(
                 f"the model is trained for frequencies from {low:g} to {high:g} Hz, got {beyond}"
             )
@@ -352,8 +355,8 @@ class Solver:
 
 def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
     """Frequencies as an array, shape (frequency,). Raises InputError if they are invalid."""
-    asked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    finite = np.isfinite(asked).all() and (asked > 0).all()
-    if asked.ndim > 1 or not asked.size or not finite or (np.diff(asked) <= 0).any():
+    checked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    finite = np.isfinite(checked).all() and (checked > 0).all()
+    if checked.ndim > 1 or not checked.size or not finite or (np.diff(checked) <= 0).any():
         raise InputError(f"`frequency` must be ascending and > 0 (Hz), and finite, got {frequency}")
-    return asked
+    return checked

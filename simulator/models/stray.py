@@ -1,4 +1,4 @@
-"""Sizes of the effects that two sheets and a foam alone leave out: closed forms and estimates.
+"""Sizes of the effects that a model of two sheets and a foam leaves out: closed forms, estimates.
 
 Relative sizes are those of a uniform skin with both sheets fed along the same edge, at low
 frequency; the same formulas give the approximate size on other skins. eps0 is the permittivity of
@@ -28,8 +28,8 @@ def rim_per_length(length: float, width: float, thickness: float) -> float:
     """Capacitance between two sheets along their rim beyond c times their area, F/m.
 
     gamma = eps0 / (2 pi) (1 + ln 2 pi (w / d + 1/2)), w = (L^-1.5 + W^-1.5)^(-2/3); all arguments
-    in m. Of a meter that floats, for any permittivity of the foam: Kirchhoff's edge of two plates,
-    in air outside, with the smooth minimum w of both sides for its plates' width. Against a
+    in m. It holds for a floating meter and any permittivity of the foam: Kirchhoff's edge of two
+    plates in air, with the smooth minimum w of both sides as their width. Error against a
     three-dimensional solve: 1 % for a square of w/d = 20, 5 % for a strip five times as long.
     """
     w = (length**-1.5 + width**-1.5) ** (-2 / 3)
@@ -47,7 +47,7 @@ def rim_share(scene: Scene) -> float:
 
 
 def straight_share(thickness: float, depth: float) -> float:
-    """Bound on the relative change of Rs and Cp by fields across the foam that are not straight.
+    """Bound on the relative change of Rs and Cp by fields in the foam that are not perpendicular.
 
     (d / delta)² / 6 with delta the depth to which the field reaches from a foil; both in m.
     """
@@ -55,9 +55,10 @@ def straight_share(thickness: float, depth: float) -> float:
 
 
 def wall_share(scene: Scene, factor: float) -> float:
-    """Increase by the walls around a pixel of the rise of its capacitance by a factor, relatively.
+    """Relative increase of a pixel's rise of capacitance by the walls around it.
 
-    E eps p / (c A (k - 1)) with p and A of the pixel, E of a step from d to d / k.
+    factor: k on the pixel's capacitance. E eps p / (c A (k - 1)) with perimeter p and area A of the
+    pixel, and E of a step from d to d / k.
     """
     skin, (rows, columns) = scene.skin, scene.pixels.shape
     x, y = skin.stretched_sides[0] / columns, skin.stretched_sides[1] / rows
@@ -80,17 +81,19 @@ def plate_capacitance(length: float, width: float) -> float:
 
 
 def open_share(scene: Scene) -> float:
-    """Rise of Rs by a low terminal that is a virtual earth with nothing near, relatively.
+    """Relative rise of Rs by a low terminal that is a virtual earth, without bodies nearby.
 
-    Each sheet has half of the skin's capacitance as a plate alone in space: Rs is
+    Each sheet has half of the skin's capacitance as a plate alone in space. Rs is
     (L / 3W) (R_t (1 + C_te / C) + R_b (1 + C_be / C)).
     """
     return plate_capacitance(*scene.skin.stretched_sides) / 2 / capacitance(scene)
 
 
 def body_share(scene: Scene, body: Body = NEARBY) -> float:
-    """Rise of Rs by a body at earth, relatively: R_s / (R_t + R_b) C_e / C of the sheet s that it
-    faces, and what both sheets have towards earth with nothing near.
+    """Relative rise of Rs by a body at earth.
+
+    It is R_s / (R_t + R_b) C_e / C of the sheet s that the body faces, plus the rise by the
+    capacitances of both sheets to earth without bodies nearby, see `open_share`.
 
     Against a three-dimensional solve, 5 mm behind the paper's sheet and strip: 22 % for 22.8 %, and
     26 % for 31 %; the field around the body's side of the rim is left out.
@@ -100,19 +103,19 @@ def body_share(scene: Scene, body: Body = NEARBY) -> float:
 
 
 def finger_share(scene: Scene, finger: float = FINGER) -> float:
-    """Rise of Rs by a finger of a capacitance in F far from the foils, relatively; most there.
+    """Relative rise of Rs by a finger far from the foils, where it is largest. finger: F.
 
-    dRs = R C_f c (L x - x²/2) / C² at a distance x from the foils, R that of the touched sheet:
-    3/2 R_s / (R_t + R_b) C_f / C of Rs at x = L.
+    dRs = R C_f c (L x - x²/2) / C² at a distance x from the foils, with R of the touched sheet. At
+    x = L that is 3/2 R_s / (R_t + R_b) C_f / C of Rs.
     """
     touched = scene.surroundings.touched if scene.surroundings else "top"
     return 1.5 * sheet_part(scene, touched) * finger / capacitance(scene)
 
 
 def overlap_share(extent: float, width: float) -> float:
-    """Fall of Rs by foils that overlap the sheets by a width, relatively: 1 - (1 - w / L)³.
+    """Relative fall of Rs by foils that overlap the sheets: 1 - (1 - w / L)³.
 
-    extent: L of the skin from the foils' edge. Both in m.
+    extent: L, of the skin from the foils' edge. width: w, of the overlap. Both in m.
     """
     return 1 - (1 - width / extent) ** 3
 

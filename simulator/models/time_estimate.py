@@ -1,4 +1,4 @@
-"""Estimates from the first answers: cells that a tolerance needs, and the remaining time."""
+"""Estimates from the first results: cells that a tolerance needs, and the remaining time."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from ..sweeps import ToleranceError
 LOG = logging.getLogger(__name__)
 
 MAX_CELL_PARTS = 64.0
-"""Largest number of parts of one cell: where more were needed, the answer is singular, and graded
-cells need fewer."""
-WORTH_A_WORD = 60.0
+"""Largest number of parts of one cell: if more are needed, the field is singular, and graded cells
+need fewer."""
+MIN_REPORTED = 60.0
 """Shortest remaining time that is reported, s."""
-SURE_AFTER = 5.0
+REPORT_AFTER = 5.0
 """Time before the first report, s; earlier times are mostly preparation."""
 STEEPEST = 0.6
 """Largest power of the error by which the time of elements of order 3 grows."""
 
 
 def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
-    """Minimum count of cells that may keep a tolerance; in the end there are about twice as many.
+    """Minimum count of cells that may keep a tolerance; the final count is about twice as large.
 
-    parts: share of each cell in the relative error, which is their sum, shape (cell,). Divided into
-    n, a cell keeps n^-order of its share where the field is smooth, and the minimum has n ~ part^(1
-    / (order + 1)).
+    parts: share of each cell in the relative error, which is their sum, shape (cell,). A cell that
+    is divided into n keeps n^-order of its share where the field is smooth. The minimum has n
+    proportional to part^(1 / (order + 1)).
     """
     from scipy.optimize import brentq
 
@@ -63,7 +63,7 @@ def check_within_reach(needed: float, most: int, order: float, what: str) -> Non
 
 
 class RemainingTime:
-    """Time until errors are within a tolerance, from the errors of the answers so far.
+    """Time until errors are within a tolerance, from the errors of the results so far.
 
     clock: s.
     """
@@ -74,18 +74,18 @@ class RemainingTime:
         self._known = list[tuple[float, float]]()
 
     def after(self, error: float) -> tuple[float, float]:
-        """Elapsed and remaining time, s, after one more answer with this largest error."""
+        """Elapsed and remaining time, s, after one more result with this largest error."""
         elapsed = self._clock() - self._start
         self._known.append((elapsed, error))
         return elapsed, self._left(self._known[-3:])
 
     def share(self, error: float) -> float:
-        """Done share of all the work after one more answer; see `after`."""
+        """Share of the work that is done after one more result; see `after`."""
         elapsed, left = self.after(error)
         return elapsed / (elapsed + left) if left > 0 else 1.0
 
     def _left(self, known: list[tuple[float, float]]) -> float:
-        """Remaining time, s, from the power of the error by which the time has grown."""
+        """Remaining time, s; it grows as a power of the error, fitted to the latest results."""
         (then, larger), (now, error) = known[0], known[-1]
         if not error > self._rtol:
             return 0.0
@@ -106,12 +106,12 @@ class TimeEstimate:
         self._reported = False
 
     def of(self, press: str) -> Callable[[float], None]:
-        """Callback for a press that takes the largest error of each answer from now on."""
+        """Callback for a press, called with the largest error of each result from now on."""
         remaining = RemainingTime(self._rtol, self._clock)
 
         def on_error(error: float) -> None:
             elapsed, left = remaining.after(error)
-            if not self._reported and elapsed >= SURE_AFTER and left >= WORTH_A_WORD:
+            if not self._reported and elapsed >= REPORT_AFTER and left >= MIN_REPORTED:
                 self._reported = True
                 so_far = f"error {error:.0e} after {elapsed:.0f} s, tolerance {self._rtol:g}"
                 LOG.info("press %s: %s; about %s remaining", press, so_far, duration(left))

@@ -25,7 +25,7 @@ Part = TypeVar("Part", Sheet, Foam)
 
 
 def equivalent_scene(scene: Scene) -> Scene:
-    """Scene with everything folded in that a uniform scene can represent, see `equivalent_skin`.
+    """Scene with uniform parameters as far as they can represent it, see `equivalent_skin`.
 
     A uniform scene is returned as it is.
     """
@@ -36,17 +36,17 @@ def equivalent_scene(scene: Scene) -> Scene:
 def equivalent_skin(skin: Skin) -> Skin:
     """Electrically equivalent skin.
 
-    Uniform maps, anisotropy of ratio 1 and bending to a cylinder are always folded in; a stretch is
-    folded in if the rest is uniform.
+    Uniform maps, anisotropy of ratio 1 and bending to a cylinder are always replaced; a stretch is
+    replaced if the rest is uniform.
     """
-    even = _without_uniform_maps(skin)
-    return _stretched(even) if even.beyond_uniform == ["skin.stretch"] else even
+    flat = _without_uniform_maps(skin)
+    return _stretched(flat) if flat.beyond_uniform == ["skin.stretch"] else flat
 
 
 def equivalent_press(scene: Scene, press: Press, uniform: Scene | None = None) -> Press | None:
     """Same press on `equivalent_scene(scene)`; None if press or scene are not uniform.
 
-    even: `equivalent_scene(scene)`, if it is known.
+    uniform: `equivalent_scene(scene)`, if it is known.
     """
     if not (press.plain and (uniform or equivalent_scene(scene)).uniform):
         return None
@@ -57,20 +57,20 @@ def equivalent_press(scene: Scene, press: Press, uniform: Scene | None = None) -
 
 
 def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """The scene as it is electrically, for `what` that presses by factors.
+    """Equivalent scene for a feature `what` that presses by factors.
 
-    Places in m are those of the skin as it is stretched, if that leaves it plain. What a tension
-    spreads stays as it is; where none does, a depth is the factor that it leaves. Raises InputError
-    where `what` cannot take how pixels are pressed, and as `require_static`. creeps: whether `what`
-    takes factors of foam that creeps.
+    Positions in m are those of the stretched skin if it is uniform. If a tension spreads presses by
+    depth, the scene stays as it is; without tension a depth becomes the factor that it causes.
+    creeps: True if the feature takes factors of foam that creeps. Raises InputError if the feature
+    cannot take the way in which pixels are pressed, and what `require_static` raises.
     """
-    mechanics, evenly = scene.skin.foam.mechanics, uniformly_pressed(scene, what, creeps)
+    mechanics, pressed = scene.skin.foam.mechanics, uniformly_pressed(scene, what, creeps)
     spread = not scene.press.by_factor and mechanics is not None and mechanics.tension
-    return scene if spread else evenly
+    return scene if spread else pressed
 
 
 def uniformly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """Scene as of `folded`, but without the spread by a tension next to applicators."""
+    """Scene as `folded` returns it, but without the spread by a tension next to applicators."""
     if not (creeps and scene.press.by_factor):
         require_static(scene, f"{what} by `press.depth`" if creeps else what)
     if scene.press.by_factor:
@@ -83,9 +83,10 @@ def uniformly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
 
 
 def require_static(scene: Scene, what: str) -> Scene:
-    """The same scene, for `what` that takes presses as they are at first.
+    """The given scene, if its foam does not change while it is pressed.
 
-    Raises InputError naming the key by which its foam changes while it is pressed.
+    what: name of the feature that needs this. Raises InputError with the key of the scene that
+    makes the foam change.
     """
     for key in scene.skin.foam.in_time:
         raise InputError(
@@ -96,9 +97,10 @@ def require_static(scene: Scene, what: str) -> Scene:
 
 
 def require_uniform(scene: Scene, what: str) -> Scene:
-    """The same scene, for `what` that takes plain scenes only.
+    """The given scene, if it is uniform and has no surroundings.
 
-    Raises InputError naming the key by which the scene is another one.
+    what: name of the feature that needs this. Raises InputError with the key of the scene that
+    prevents it.
     """
     scene.require_sheets_alone(what)
     for key in scene.skin.beyond_uniform:
@@ -119,9 +121,9 @@ def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
 def _without_uniform_maps(skin: Skin) -> Skin:
     """Skin without uniform maps, without anisotropy of ratio 1, and flat if it only bends."""
     changed = {
-        "top": _without_even_map(_without_idle_direction(skin.top)),
-        "bottom": _without_even_map(_without_idle_direction(skin.bottom)),
-        "foam": _without_even_map(skin.foam),
+        "top": _without_uniform_map(_without_unit_anisotropy(skin.top)),
+        "bottom": _without_uniform_map(_without_unit_anisotropy(skin.bottom)),
+        "foam": _without_uniform_map(skin.foam),
         "shape": None if skin.shape is not None and skin.shape.developable else skin.shape,
     }
     if all(getattr(skin, name) is part for name, part in changed.items()):
@@ -129,13 +131,13 @@ def _without_uniform_maps(skin: Skin) -> Skin:
     return skin.model_copy(update=changed)
 
 
-def _without_idle_direction(sheet: Sheet) -> Sheet:
+def _without_unit_anisotropy(sheet: Sheet) -> Sheet:
     if sheet.anisotropy is None or sheet.anisotropy.ratio != 1:
         return sheet
     return sheet.model_copy(update={"anisotropy": None})
 
 
-def _without_even_map(part: Part) -> Part:
+def _without_uniform_map(part: Part) -> Part:
     factor = None if part.map is None else part.map.uniform
     if factor is None:
         return part

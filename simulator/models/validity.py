@@ -1,11 +1,10 @@
-"""Limits of the model of two sheets and a foam: the effects that a scene leaves out, and their
-size.
+"""Limits of the model of two sheets and a foam: effects that a scene leaves out, and their size.
 
 Foam of thickness d carries displacement current along the skin too. Where the potential grows
 uniformly from sheet to sheet that is a conductance s c d² / 12 in parallel with 1 / R. Its share is
 |s R c| d² / 12 = (d / delta)² / 6; at the end of a long strip Rs falls and Cp rises by half as
 much. At the edges of the skin the field fringes; at those of a press it is smoothed over d. Earth
-takes a part of the current. Sizes: `stray`.
+takes a part of the current. `stray` has the sizes.
 """
 
 from __future__ import annotations
@@ -22,14 +21,14 @@ PIXEL_LIMIT = 2.0
 
 def describe_thickness(scene: Scene) -> str:
     """Thickness of the foam in words, with the assumption if only its capacitance is given."""
-    told = f"{1e3 * scene.skin.foam.thickness_or_assumed:.2g} mm"
+    thickness = f"{1e3 * scene.skin.foam.thickness_or_assumed:.2g} mm"
     if scene.skin.foam.thickness is not None:
-        return told
-    return f"{told} (relative permittivity {ASSUMED_PERMITTIVITY:g} assumed)"
+        return thickness
+    return f"{thickness} (relative permittivity {ASSUMED_PERMITTIVITY:g} assumed)"
 
 
 def warnings(scene: Scene) -> list[str]:
-    """One line for each way in which the scene leaves the model's range.
+    """One line for each limit of the model that the scene exceeds.
 
     A capacitance that is given directly is assumed to contain the fringe field, and the foam to be
     as thick as one of ASSUMED_PERMITTIVITY.
@@ -42,11 +41,11 @@ def warnings(scene: Scene) -> list[str]:
         _pixels(scene),
         _loss(scene),
     ]
-    return [told for told in checks if told is not None]
+    return [line for line in checks if line is not None]
 
 
 def _assumed(scene: Scene) -> str | None:
-    """Assumption about a foam whose thickness surroundings need, but which is not given."""
+    """Warning of an assumed thickness of the foam that surroundings need."""
     around = scene.surroundings
     if around is None or scene.skin.foam.thickness is not None:
         return None
@@ -54,8 +53,8 @@ def _assumed(scene: Scene) -> str | None:
     if not keys:
         return None
     return (
-        f"`surroundings.{keys[0]}` takes the foam to be {describe_thickness(scene)} thick; give "
-        "skin.foam.thickness beside capacitance_per_area"
+        f"`surroundings.{keys[0]}` assumes that the foam is {describe_thickness(scene)} thick; "
+        "give skin.foam.thickness in addition to capacitance_per_area"
     )
 
 
@@ -67,8 +66,8 @@ def _lateral(scene: Scene) -> str | None:
         return None
     return (
         f"at {scene.frequencies[-1]:.3g} Hz the field reaches {1e3 * depth:.2g} mm, not far "
-        f"enough beyond the foam's {describe_thickness(scene)}: currents along the foam change Rs "
-        f"and Cp by up to {100 * error:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
+        f"enough beyond the thickness of the foam, {describe_thickness(scene)}: currents along the "
+        f"foam change Rs and Cp by up to {100 * error:.2g} % (limit {100 * LATERAL_LIMIT:g} %)"
     )
 
 
@@ -95,21 +94,19 @@ def _pixels(scene: Scene) -> str | None:
 
 
 def _loss(scene: Scene) -> str | None:
-    """One s multiplies all capacitance, so the loss of the foam applies to its surroundings as
-    well."""
+    """Warning that one s multiplies all capacitance: surroundings have the loss of the foam."""
     if scene.surroundings is None or scene.skin.foam.loss == LOSSLESS:
         return None
     return (
-        "the loss of the foam is taken for [surroundings], too: air, bodies and fingers are lossy "
-        "alike"
+        "[surroundings] has the loss of the foam, too: air, bodies and fingers are assumed to be "
+        "as lossy as the foam"
     )
 
 
 def earth_left_out(scene: Scene) -> str | None:
-    """Possible effect of earth on a scene without surroundings, as one line; None with
-    surroundings.
+    """Possible effect of earth on a scene without surroundings, as one line; else None.
 
-    The line has the size of a body behind the skin and of a finger on it.
+    The line states the effect of a body behind the skin and of a finger on it.
     """
     if scene.surroundings is not None:
         return None

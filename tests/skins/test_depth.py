@@ -141,13 +141,13 @@ def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduc
     family = reduced.family
     for depth in (0.21e-3, 1.13e-3, 2.3e-3):
         rise = float(scene.pressed_factors(np.array(depth))) - 1
-        (told,) = family.press(np.array([1]), np.array([rise]))
+        (found,) = family.press(np.array([1]), np.array([rise]))
         truth = deformation(scene, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
-        x = family.elements.surface.x[:, told.cells]
-        off, weights = np.abs(truth.factor(x) - 1 - told.rise), family.elements.rule.weights
-        area = family.elements.surface.some(told.cells).area * weights
-        assert (off * area).sum() <= (told.doubt * area).sum()
-        assert (told.doubt * area).sum() <= 0.01 * (told.rise * area).sum()
+        x = family.elements.surface.x[:, found.cells]
+        off, weights = np.abs(truth.factor(x) - 1 - found.rise), family.elements.rule.weights
+        area = family.elements.surface.some(found.cells).area * weights
+        assert (off * area).sum() <= (found.uncertainty * area).sum()
+        assert (found.uncertainty * area).sum() <= 0.01 * (found.rise * area).sum()
 
 
 def test_a_model_is_the_same_from_its_file(reduced, tmp_path):
@@ -170,13 +170,13 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
     for text, reason in (
         ("1,2:2.6mm", "trained on depths up to"),
         ("1,2:9N", "trained on depths up to"),
-        ("1,1:1N+1,2:1N", "touches of a given force feel others"),
-        ("disc(0.045,0.015,0.01):1mm", "answers pixels by depth or force alone"),
+        ("1,1:1N+1,2:1N", "a touch of given force is too near to another"),
+        ("disc(0.045,0.015,0.01):1mm", "the model takes pixels by depth or force only"),
     ):
         with pytest.raises(InputError, match=reason):
             solver._indentation_model.result(parse_press(text, DEEP), scene.frequencies)
     answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
-    assert answer.rejected[0].startswith("reduced: answers pixels")
+    assert answer.rejected[0].startswith("reduced: the model takes pixels")
 
 
 def test_slopes_of_a_reduced_model_are_those_of_its_answers(scene, check_slopes):

@@ -1,4 +1,4 @@
-"""Edge lengths that resolve all that lies close together."""
+"""Edge lengths that resolve points and pieces that lie close together."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray
     whole, part = np.arange(len(pieces)), ends
     for _ in range(DEEPEST):
         middle = part.mean(axis=1)
-        apart = _to_others(middle, whole, ends, pieces)
+        distances = _to_others(middle, whole, ends, pieces)
         places.append(middle)
-        sizes.append(np.minimum(ASPECT * apart, length[whole]))
-        coarse = np.linalg.norm(part[:, 1] - part[:, 0], axis=1) > 2 * ASPECT * apart
+        sizes.append(np.minimum(ASPECT * distances, length[whole]))
+        coarse = np.linalg.norm(part[:, 1] - part[:, 0], axis=1) > 2 * ASPECT * distances
         if not coarse.any():
             break
         halves = [(part[coarse, 0], middle[coarse]), (middle[coarse], part[coarse, 1])]
@@ -45,8 +45,8 @@ def _to_others(
     middle: Points, whole: NDArray[np.int64], ends: Points, pieces: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Distance from places on pieces to the nearest piece that theirs does not meet."""
-    apart = distance(middle, ends)
+    found = distance(middle, ends)
     for end in pieces[whole].T:
         for other in pieces.T:
-            apart[end[:, None] == other] = np.inf
-    return apart.min(axis=1)
+            found[end[:, None] == other] = np.inf
+    return found.min(axis=1)

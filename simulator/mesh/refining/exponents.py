@@ -59,14 +59,14 @@ def _powers(
     points, at = mesh.p.shape[1], np.unique(rim)
     angle = _angles(mesh) if sheet.angle is None else sheet.angle
     whole = np.bincount(mesh.t.ravel(), angle.ravel(), points)
-    held = _numbered(mesh, sheet.foils, rim)
-    least, most = _extremes(held, rim, points)
+    foil = _numbered(mesh, sheet.foils, rim)
+    least, most = _extremes(foil, rim, points)
     found = np.full(points, np.inf)
     found[at] = np.where((least[at] == 0) & (most[at] > 0), 0.5, 1.0) * np.pi / whole[at]
     if sheet.conductance is not None:
         jumps = _jumps(mesh.t, of_triangle, sheet.conductance)
         for point in _crossed(mesh.t, angle, sheet.conductance, jumps, at):
-            found[point] = _power_at(point, mesh.t, angle, sheet.conductance, rim[:, held > 0])
+            found[point] = _power_at(point, mesh.t, angle, sheet.conductance, rim[:, foil > 0])
     finite = np.flatnonzero(np.isfinite(found))
     power = found[finite]
     smooth = (np.abs(power - np.round(power)) < WHOLE) & (power > 1 / 2)

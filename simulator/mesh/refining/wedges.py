@@ -72,8 +72,8 @@ def stretched(
     (...).
     """
     xx, yy, xy = S
-    alike = np.sqrt(xx * yy - xy**2)
+    isotropic = np.sqrt(xx * yy - xy**2)
     dot = yy * along[0] * across[0] + xx * along[1] * across[1]
     dot = dot - xy * (along[0] * across[1] + along[1] * across[0])
-    area = alike * np.abs(along[0] * across[1] - along[1] * across[0])
-    return np.arctan2(area, dot), alike
+    area = isotropic * np.abs(along[0] * across[1] - along[1] * across[0])
+    return np.arctan2(area, dot), isotropic

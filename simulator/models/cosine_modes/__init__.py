@@ -1,1 +1,1 @@
-"""Slow unevenness of a skin: half waves over it, of its foam and of its sheets."""
+"""Cosine modes over a skin: slow variation of its foam and of its sheets."""

@@ -45,7 +45,7 @@ def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.
 
 
 def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
-    """Bilinear map that is nearest to a smooth function over both sides, by least squares.
+    """Bilinear map that approximates a smooth function over both sides by least squares.
 
     of_place: maps positions in m, shape (2, ...), to values of that shape without its first axis.
     """
@@ -61,8 +61,8 @@ def modes_at(
     scene: Scene, values: Mapping[str, float], names: Iterable[str], x: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """1 plus the modes among the values at positions x in m, shape (2, ...), over the mean."""
-    waves = mode_values(scene, x, len(HALF_WAVES))
-    return np.asarray(np.tensordot(amplitudes(values, names), waves, axes=1), dtype=np.float64)
+    modes = mode_values(scene, x, len(HALF_WAVES))
+    return np.asarray(np.tensordot(amplitudes(values, names), modes, axes=1), dtype=np.float64)
 
 
 def _onto_nodes(at: NDArray[np.float64]) -> NDArray[np.float64]:

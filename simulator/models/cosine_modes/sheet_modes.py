@@ -18,10 +18,11 @@ from .amplitudes import MAX_AMPLITUDE, amplitudes, modes_at, nearest_map
 OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_MODES, "bottom": BOTTOM_MODES}
 
 
-def variation_with_modes(even: Variation, values: Mapping[str, float], modes: int) -> Variation:
+def variation_with_modes(uniform: Variation, values: Mapping[str, float], modes: int) -> Variation:
     """Variation with the modes among the values on its sheets, up to `modes` of each."""
-    sizes = {name: amplitudes(values, waves)[:modes] for name, waves in OF_SHEETS.items()}
-    return replace(even, top=even.top[0] * sizes["top"], bottom=even.bottom[0] * sizes["bottom"])
+    sizes = {name: amplitudes(values, names)[:modes] for name, names in OF_SHEETS.items()}
+    top, bottom = uniform.top[0] * sizes["top"], uniform.bottom[0] * sizes["bottom"]
+    return replace(uniform, top=top, bottom=bottom)
 
 
 def random_amplitudes(random: np.random.Generator) -> dict[str, float]:
@@ -68,8 +69,8 @@ def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
     if not any(values.get(name) for name in SHEET_MODES):
         return scene
     sheets = {
-        name: scene.skin.sheet(name).model_copy(update={"map": map_of_sheet(scene, values, waves)})
-        for name, waves in OF_SHEETS.items()
+        name: scene.skin.sheet(name).model_copy(update={"map": map_of_sheet(scene, values, names)})
+        for name, names in OF_SHEETS.items()
     }
     return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
 

@@ -1,1 +1,1 @@
-"""Skins whose sheets and foam vary from place to place, of any outline: elements by quadrature."""
+"""Heterogeneous skins of any outline: elements with coefficients by quadrature."""

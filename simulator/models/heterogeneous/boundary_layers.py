@@ -1,4 +1,4 @@
-"""Cells that narrow towards edges of touches: where a coefficient jumps, the field has a layer."""
+"""Cells that narrow towards edges of touches, where the field has a boundary layer."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ from .materials import strain_of
 
 
 def jumping(press: Press, scene: Scene) -> Press:
-    """The press with factors alone: each finger becomes a larger factor that charges its sheet as
-    much.
+    """Press by factors alone: each finger becomes a larger factor that charges its sheet as much.
 
-    Meshes are made for it; the finger stays separate in what is solved on them.
+    Meshes are made for this press; the system solved on them keeps the finger separate.
     """
     if not press.fingers:
         return press
@@ -37,15 +36,15 @@ def jumping(press: Press, scene: Scene) -> Press:
 
 
 def layered(
-    ladder: ResolutionHierarchy, resolution: Resolution, press: Press, frequency: float
+    hierarchy: ResolutionHierarchy, resolution: Resolution, press: Press, frequency: float
 ) -> Resolution:
-    """Resolution with cells as narrow as layers are, at all jumps that the field reaches.
+    """Resolution with cells as narrow as boundary layers, at all jumps that the field reaches.
 
-    frequency: Hz. Foils in pairs, one on each sheet, are reached from as far as the field goes.
-    Other foils drive a current along the sheets at any frequency. Where it passes from one sheet to
-    the other, at each change of what a sheet carries, the foam charges.
+    frequency: Hz. If foils lie in pairs, one on each sheet, the field reaches jumps near the foils
+    only. Other foils drive a current along the sheets at any frequency, so that the field reaches
+    every jump: the foam charges wherever the current passes from one sheet to the other.
     """
-    scene, depth = ladder.scene, depth_of(ladder.scene, frequency)
+    scene, depth = hierarchy.scene, depth_of(hierarchy.scene, frequency)
     in_pairs = one_field(equivalent_scene(scene)) is not None
     jumps = Press(
         tuple(
@@ -54,8 +53,8 @@ def layered(
             if touch.factor != 1 and (not in_pairs or reached_by_field(touch, scene, depth))
         )
     )
-    width = depth / math.sqrt(_thinner(scene, press)) * ladder.followed(resolution.order - 1)
-    narrow = ladder.halved(width)
+    width = depth / math.sqrt(_thinner(scene, press)) * hierarchy.followed(resolution.order - 1)
+    narrow = hierarchy.halved(width)
     if not jumps.touches or narrow == math.inf:
         return resolution
     return replace(
@@ -67,7 +66,7 @@ def layered(
 
 
 def with_foil_sides(scene: Scene, lines: Lines = NO_LINES) -> Lines:
-    """Lines in m across x and y, with the sides of foils that have a width."""
+    """Lines in m across x and y, and the sides of foils that have a width."""
     found = [list(each) for each in lines]
     for contact in scene.contacts:
         if contact.width:

@@ -1,4 +1,4 @@
-"""Coefficients of a pressed skin at the points of one mesh: conductance of sheets, capacitance."""
+"""Coefficients of a pressed skin at the points of one mesh: conductance and capacitance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sheets under a press as seen from the corners of a mesh of triangles."""
+"""Foils and conductance of the sheets under a press at the corners of triangles."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def sheets(circuit: Circuit, mesh: Domain, coefficients: PressCoefficients) -> list[SheetAtCorners]:
-    """One sheet for each field. A film that resists less than the sheet within one edge is left
-    out."""
+    """Sheet of each field at the corners of triangles.
+
+    A film whose resistance is below that of the sheet along one edge counts as an ideal foil.
+    """
     found = []
     for field in range(circuit.fields):
         own = [t for t in circuit.terminals if t.field == field]

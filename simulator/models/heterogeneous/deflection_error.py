@@ -1,7 +1,7 @@
-"""Coefficients raised by their own error, to find the error of Rs and Cp that they cause.
+"""Coefficients raised by their own error, for the error of Rs and Cp that they cause.
 
-At real s the admittance rises with capacitance and with conductance anywhere. So nothing cancels
-where all of them are raised by their possible error.
+At real s the admittance rises with capacitance and with conductance anywhere. So no contributions
+cancel if all coefficients are raised by their possible error.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Raised(PressCoefficients):
 def raised_by_deflection(known: PressCoefficients) -> Raised | None:
     """Coefficients raised by the error of mechanics; None if it has none."""
     pressed = known.pressed
-    if pressed is None or pressed.unsure is None:
+    if pressed is None or pressed.uncertainty is None:
         return None
     return Raised(
         known.materials,

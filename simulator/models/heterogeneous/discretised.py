@@ -61,10 +61,10 @@ class SolvedLevel:
 class Discretised:
     """One press on one mesh with the levels that give its answer and error.
 
-    told: the mesh in words. error: relative error of Rs and Cp by approximated geometry. lower:
-    levels of one and of two orders less than `coarse`, where they are needed to estimate the error
-    that `fine` does not show. course: errors of the meshes before. deflection_error: relative error
-    of Rs and Cp by the error of mechanics, shape (2, interface, frequency).
+    description: the mesh in words. error: relative error of Rs and Cp by approximated geometry.
+    lower: levels of one and of two orders less than `coarse`, if the error estimate needs them.
+    history: errors of the previous meshes. deflection_error: relative error of Rs and Cp by the
+    error of mechanics, shape (2, interface, frequency).
     """
 
     circuit: Circuit
@@ -91,16 +91,16 @@ class Discretised:
         else:
             off = self.history.effect(frequency, Z, combined.impedance(finer)) * smoothed(steps[0])
         here = np.s_[:, : len(frequency)]
-        told = VARIED * both(off) + change[here] + ROUNDING
-        told = told + self.error + self.deflection_error
+        error = VARIED * both(off) + change[here] + ROUNDING
+        error = error + self.error + self.deflection_error
         if self.missed.max() > NEGLIGIBLE * rtol:
-            told += self.changes(raised_by_rule(self.coefficients, self.missed), frequency, rtol)
-        self.history.record(frequency, told)
+            error += self.changes(raised_by_rule(self.coefficients, self.missed), frequency, rtol)
+        self.history.record(frequency, error)
         return ModelResult(
             self.description + describe_accuracy(self.coefficients.materials),
             self.coarse.space.inner,
             Z[here],
-            told,
+            error,
         )
 
     def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
@@ -140,8 +140,10 @@ class Discretised:
     def coefficients_at(
         self, solved: SolvedLevel, excitation: int, s: NDArray[np.float64]
     ) -> list[NDArray[np.float64]]:
-        """Potentials at real s >= 0, from the steps of a sweep if it reached as far, else
-        exactly."""
+        """Potentials at real s >= 0, from the Lanczos steps of a sweep if they are accurate there.
+
+        Otherwise each s is solved.
+        """
         own, mass = self.circuit.excitations[excitation], solved.system.mass
         steps = solved.kept.of(own, s)
         if steps is None:
@@ -152,19 +154,18 @@ class Discretised:
 
 
 MIN_REFINED_ENERGY = 0.1
-"""Smallest energy that meshes are refined for, over the energy of all excitations of an interface.
-"""
+"""Smallest energy that meshes are refined for, over that of all excitations of an interface."""
 KEPT = 0.7
-"""Share of the whole error that the marked cells hold."""
+"""Share of the whole error in the marked cells."""
 
 
 def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
     """Share of each cell in the error of Rs and Cp at frequencies in Hz, shape (frequency, cell).
 
-    At s = omega instead of j omega potentials are real and reach as far. There the energy of the
-    part that the next order adds is the change of Y. Relative to the heat in the sheets it gives
-    the error of Rs, relative to the energy in the foam that of Cp; quadrature errors of the foam
-    count as well.
+    Potentials are computed at s = omega instead of j omega: they are real and decay over the same
+    length. The energy of the part that the next order adds is the change of Y. Relative to the
+    power in the sheets it is the error of Rs, relative to the energy in the foam that of Cp.
+    Quadrature errors of the foam are included.
     """
     parts = np.zeros((len(frequency), discretised.fine.elements.cells))
     combined, s = discretised.circuit.combination, 2 * np.pi * frequency
@@ -195,7 +196,7 @@ def _over_all(
     part: Sequence[NDArray[np.float64]],
     whole: Sequence[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Parts over the sum of the whole; 0 where that sum is 0.
+    """Parts over the sum of the whole; 0 if that sum is 0.
 
     The sum is 0 behind foils that insulate, where heat in the sheet is below double precision. The
     parts of all excitations add; the whole counts as at least MIN_REFINED_ENERGY of its absolute
@@ -210,7 +211,10 @@ def _over_all(
 
 
 def marked_cells(parts: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Fewest cells that hold KEPT of the whole. Source: W. Doerfler, SINUM 33 (1996) 1106."""
+    """Smallest set of cells with the share KEPT of the error (Doerfler marking).
+
+    Source: W. Doerfler, SINUM 33 (1996) 1106.
+    """
     return fewest(parts, KEPT * float(parts.sum()))
 
 

@@ -1,9 +1,9 @@
 """Ratio k of an error to the difference of two orders, estimated from a sequence of meshes.
 
-Where the field is smooth the next order removes nearly all of the error. Where it goes like
-r^(1/2), at the end of a foil, it removes only four tenths, on any mesh. Z of order p has the error
-E = k D, D its difference from order p + 1, and k hardly changes from mesh to mesh. So two meshes
-give k; on one mesh lower orders give it.
+Where the field is smooth, the next order removes nearly all of the error. Where the field varies as
+r^(1/2), at the end of a foil, the next order removes only 40 % of the error, on any mesh. Z of
+order p has the error E = k D, with D its difference from order p + 1. k hardly changes from mesh to
+mesh, so two meshes give k; on one mesh lower orders give it.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ Admittances = NDArray[np.complex128]
 
 
 def smoothed(difference: NDArray[np.float64]) -> NDArray[np.float64]:
-    """First third of a difference at `frequencies_around`, never far below its neighbours.
+    """Difference at the first third of `frequencies_around`, smoothed over its neighbours.
 
     difference: shape (..., 3 f). Returns (..., f). A difference that changes sign vanishes at one
-    of the three frequencies; one that grows with frequency does not: it is the mean of its
-    neighbours.
+    of the three frequencies; the result is then its geometric mean with its neighbours. A
+    difference that is a power of frequency stays as it is.
     """
     here, below, above = np.split(difference, 3, axis=-1)
     return np.sqrt(here * np.maximum(here, np.sqrt(below * above)))
@@ -56,23 +56,23 @@ class ErrorHistory:
         self._foreseen = frequency, k
 
     def account_for_corners(self, exponents: NDArray[np.float64], order: int) -> None:
-        """Account for corners of these exponents, at which k may be larger than elsewhere."""
+        """Raise the bounds of k for corners with these exponents."""
         slowest = float(at_corners(exponents.min(initial=np.inf), order))
         self._unseen, self._most = max(UNSEEN, slowest), max(MAX_FACTOR, slowest)
 
     def relative_error(self, rtol: float) -> float:
-        """Latest error over the tolerance; 1 before there is one."""
+        """Latest error over the tolerance; 1 before the first error."""
         return self._errors[-1] / rtol if self._errors else 1.0
 
     def will_reach(self, rtol: float, meshes: int) -> bool:
-        """True if that many more meshes reach a tolerance, each gaining as much as the latest."""
+        """True if `meshes` more meshes reach the tolerance, each with the gain of the latest."""
         if len(self._errors) < 2:
             return True
         before, now = self._errors[-2:]
         return now * min(now / before, 1.0) ** meshes <= rtol
 
     def for_other_depth(self) -> ErrorHistory:
-        """History for another depth at the same place, whose k is much the same."""
+        """New history for another depth at the same place, which keeps the estimated k."""
         other = ErrorHistory()
         other._largest, other._unseen, other._most = self._largest, self._unseen, self._most
         return other
@@ -88,7 +88,7 @@ class ErrorHistory:
         """Latest estimated error at the given frequencies; the maximum over all where one is
         missing.
 
-        likely: k of the next mesh, by which the error of a first mesh is corrected.
+        likely: predicted k of the next mesh; it corrects the error of a first mesh.
         """
         largest = max(self._recorded.values())
         error = np.array([self._recorded.get(each, largest) for each in frequency.tolist()])
@@ -119,7 +119,7 @@ class ErrorHistory:
 
 
 def at_corners(exponents: NDArray[np.float64] | np.float64, order: int) -> NDArray[np.float64]:
-    """k where the field goes like that power of the distance: D falls like order^(-4 power)."""
+    """k where the field varies as a power of the distance: D falls as order^(-4 power)."""
     return 1 / (1 - (order / (order + 1)) ** (4 * exponents))
 
 
@@ -133,17 +133,17 @@ def _largest_ratio(
     """Largest k of all interfaces and frequencies; 0 if none can be estimated. Y of two meshes,
     S."""
     shown = np.abs((coarse - fine) - (next_coarse - next_fine))
-    tells = shown > TELLS * np.abs(coarse - fine)
-    k = np.abs(coarse - next_coarse) / np.where(tells, shown, np.inf)
+    usable = shown > TELLS * np.abs(coarse - fine)
+    k = np.abs(coarse - next_coarse) / np.where(usable, shown, np.inf)
     return float(np.median(k, axis=1).max(initial=0.0))
 
 
 def by_orders(order: int, steps: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Relative errors of Rs and Cp of that order, shape (2, interface, frequency), without safety
-    factor.
+    """Relative errors of Rs and Cp, shape (2, interface, frequency), without safety factor.
 
-    steps: differences D of that order from order + 1, of order - 1 from it and, if there is one, of
-    order - 2 from order - 1, all on one mesh. D falls like a power of the order, or faster.
+    steps: differences between neighbouring orders on one mesh: of `order` and order + 1, of order -
+    1 and `order` and, optionally, of order - 2 and order - 1. They fall at least as a power of the
+    order.
     """
     latest, before, *first = (step.max(axis=0) for step in steps)
     gained = _ratio(before, latest)

@@ -79,8 +79,8 @@ def _groups(
     if within is None:
         return elements.groups
     every = np.arange(elements.cells)
-    meant = [each[within[each]] for each in (every[group] for group in elements.groups)]
-    return [each for each in meant if len(each)]
+    kept = [each[within[each]] for each in (every[group] for group in elements.groups)]
+    return [each for each in kept if len(each)]
 
 
 def add_along(

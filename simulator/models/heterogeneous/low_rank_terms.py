@@ -41,7 +41,7 @@ def low_rank_charges(
 
 
 def describe_accuracy(materials: Materials) -> str:
-    """Words for an answer: the accuracy that surroundings were solved to."""
+    """Accuracy of solved surroundings as words for the model's description; else empty."""
     around = materials.scene.surroundings
     if around is None or not around.solved:
         return ""

@@ -93,10 +93,11 @@ def deformed(
     progress: ProgressCallback = silent,
     place: PressPlace | None = None,
 ) -> tuple[Press, Deformation | None]:
-    """Touches with a factor, and the deformation by the others; those become factors too if
-    possible.
+    """Touches with a factor, and the deformation by the other touches.
 
-    rtol: tolerance of Rs and Cp. progress: as of `ProgressCallback`. place: cache of the pressed
+    If possible, the other touches become factors, too, and the deformation is None.
+
+    rtol: tolerance of Rs and Cp. progress: see `ProgressCallback`. place: cache of the pressed
     place.
     """
     if not press.indented:
@@ -122,7 +123,7 @@ def meshes(
 ) -> MeshSequence:
     """Sequence of meshes for a scene and a press: quadrilaterals first where they are suitable.
 
-    press, pressed: as of `deformed`. place: cache of the pressed place, with the triangles of the
+    press, pressed: see `deformed`. place: cache of the pressed place, with the triangles of the
     last press there. Raises InputError for surroundings that elements cannot represent.
     """
     check_surroundings(scene)
@@ -141,12 +142,12 @@ def meshes(
 
 
 def circuit_of(scene: Scene, same_sheets: bool = True) -> Circuit:
-    """Circuit with one field if both sheets and their foils vary alike, else with two.
+    """Circuit with one field if both sheets and their foils vary in the same way, else with two.
 
     same_sheets: True if they vary in the same way on all skins that share the model.
     """
-    even = equivalent_scene(scene)
-    return (_single(scene, even) if same_sheets else None) or two_fields(even)
+    uniform = equivalent_scene(scene)
+    return (_single(scene, uniform) if same_sheets else None) or two_fields(uniform)
 
 
 def single_field(scene: Scene) -> Circuit | None:
@@ -154,5 +155,5 @@ def single_field(scene: Scene) -> Circuit | None:
     return _single(scene, equivalent_scene(scene))
 
 
-def _single(scene: Scene, even: Scene) -> Circuit | None:
-    return one_field(even) if Materials(scene).same_sheets else None
+def _single(scene: Scene, uniform: Scene) -> Circuit | None:
+    return one_field(uniform) if Materials(scene).same_sheets else None

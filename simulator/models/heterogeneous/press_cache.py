@@ -1,4 +1,4 @@
-"""Cache of recently pressed places: meshes, factors and starts for other depths at the same place.
+"""Cache of recently pressed places: meshes, factors and first guesses for other depths.
 
 The cache changes answers only within the tolerance, but their last digits depend on it.
 """
@@ -37,7 +37,7 @@ class PressPlace:
 
 
 class PressCache:
-    """The latest places, up to MAX_CACHED_NODES, but at least one."""
+    """Cache of the latest places, with up to MAX_CACHED_NODES nodes, but at least one place."""
 
     def __init__(self) -> None:
         self._known: dict[Key, PressPlace] = {}

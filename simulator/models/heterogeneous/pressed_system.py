@@ -27,7 +27,7 @@ from .surroundings_terms import add_surroundings
 class PressedSystem(System):
     """System with the capacitance of one press: mass is M in F.
 
-    far: as of `low_rank_charges`, the same for all presses; None if surroundings are not solved.
+    far: see `low_rank_charges`, equal for all presses; None if surroundings are not solved.
     """
 
     fields_decoupled: ClassVar[bool] = True
@@ -70,7 +70,7 @@ def mass_of(
     unknowns: Unknowns,
     far: NDArray[np.float64] | None,
 ) -> Mass:
-    """M in F of one press and of the surroundings. far: as of `PressedSystem`."""
+    """M in F of one press and of the surroundings. far: see `PressedSystem`."""
     values = np.zeros(len(unknowns.pattern.indices))
     c = coefficients.capacitance(elements.surface.x)
     add_foam(values, circuit.coupling, elements, unknowns, c)
@@ -107,5 +107,5 @@ def _conducting(
     x: NDArray[np.float64],
     direction: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """What a film conducts per m of the flat skin, S/m."""
+    """Conductance of a film per m of the flat skin, S/m."""
     return coefficients.line_stretch(x, direction) / contact.resistance

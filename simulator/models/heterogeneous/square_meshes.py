@@ -1,5 +1,4 @@
-"""Meshes of quadrilaterals for heterogeneous rectangles: the levels of uniform skins, and finer
-ones."""
+"""Meshes of quadrilaterals for heterogeneous rectangles."""
 
 from __future__ import annotations
 
@@ -32,10 +31,9 @@ CELLS_TO_A_LENGTH = 2.0
 """Cells of order 1 along the shortest length of a map; fewer of higher order."""
 
 MAX_MAP_UNKNOWNS = 300_000
-"""Maximum unknowns of a field where a map needs more cells than pixels do: they take some ten
-seconds."""
+"""Maximum unknowns of a field if a map needs more cells than pixels do; they take about 10 s."""
 AN_ORDER = 15.0
-"""Typical gain of one order on the error; orders that will not suffice are left out."""
+"""Typical gain of one order on the error; orders that will not suffice are skipped."""
 FEW = 2
 """Further meshes that are tried if the latest errors predict success; triangles take as long."""
 
@@ -43,7 +41,7 @@ FEW = 2
 class Squares:
     """Discretisations of one press, each of a higher order than the one before.
 
-    Where those do not suffice, the answer is singular somewhere; triangles then find the place.
+    If they do not suffice, the field is singular somewhere; triangles are then refined there.
     """
 
     def __init__(self, scene: Scene, circuit: Circuit, press: Press, rtol: float) -> None:
@@ -59,12 +57,12 @@ class Squares:
 
         Raises ToleranceError after the finest, and where the orders gain too little.
         """
-        lacks = self._history.relative_error(self.rtol)
-        self._level += math.floor(math.log(max(lacks / AN_ORDER, 1.0), AN_ORDER))
+        error = self._history.relative_error(self.rtol)
+        self._level += math.floor(math.log(max(error / AN_ORDER, 1.0), AN_ORDER))
         if self._level >= len(ONE_CELL):
             raise ToleranceError("there is no finer mesh")
         if not self._history.will_reach(self.rtol, FEW):
-            raise ToleranceError(f"orders gain too little: {lacks:.1g} times the tolerance is left")
+            raise ToleranceError(f"orders gain too little: {error:.1g} times the tolerance is left")
         highest = float(frequency[-1])
         like = jumping(self.press, self.scene)
         found = self._hierarchy.resolution(self._level, like, highest)
@@ -133,5 +131,5 @@ class Squares:
         lines."""
         known = np.array([*pixel_lines(self.scene, axis), *lines[axis]])
         least = SAME_EDGE * self.scene.skin.sides[axis]
-        apart = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]
-        return tuple(sorted([*lines[axis], *apart]))
+        separate = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]
+        return tuple(sorted([*lines[axis], *separate]))

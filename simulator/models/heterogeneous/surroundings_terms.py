@@ -44,7 +44,7 @@ def check_surroundings(scene: Scene) -> None:
         if contact.width and not scene.skin.rectangular:
             raise InputError(
                 f"{scene.name}: `contact[{number + 1}].width` needs a rectangle; elsewhere "
-                "leave it out and draw the skin without what the foil covers"
+                "leave it out and draw the skin without the covered strip"
             )
     if around is not None and around.solved:
         surroundings_matrix(scene)
@@ -171,10 +171,11 @@ def add_edges(
     unknowns: Unknowns,
     materials: Materials,
 ) -> None:
-    """Line integrals where the foam's thickness jumps. thinned: over that at rest, shape (cell,).
+    """Add the line integrals along jumps of the foam's thickness.
 
-    Walls are taken as vertical, and farther apart than the foam is thick; the permittivity is that
-    at rest. What mechanics spreads has no wall.
+    thinned: thickness over the unpressed one, shape (cell,). Walls are taken as vertical, with
+    distances above the foam's thickness and the permittivity of the unpressed foam. A press that
+    mechanics spreads has no wall.
     """
     facets, one, other = elements.across(thinned)
     ratio = np.minimum(one, other) / np.maximum(one, other)
@@ -191,7 +192,7 @@ def add_wall(
     unknowns: Unknowns,
     materials: Materials,
 ) -> None:
-    """The line integral along these facets of eps times an excess."""
+    """Add the line integral of eps times an excess along these facets."""
     add_along(values, BETWEEN, elements, unknowns, facets, partial(_wall, materials, excess))
 
 

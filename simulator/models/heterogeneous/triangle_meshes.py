@@ -138,7 +138,7 @@ class Triangles:
     def _halved(
         self, mesh: Domain, parts: NDArray[np.float64], frequency: NDArray[np.float64]
     ) -> Domain:
-        """Mesh refined to the error that the tolerance asks for, at some frequencies in Hz.
+        """Mesh refined to the error that the tolerance allows, at some frequencies in Hz.
 
         parts: share of each triangle in the error, shape (frequency, triangle).
         """
@@ -209,8 +209,8 @@ class Triangles:
     ) -> Discretised:
         """The press on a mesh that conforms to it.
 
-        left_out: relative error by approximated geometry. known: levels of another press on this
-        mesh, in both orders.
+        left_out: relative error by approximated geometry. known: levels of both orders of another
+        press on this mesh.
         """
         coefficients = self._coefficients(mesh)
         if known:
@@ -277,7 +277,9 @@ def _check_beyond_rounding(mesh: Domain) -> None:
     """Raise ToleranceError if triangles have become too small for double precision."""
     shortest, longest = float(mesh.lengths.min()), float(np.ptp(mesh.p, axis=1).max())
     if shortest < SMALLEST * longest:
-        raise ToleranceError(f"at a corner triangles of {shortest:.1e} m would not be small enough")
+        raise ToleranceError(
+            f"a corner needs triangles smaller than {shortest:.1e} m, which double precision lacks"
+        )
 
 
 def _fine_at_foils(mesh: Domain, longest: float) -> Domain:

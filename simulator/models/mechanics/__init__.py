@@ -1,1 +1,1 @@
-"""From depth or force of a press to the strain of the foam."""
+"""Mechanics of a press: strain of the foam by depth or force."""

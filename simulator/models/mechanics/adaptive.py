@@ -26,22 +26,21 @@ SHRINKS = 2 ** (-2 / 3)
 """Decrease of the error at the corner of a square, where w grows like r^(2/3), as triangles are
 halved."""
 OF_TAIL = 0.2
-"""Mean error of w in a triangle over the largest part there that the highest order alone holds. On
-presses up to the closing of the cells it was 0.05 to 0.18 of that."""
+"""Mean error of w in a triangle over the largest contribution of the highest order there. It was
+0.05 to 0.18 of that for presses up to the closing of the cells."""
 FALLS = 5.0
 """Power of a triangle's size by which the error falls where the deflection is smooth."""
 MAX_REFINEMENTS_AT_ONCE = 8
 HALF_AGAIN = 2.0
-"""Error of the first triangles over the tolerance that is assumed where they seem to suffice
-already."""
+"""Assumed error over the tolerance of a first mesh that seems to suffice already."""
 MAX_PRESS_TRIANGLES = 60_000
 MIN_TRIANGLES_ALONG = 4
 """Triangles for every length of the skins' spread along an applicator's edge."""
 MORE_AGAIN = 4.0
 """Upper bound of the growth in triangles: some fifty presses that reached their tolerance had at
-least 1.5 times as many."""
+least 1.5 times as many triangles as predicted."""
 PRESSING = "pressing the skin in"
-SPREADS = "a tension that spreads it by next to nothing may be set to 0"
+SPREADS = "if the tension hardly spreads the press, set it to 0"
 TOO_FINE = f"the press needs more than {MAX_PRESS_TRIANGLES} triangles at this tolerance; {SPREADS}"
 
 
@@ -49,63 +48,69 @@ TOO_FINE = f"the press needs more than {MAX_PRESS_TRIANGLES} triangles at this t
 class AdaptiveDeflection:
     """A deflection, the forces on the applicators, and the error.
 
-    error: of the factor, relatively, anywhere. unsure: error of the deflection in m, averaged over
-    each triangle, shape (triangle,). held: number of the applicator that clamps each node, -1 for
-    none.
+    error: relative error of the factor anywhere. uncertainty: possible error of the deflection, m,
+    averaged over each triangle, shape (triangle,). clamped: number of the applicator that clamps
+    each node, -1 for none, shape (node,).
     """
 
     surface: MembraneSurface
-    rest: Equilibrium
+    solution: Equilibrium
     error: float
-    unsure: NDArray[np.float64]
+    uncertainty: NDArray[np.float64]
     membrane: Membrane
-    held: NDArray[np.int64]
+    clamped: NDArray[np.int64]
 
 
 def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
     """Deflection of a level with its error."""
-    doubt = unsure(level.membrane, level.rest.w)
-    return AdaptiveDeflection(level.surface, level.rest, error, doubt, level.membrane, level.held)
+    uncertainty = deflection_uncertainty(level.membrane, level.solution.w)
+    return AdaptiveDeflection(
+        level.surface, level.solution, error, uncertainty, level.membrane, level.clamped
+    )
 
 
-def unsure(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
+def deflection_uncertainty(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
     """Possible error of a deflection, m, averaged over each triangle, shape (triangle,)."""
     return OF_TAIL * tails(membrane, w)
 
 
 def adaptive_deflection(
     press: Press,
-    ground: ContactMesh,
+    contact: ContactMesh,
     mechanics: Mechanics,
     thickness: float,
     rtol: float,
     progress: ProgressCallback = silent,
-    again: DeflectionCache | None = None,
+    cache: DeflectionCache | None = None,
 ) -> AdaptiveDeflection:
     """Deflection by a press's applicators, within `rtol` of the factor anywhere.
 
-    progress: as of `ProgressCallback`. again: cache of presses at the same places, on the mesh of
-    `ground`; this deflection is added to it. Raises InputError where an applicator of given force
-    meets another, ToleranceError if `rtol` is out of reach.
+    progress: see `ProgressCallback`. cache: deflections by presses at the same places, on the mesh
+    of `contact`; this deflection is added to it. Raises InputError where an applicator of given
+    force meets another, ToleranceError if `rtol` is out of reach.
     """
-    pushed = _pushed(press)
-    _check_separated(press, ground, pushed)
-    _check_length(ground, mechanics, thickness)
-    pressing, remaining = _Pressing(mechanics, thickness, pushed), RemainingTime(rtol)
+    loads = _pushed(press)
+    _check_separated(press, contact, loads)
+    _check_length(contact, mechanics, thickness)
+    pressing, remaining = _Pressing(mechanics, thickness, loads), RemainingTime(rtol)
     progress(PRESSING, 0.0)
-    known = again or DeflectionCache()
-    level = pressing.again(known, known.level, rtol) if known.level else pressing.level(ground)
+    known = cache or DeflectionCache()
+    level = (
+        pressing.on_cached_mesh(known, known.level, rtol)
+        if known.level
+        else pressing.level(contact)
+    )
     while True:
-        check_reached(press, level.rest.depth, mechanics, thickness)
+        check_reached(press, level.solution.depth, mechanics, thickness)
         found = DEFLECTION * pressing.relative(level)
         progress(PRESSING, remaining.share(max(float(found.max()), _least(rtol, level))))
         if not (found > rtol).any():
             if level.refined:
-                known.keep(level, pushed)
+                known.keep(level, loads)
                 return _solved(level, float(found.max()))
             found *= HALF_AGAIN * rtol / found.max()
-        _check_within_reach(level.ground, found / rtol)
-        level = pressing.level(_refined(level.ground, found / rtol), level.surface)
+        _check_within_reach(level.contact, found / rtol)
+        level = pressing.level(_refined(level.contact, found / rtol), level.surface)
 
 
 def _least(rtol: float, level: DeflectionLevel) -> float:
@@ -113,14 +118,14 @@ def _least(rtol: float, level: DeflectionLevel) -> float:
     return 0.0 if level.refined else HALF_AGAIN * rtol
 
 
-def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> None:
+def _check_within_reach(contact: ContactMesh, excess: NDArray[np.float64]) -> None:
     """Raise ToleranceError if even smooth triangles would have to become too many.
 
     excess: error over its target. Away from corners it falls like h^FALLS at best; a triangle is
     then divided into excess^(2 / FALLS). The final number of triangles was larger by about the same
     ratio again, up to MORE_AGAIN.
     """
-    smooth = np.delete(excess, ground.cornered)
+    smooth = np.delete(excess, contact.cornered)
     needed = (np.maximum(smooth, 1.0) ** (2 / FALLS)).sum()
     needed *= np.clip(needed / len(excess), 1.0, MORE_AGAIN)
     check_within_reach(
@@ -128,11 +133,11 @@ def _check_within_reach(ground: ContactMesh, excess: NDArray[np.float64]) -> Non
     )
 
 
-def _refined(ground: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
+def _refined(contact: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
     """Mesh that is finer where the error exceeds its target; at corners as often as needed to
     reduce it."""
-    worst = excess[ground.cornered].max(initial=0.0)
-    finer = ground.refined(excess > 1)
+    worst = excess[contact.cornered].max(initial=0.0)
+    finer = contact.refined(excess > 1)
     for _ in range(_times(worst)):
         finer = finer.refined(finer.cornered)
     return finer
@@ -144,44 +149,46 @@ class _Pressing:
 
     mechanics: Mechanics
     thickness: float
-    pushed: ApplicatorLoads
+    loads: ApplicatorLoads
 
-    def level(self, ground: ContactMesh, start: MembraneSurface | None = None) -> DeflectionLevel:
-        if ground.mesh.nelements > MAX_PRESS_TRIANGLES:
+    def level(self, contact: ContactMesh, start: MembraneSurface | None = None) -> DeflectionLevel:
+        if contact.mesh.nelements > MAX_PRESS_TRIANGLES:
             raise ToleranceError(TOO_FINE)
         tension = self.mechanics.tension
-        membrane = Membrane(ground.mesh, tension, self.thickness, self.mechanics.elastic)
+        membrane = Membrane(contact.mesh, tension, self.thickness, self.mechanics.elastic)
         nodes = len(membrane.places.T)
         first = np.zeros(nodes) if start is None else start(membrane.places)
-        held = self._clamped(membrane, self._most(ground, membrane), first)
-        rest = equilibrium(membrane, held, self.pushed, first)
-        surface = MembraneSurface(ELEMENT, ground.mesh.p, membrane.nodes, rest.w)
-        return DeflectionLevel(ground, membrane, held, rest, surface, start is not None)
+        clamped = self._clamped(membrane, self._most(contact, membrane), first)
+        solution = equilibrium(membrane, clamped, self.loads, first)
+        surface = MembraneSurface(ELEMENT, contact.mesh.p, membrane.nodes, solution.w)
+        return DeflectionLevel(contact, membrane, clamped, solution, surface, start is not None)
 
-    def again(self, known: DeflectionCache, level: DeflectionLevel, rtol: float) -> DeflectionLevel:
+    def on_cached_mesh(
+        self, known: DeflectionCache, level: DeflectionLevel, rtol: float
+    ) -> DeflectionLevel:
         """Level on the mesh of a cached one."""
-        start = known.start(level, self.pushed)
-        most = self._most(level.ground, level.membrane)
-        no_deeper = np.where(most < 0, start, np.fmin(start, self.pushed.depth[most]))
-        held = self._clamped(level.membrane, most, no_deeper)
-        return known.pressed(level, held, self.pushed, start, rtol)
+        start = known.start(level, self.loads)
+        most = self._most(level.contact, level.membrane)
+        no_deeper = np.where(most < 0, start, np.fmin(start, self.loads.depth[most]))
+        clamped = self._clamped(level.membrane, most, no_deeper)
+        return known.pressed(level, clamped, self.loads, start, rtol)
 
-    def _most(self, ground: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
+    def _most(self, contact: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
         """Applicator that may clamp each node, -1 for none, shape (node,)."""
-        under = above(membrane.nodes, len(membrane.places.T), ground.covered)
-        return deepest(under, self.pushed)
+        under = above(membrane.nodes, len(membrane.places.T), contact.covered)
+        return deepest(under, self.loads)
 
     def _clamped(
         self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         """Applicator that clamps each node, shape (node,). near: deflections close to the solution,
         m."""
-        return clamped_nodes(membrane, self.mechanics.tension, most, self.pushed, near)
+        return clamped_nodes(membrane, self.mechanics.tension, most, self.loads, near)
 
     def relative(self, level: DeflectionLevel) -> NDArray[np.float64]:
         """Tails as relative changes of the factor, shape (triangle,)."""
-        strain = level.rest.w[level.membrane.nodes].max(axis=0) / self.thickness
-        moved = tails(level.membrane, level.rest.w)
+        strain = level.solution.w[level.membrane.nodes].max(axis=0) / self.thickness
+        moved = tails(level.membrane, level.solution.w)
         return moved / self.thickness * self.mechanics.gain(strain)
 
 
@@ -199,19 +206,19 @@ def _pushed(press: Press) -> ApplicatorLoads:
     return ApplicatorLoads(np.array(depth), np.array(force))
 
 
-def _check_length(ground: ContactMesh, mechanics: Mechanics, thickness: float) -> None:
+def _check_length(contact: ContactMesh, mechanics: Mechanics, thickness: float) -> None:
     spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
-    if MIN_TRIANGLES_ALONG * ground.edges > MAX_PRESS_TRIANGLES * spread:
+    if MIN_TRIANGLES_ALONG * contact.edges > MAX_PRESS_TRIANGLES * spread:
         raise ToleranceError(TOO_FINE)
 
 
-def _check_separated(press: Press, ground: ContactMesh, pushed: ApplicatorLoads) -> None:
-    t = ground.domain.t
-    under = above(t, int(t.max()) + 1, ground.covered)
-    for each in pushed.by_force:
+def _check_separated(press: Press, contact: ContactMesh, loads: ApplicatorLoads) -> None:
+    t = contact.domain.t
+    under = above(t, int(t.max()) + 1, contact.covered)
+    for each in loads.by_force:
         others = np.delete(under, each, axis=0)
         if (under[each] & others).any():
             raise InputError(
-                f"press {press}: touches of a given force must lie apart from the others; "
-                "join those that meet in one poly with the sum of their forces"
+                f"press {press}: a touch of given force must not meet another touch; "
+                "join touches that meet into one poly with the sum of their forces"
             )

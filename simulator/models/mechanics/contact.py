@@ -27,8 +27,7 @@ GAINED = 10.0
 SUFFICIENT = 1e-4
 ROUNDING = 1e-13
 MIXED, MAX_MIXED_TRIALS = 4, 8
-"""Number of steps that are mixed, and number of trials before new factors, which take as long as
-ten."""
+"""Number of mixed steps, and number of trials before new factors, which cost as much as ten."""
 
 
 class ElasticBody(Protocol):
@@ -43,7 +42,7 @@ class ElasticBody(Protocol):
 
 @dataclass(frozen=True)
 class ApplicatorLoads:
-    """Loads of applicators: depth [m] of each, nan where `force` [N] is given instead."""
+    """Depth [m] of each applicator, nan if its `force` [N] is given instead."""
 
     depth: NDArray[np.float64]
     force: NDArray[np.float64]
@@ -72,18 +71,23 @@ class Equilibrium:
 
 
 def equilibrium(
-    body: ElasticBody, held: NDArray[np.int64], pushed: ApplicatorLoads, start: NDArray[np.float64]
+    body: ElasticBody,
+    clamped: NDArray[np.int64],
+    loads: ApplicatorLoads,
+    start: NDArray[np.float64],
 ) -> Equilibrium:
-    """Minimum of the energy less the work of given forces, by damped Newton steps from `start`.
+    """Equilibrium under loads: minimum of the energy less the work of given forces.
 
-    held: number of the applicator that clamps each node, -1 for none, shape (node,). Nodes under an
-    applicator of given force move as one, and their forces add up to that force. The factors of one
-    step serve the following ones as long as undamped steps gain GAINED.
+    Solved by damped Newton steps from `start`.
+
+    clamped: number of the applicator that clamps each node, -1 for none, shape (node,). Nodes under
+    an applicator of given force move as one, and their forces add up to that force. The factors of
+    one step serve the following ones as long as undamped steps gain GAINED.
     """
-    turn, fixed = _freedoms(held, pushed)
-    q = _first(start, held, pushed)
-    work, count = np.zeros_like(q), len(pushed.by_force)
-    work[len(q) - count :] = pushed.force[pushed.by_force]
+    turn, fixed = _degrees_of_freedom(clamped, loads)
+    q = _first(start, clamped, loads)
+    work, count = np.zeros_like(q), len(loads.by_force)
+    work[len(q) - count :] = loads.force[loads.by_force]
 
     def pulled(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         w = turn @ q + fixed
@@ -95,13 +99,13 @@ def equilibrium(
     for _ in range(MAX_NEWTON_STEPS):
         left = np.abs(downhill).max(initial=0.0)
         if left <= SETTLED * np.abs(reaction).max():
-            return _rest(w, reaction, held, pushed, q[len(q) - count :], newton)
+            return _equilibrium_of(w, reaction, clamped, loads, q[len(q) - count :], newton)
         if solve is None or left > before / GAINED:
             solve, before = _factors(body, turn, w), left
             newton = solve
         step = solve(downhill)
         if np.abs(step).max() <= STILL * np.abs(q).max():
-            return _rest(w, reaction, held, pushed, q[len(q) - count :], newton)
+            return _equilibrium_of(w, reaction, clamped, loads, q[len(q) - count :], newton)
         ahead = pulled(q + step)
         if not np.abs(ahead[2]).max() <= left / GAINED:
             part = _damped(body, turn, fixed, work, q, step, float(downhill @ step))
@@ -114,22 +118,22 @@ def equilibrium(
 
 def nearby_equilibrium(
     body: ElasticBody,
-    held: NDArray[np.int64],
-    pushed: ApplicatorLoads,
+    clamped: NDArray[np.int64],
+    loads: ApplicatorLoads,
     start: NDArray[np.float64],
     newton: Newton,
     left: float,
 ) -> Equilibrium | None:
-    """Equilibrium by steps with factors of another deflection of the same nodes.
+    """Equilibrium by steps with the factors of another deflection of the same free nodes.
 
-    The latest steps are mixed for the smallest residual, until one is at most `left` of the
-    deflection and half the one before. None if that takes more than MAX_MIXED_TRIALS. Source: D. G.
-    Anderson, Journal of the ACM 12 (1965) 547.
+    The latest steps are mixed for the smallest residual. Iteration ends when a step is at most
+    `left` of the deflection and half of the previous step. None if that takes more than
+    MAX_MIXED_TRIALS. Source: D. G. Anderson, Journal of the ACM 12 (1965) 547.
     """
-    turn, fixed = _freedoms(held, pushed)
-    q, count = _first(start, held, pushed), len(pushed.by_force)
+    turn, fixed = _degrees_of_freedom(clamped, loads)
+    q, count = _first(start, clamped, loads), len(loads.by_force)
     work = np.zeros_like(q)
-    work[len(q) - count :] = pushed.force[pushed.by_force]
+    work[len(q) - count :] = loads.force[loads.by_force]
     tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
     before = np.inf
     for _ in range(MAX_MIXED_TRIALS):
@@ -141,7 +145,7 @@ def nearby_equilibrium(
         q, size = q + mixed, float(np.abs(mixed).max(initial=0.0))
         if size <= min(left * np.abs(q).max(initial=0.0), before / 2) and before < np.inf:
             w = turn @ q + fixed
-            return _rest(w, body.residual(w), held, pushed, q[len(q) - count :])
+            return _equilibrium_of(w, body.residual(w), clamped, loads, q[len(q) - count :])
         before = size
     return None
 
@@ -166,28 +170,30 @@ def _factors(body: ElasticBody, turn: csr_matrix, w: NDArray[np.float64]) -> New
     return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
 
-def _freedoms(
-    held: NDArray[np.int64], pushed: ApplicatorLoads
+def _degrees_of_freedom(
+    clamped: NDArray[np.int64], loads: ApplicatorLoads
 ) -> tuple[csr_matrix, NDArray[np.float64]]:
-    """Matrix and offset of w = turn q + fixed; q: free nodes, then depths of applicators of given
-    force."""
-    free = np.flatnonzero(held < 0)
-    rank = np.full(len(pushed.depth), -1)
-    rank[pushed.by_force] = len(free) + np.arange(len(pushed.by_force))
-    carried = np.flatnonzero((held >= 0) & np.isnan(pushed.depth)[held])
+    """Matrix and offset of w = turn q + fixed.
+
+    q: deflections of free nodes, then depths of applicators of given force.
+    """
+    free = np.flatnonzero(clamped < 0)
+    rank = np.full(len(loads.depth), -1)
+    rank[loads.by_force] = len(free) + np.arange(len(loads.by_force))
+    carried = np.flatnonzero((clamped >= 0) & np.isnan(loads.depth)[clamped])
     rows = np.concatenate([free, carried])
-    columns = np.concatenate([np.arange(len(free)), rank[held[carried]]])
-    shape = (len(held), len(free) + len(pushed.by_force))
+    columns = np.concatenate([np.arange(len(free)), rank[clamped[carried]]])
+    shape = (len(clamped), len(free) + len(loads.by_force))
     turn = coo_array((np.ones(len(rows)), (rows, columns)), shape=shape)
-    fixed = np.where(held < 0, 0.0, np.nan_to_num(pushed.depth)[held])
+    fixed = np.where(clamped < 0, 0.0, np.nan_to_num(loads.depth)[clamped])
     return csr_matrix(turn), fixed
 
 
 def _first(
-    start: NDArray[np.float64], held: NDArray[np.int64], pushed: ApplicatorLoads
+    start: NDArray[np.float64], clamped: NDArray[np.int64], loads: ApplicatorLoads
 ) -> NDArray[np.float64]:
-    depths = [start[held == each].max(initial=0.0) for each in pushed.by_force]
-    return np.concatenate([start[held < 0], depths])
+    depths = [start[clamped == each].max(initial=0.0) for each in loads.by_force]
+    return np.concatenate([start[clamped < 0], depths])
 
 
 def _damped(
@@ -199,7 +205,7 @@ def _damped(
     step: NDArray[np.float64],
     descent: float,
 ) -> float:
-    """Share of a Newton step that lowers the energy enough: halved until it does."""
+    """Share of a Newton step, halved until it lowers the energy enough."""
 
     def height(at: NDArray[np.float64]) -> float:
         return body.energy(turn @ at + fixed) - float(work @ at)
@@ -211,17 +217,17 @@ def _damped(
     return part
 
 
-def _rest(
+def _equilibrium_of(
     w: NDArray[np.float64],
     reaction: NDArray[np.float64],
-    held: NDArray[np.int64],
-    pushed: ApplicatorLoads,
+    clamped: NDArray[np.int64],
+    loads: ApplicatorLoads,
     found: NDArray[np.float64],
     newton: Newton | None = None,
 ) -> Equilibrium:
-    depth = pushed.depth.copy()
-    depth[pushed.by_force] = found
-    force = [reaction[held == each].sum() for each in range(len(depth))]
+    depth = loads.depth.copy()
+    depth[loads.by_force] = found
+    force = [reaction[clamped == each].sum() for each in range(len(depth))]
     return Equilibrium(w, depth, np.array(force), newton)
 
 
@@ -239,12 +245,12 @@ def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> N
     return found
 
 
-def deepest(under: NDArray[np.bool_], pushed: ApplicatorLoads) -> NDArray[np.int64]:
+def deepest(under: NDArray[np.bool_], loads: ApplicatorLoads) -> NDArray[np.int64]:
     """Deepest applicator on each node, -1 for none, shape (node,).
 
     Applicators of given force must share no node with another.
     """
-    depth = np.where(under, np.nan_to_num(pushed.depth)[:, None], -1.0)
+    depth = np.where(under, np.nan_to_num(loads.depth)[:, None], -1.0)
     return np.where(under.any(axis=0), depth.argmax(axis=0), -1)
 
 
@@ -252,33 +258,33 @@ def clamped_nodes(
     membrane: Membrane,
     tension: float,
     most: NDArray[np.int64],
-    pushed: ApplicatorLoads,
+    loads: ApplicatorLoads,
     start: NDArray[np.float64],
 ) -> NDArray[np.int64]:
     """Applicator that clamps each node, among the candidates of `most`, or -1, shape (node,).
 
     start: deflections close to the solution, m.
     """
-    if len(pushed.depth) < 2:
+    if len(loads.depth) < 2:
         return most
     net, w = LumpedMembrane(membrane, tension), start
-    held = np.where(start > _depths(start, most, pushed)[most] + CLOSE * net.thickness, -1, most)
+    clamped = np.where(start > _depths(start, most, loads)[most] + CLOSE * net.thickness, -1, most)
     for _ in range(MAX_CONTACT_CHANGES):
-        rest = equilibrium(net, held, pushed, w)
-        w, reaction = rest.w, net.residual(rest.w)
-        reaches = (most >= 0) & (w < rest.depth[most] - SAME * net.thickness)
-        stays = np.where(held >= 0, reaction > 0, reaches)
+        solution = equilibrium(net, clamped, loads, w)
+        w, reaction = solution.w, net.residual(solution.w)
+        reaches = (most >= 0) & (w < solution.depth[most] - SAME * net.thickness)
+        stays = np.where(clamped >= 0, reaction > 0, reaches)
         changed = np.where(stays, most, -1)
-        if np.array_equal(changed, held):
-            return held
-        held = changed
+        if np.array_equal(changed, clamped):
+            return clamped
+        clamped = changed
     raise ToleranceError(
         "no equilibrium of the press was found: its touches keep gaining and losing contact"
     )
 
 
 def _depths(
-    start: NDArray[np.float64], most: NDArray[np.int64], pushed: ApplicatorLoads
+    start: NDArray[np.float64], most: NDArray[np.int64], loads: ApplicatorLoads
 ) -> NDArray[np.float64]:
-    least = [start[most == each].min(initial=np.inf) for each in range(len(pushed.depth))]
-    return np.where(np.isnan(pushed.depth), least, pushed.depth)
+    least = [start[most == each].min(initial=np.inf) for each in range(len(loads.depth))]
+    return np.where(np.isnan(loads.depth), least, loads.depth)

@@ -23,9 +23,9 @@ from ...sweeps import InputError
 from .deformation import check_plane
 
 COARSEST = 8
-"""Triangles along the longer side of the skin, before any are refined."""
+"""Number of triangles along the longer side of the skin before refinement."""
 RIM_SIDES = 512
-"""Sides of the polygon that replaces a circle of the outline; the membrane hardly reaches it."""
+"""Sides of the polygon that replaces a circle of the outline, where deflections are small."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,8 @@ def contact_mesh(
 ) -> ContactMesh:
     """Mesh of a scene's skin under applicators of the shapes of `places`.
 
-    asked: their names in messages, if not themselves. Raises InputError if the skin is no plane, or
-    a place lies outside it.
+    named: places whose names messages use, by default `places`. Raises InputError if the skin is no
+    plane, or a place lies outside it.
     """
     check_plane(scene.skin)
     size = max(scene.skin.length, scene.skin.width) / COARSEST

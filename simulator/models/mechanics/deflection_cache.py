@@ -24,104 +24,118 @@ MAX_CACHED_DEFLECTIONS = 16
 class DeflectionLevel:
     """A deflection on one mesh.
 
-    held: number of the applicator that clamps each node, -1 for none. surface: deflection anywhere.
-    refined: True if the mesh is finer than the first.
+    clamped: number of the applicator that clamps each node, -1 for none, shape (node,). surface:
+    deflection at any position. refined: True if the mesh is finer than the first.
     """
 
-    ground: ContactMesh
+    contact: ContactMesh
     membrane: Membrane
-    held: NDArray[np.int64]
-    rest: Equilibrium
+    clamped: NDArray[np.int64]
+    solution: Equilibrium
     surface: MembraneSurface
     refined: bool
 
 
 class DeflectionCache:
-    """What presses of one place leave to the next one: the latest mesh, the latest deflections on
-    it and the factors of a Newton step. Nothing before the first."""
+    """Cache for presses at one place: the latest mesh, deflections on it, factors of a Newton step.
+
+    It is empty before the first press.
+    """
 
     def __init__(self) -> None:
         self.level: DeflectionLevel | None = None
         self._known: dict[float, Equilibrium] = {}
         self._newton: Newton | None = None
-        self._held = self._by_force = np.empty(0, np.int64)
+        self._clamped = self._by_force = np.empty(0, np.int64)
 
     @property
-    def ground(self) -> ContactMesh | None:
+    def contact(self) -> ContactMesh | None:
         """The latest mesh."""
-        return self.level.ground if self.level else None
+        return self.level.contact if self.level else None
 
     @property
     def nodes(self) -> int:
-        """Of that mesh."""
-        return len(self.level.held) if self.level else 0
+        """Number of nodes of the latest mesh; 0 before the first press."""
+        return len(self.level.clamped) if self.level else 0
 
-    def keep(self, level: DeflectionLevel, pushed: ApplicatorLoads) -> None:
-        """For the next press."""
+    def keep(self, level: DeflectionLevel, loads: ApplicatorLoads) -> None:
+        """Cache a level for the next press."""
         before, self.level = self.level, level
         same = before is not None and before.membrane is level.membrane
         if not same:
             self._known = {}
-        if level.rest.newton or not same:
-            self._newton = level.rest.newton
-            self._held, self._by_force = level.held, pushed.by_force
-        key = _key(pushed)
+        if level.solution.newton or not same:
+            self._newton = level.solution.newton
+            self._clamped, self._by_force = level.clamped, loads.by_force
+        key = _key(loads)
         if key is not None:
-            self._known[key] = replace(level.rest, newton=None)
+            self._known[key] = replace(level.solution, newton=None)
             while len(self._known) > MAX_CACHED_DEFLECTIONS:
                 del self._known[next(iter(self._known))]
 
-    def start(self, level: DeflectionLevel, pushed: ApplicatorLoads) -> NDArray[np.float64]:
-        """A first guess at the deflection, m, shape (node,): through those known of one applicator,
-        by its depth or its force, and through that at rest."""
-        key = _key(pushed)
-        alike = [known for known in self._known if key is not None and known * key > 0]
-        if key is None or not alike:
-            return level.rest.w
-        near = sorted([0.0, *alike], key=lambda known: abs(known - key))[:NEAREST]
+    def start(self, level: DeflectionLevel, loads: ApplicatorLoads) -> NDArray[np.float64]:
+        """First guess of the deflection, m, shape (node,).
+
+        For one applicator it interpolates by depth, or by force, between cached deflections and the
+        unpressed skin. Otherwise it is the deflection of the level.
+        """
+        key = _key(loads)
+        same_kind = [known for known in self._known if key is not None and known * key > 0]
+        if key is None or not same_kind:
+            return level.solution.w
+        near = sorted([0.0, *same_kind], key=lambda known: abs(known - key))[:NEAREST]
         shares = lagrange(np.array(near), key)
         while np.abs(shares).sum() > STEADY:
             near.pop()
             shares = lagrange(np.array(near), key)
-        start = np.zeros_like(level.rest.w)
+        start = np.zeros_like(level.solution.w)
         for share, known in zip(shares, near, strict=True):
             if known:
                 start += share * self._known[known].w
-        return np.clip(start, 0.0, np.nanmax(pushed.depth, initial=0.0) or None)
+        return np.clip(start, 0.0, np.nanmax(loads.depth, initial=0.0) or None)
 
     def pressed(
         self,
         level: DeflectionLevel,
-        held: NDArray[np.int64],
-        pushed: ApplicatorLoads,
+        clamped: NDArray[np.int64],
+        loads: ApplicatorLoads,
         start: NDArray[np.float64],
         rtol: float,
     ) -> DeflectionLevel:
-        """Otherwise on the mesh of a level that was kept. rtol: of the factor anywhere."""
-        body, key = level.membrane, _key(pushed)
-        rest = None if key is None else self._known.get(key)
-        if rest is None and self._serves(held, pushed) and self._newton is not None:
-            rest = nearby_equilibrium(body, held, pushed, start, self._newton, LEFT * rtol)
-        if rest is None:
-            rest = equilibrium(body, held, pushed, start)
-        return replace(level, held=held, rest=rest, surface=level.surface.of(rest.w), refined=True)
+        """Level of another press on the mesh of a cached level.
 
-    def _serves(self, held: NDArray[np.int64], pushed: ApplicatorLoads) -> bool:
-        """Whether the factors are of the same free points."""
-        alike = np.array_equal(pushed.by_force, self._by_force)
-        return alike and np.array_equal(held, self._held)
+        rtol: tolerance of the factor anywhere.
+        """
+        body, key = level.membrane, _key(loads)
+        solution = None if key is None else self._known.get(key)
+        if solution is None and self._serves(clamped, loads) and self._newton is not None:
+            solution = nearby_equilibrium(body, clamped, loads, start, self._newton, LEFT * rtol)
+        if solution is None:
+            solution = equilibrium(body, clamped, loads, start)
+        return replace(
+            level,
+            clamped=clamped,
+            solution=solution,
+            surface=level.surface.of(solution.w),
+            refined=True,
+        )
+
+    def _serves(self, clamped: NDArray[np.int64], loads: ApplicatorLoads) -> bool:
+        """True if the cached factors belong to the same free nodes."""
+        same_loads = np.array_equal(loads.by_force, self._by_force)
+        return same_loads and np.array_equal(clamped, self._clamped)
 
 
-def _key(pushed: ApplicatorLoads) -> float | None:
-    """Depth or force of one applicator, the latter below zero; None where there are several."""
-    if len(pushed.depth) > 1:
+def _key(loads: ApplicatorLoads) -> float | None:
+    """Depth, or minus the force, of one applicator; None for several applicators."""
+    if len(loads.depth) > 1:
         return None
-    depth, force = float(pushed.depth[0]), float(pushed.force[0])
+    depth, force = float(loads.depth[0]), float(loads.force[0])
     return -force if np.isnan(depth) else depth
 
 
 def lagrange(nodes: NDArray[np.float64], x: float) -> NDArray[np.float64]:
-    """Weights of Lagrange's polynomials through any few nodes, shape (node,)."""
+    """Weights of Lagrange interpolation at x between a few nodes, shape (node,)."""
     others = ~np.eye(len(nodes), dtype=bool)
     ratios = (x - nodes) / np.where(others, nodes[:, None] - nodes, 1.0)
     return np.where(others, ratios, 1.0).prod(axis=1)

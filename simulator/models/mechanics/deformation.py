@@ -23,11 +23,11 @@ class Deformation:
     Touches of a given factor are not included: they multiply the factor. thickness: of the foam, m.
     w: deflection in m at flat positions (2, ...) in m. depth [m], force [N]: of each applicator, in
     order. error: bound on the relative error of `factor` anywhere. kinks: circles and closed
-    polylines (point, 2) in m, the edges of applicators, across which `factor` has a kink, or jumps
-    without tension. sharp: without tension the same press with factors instead, unless applicators
-    overlap, else None. out_of_round: relative error of Rs and Cp by polygons in place of discs.
-    unsure: possible error of w, m, as w. within_error: solves the same press within another
-    `error`.
+    polylines (point, 2) in m; these are the edges of applicators, at which `factor` has a kink, or
+    a jump without tension. sharp: the equivalent press by factors; None with tension and if
+    applicators overlap. out_of_round: relative error of Rs and Cp by polygons in place of discs.
+    uncertainty: possible error of w, m, a function like w; None if w is exact. within_error: solves
+    the same press within another `error`.
     """
 
     mechanics: Mechanics | None
@@ -39,7 +39,7 @@ class Deformation:
     kinks: tuple[Circle | NDArray[np.float64], ...]
     sharp: Press | None
     out_of_round: float = 0.0
-    unsure: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    uncertainty: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
     within_error: Callable[[float], Deformation] | None = None
 
     def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -48,11 +48,11 @@ class Deformation:
         return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
 
     def deeper(self, times: float) -> Deformation:
-        """Deformation with `times` its possible error added to the deflection."""
-        w, unsure = self.w, self.unsure
-        if unsure is None:
+        """Deformation with its possible error, multiplied by `times`, added to the deflection."""
+        w, uncertainty = self.w, self.uncertainty
+        if uncertainty is None:
             return self
-        return replace(self, w=lambda x: w(x) + times * unsure(x))
+        return replace(self, w=lambda x: w(x) + times * uncertainty(x))
 
     def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compressive strain of the foam at flat positions x (2, ...) in m, shape (...)."""
@@ -84,7 +84,7 @@ def check_depths(press: Press, mechanics: Mechanics, thickness: float) -> None:
 def check_reached(
     press: Press, depth: Iterable[float], mechanics: Mechanics, thickness: float
 ) -> None:
-    """Raise InputError if a given force would press deeper than that."""
+    """Raise InputError if a given force presses deeper than the largest compression of the foam."""
     for touch, reached in zip(press.indented, depth, strict=True):
         if not reached <= greatest(mechanics, thickness):
             raise InputError(

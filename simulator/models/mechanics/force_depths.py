@@ -23,11 +23,11 @@ ANY = Sheet(sheet_resistance=1.0)
 FACTOR_RTOL = 1e-3
 """Tolerance of the deflection next to applicators, which sets the depth of a force."""
 SHOWN_RTOL = 0.05
-"""Tolerance for depths that are shown with three digits: these were off by 2e-5 at most."""
+"""Tolerance for depths that are shown with three digits; their observed error was 2e-5 at most."""
 
 
 def foldable(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """Scene as of `folded`, with forces on pixels replaced by depths; see `forces_as_depths`."""
+    """Scene as `folded` returns it, with forces on pixels replaced by depths."""
     return folded(forces_as_depths(scene), what, creeps)
 
 
@@ -89,7 +89,7 @@ def depths_of_pixels(scene: Scene) -> str:
 def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     """A line for each press by a force with its depths, or one line for more than SAMPLE of them.
 
-    Raises InputError and ToleranceError as `deformation`.
+    Raises what `deformation` raises.
     """
     by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
     some = _some(by_force, SAMPLE) if by_force else []
@@ -127,7 +127,7 @@ def _and(depths: tuple[float, ...]) -> str:
 def press_by_depths(scene: Scene, press: Press) -> Press:
     """Press with its forces replaced by the depths that they press to.
 
-    Raises InputError and ToleranceError as `deformation`.
+    Raises what `deformation` raises.
     """
     from .indentation import deformation
 

@@ -1,4 +1,4 @@
-"""From depth or force of a press to the foam's strain and the factor on its capacitance.
+"""Strain of the foam and factor on its capacitance by the depth or force of a press.
 
 Electrode skins of tension T lie on foam of thickness d as on an elastic foundation (a Winkler
 foundation with a Pasternak layer): div(T grad w) = p(w/d). Rigid flat applicators clamp them at
@@ -44,10 +44,9 @@ def deformation(
 ) -> Deformation:
     """Deformation by the touches of given depth or force, the factor within `rtol` anywhere.
 
-    progress: as of `ProgressCallback`. again: cache of presses at the same places. Raises
-    InputError as `check_press`, if the foam cannot be compressed so far, if touches of a given
-    force meet others, and if a touch lies outside the skin; ToleranceError if `rtol` is out of
-    reach.
+    progress: see `ProgressCallback`. again: cache of presses at the same places. Raises InputError
+    as `check_press` does, if the foam cannot be compressed so far, if a touch of given force meets
+    another, and if a touch lies outside the skin. Raises ToleranceError if `rtol` is out of reach.
     """
     touches = press.indented
     if not touches:
@@ -77,9 +76,9 @@ def _spread(
     again = again or DeflectionCache()
     places = [touch.place for touch in press.indented]
     kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
-    ground = again.ground or straight_contact_mesh(scene, places, DISC_SIDES)
-    found = adaptive_deflection(press, ground, mechanics, thickness, rtol, progress, again)
-    depth, force = tuple(found.rest.depth.tolist()), tuple(found.rest.force.tolist())
+    contact = again.contact or straight_contact_mesh(scene, places, DISC_SIDES)
+    found = adaptive_deflection(press, contact, mechanics, thickness, rtol, progress, again)
+    depth, force = tuple(found.solution.depth.tolist()), tuple(found.solution.force.tolist())
     return Deformation(
         mechanics,
         thickness,
@@ -91,7 +90,7 @@ def _spread(
         None,
         out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
         within_error=partial(deformation, scene, press, again=again),
-        unsure=found.surface.in_triangles(found.unsure),
+        uncertainty=found.surface.in_triangles(found.uncertainty),
     )
 
 

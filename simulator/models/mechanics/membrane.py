@@ -34,7 +34,7 @@ class Membrane:
     """Deflection w [m] of both skins under the tension T [N/m] of the two, on foam of thickness d.
 
     The energy is the integral of T |grad w|² / 2 + d W(w/d), W that of the foam per volume; its
-    derivative div(T grad w) = p(w/d) [Pa] holds where nothing touches, and free edges are free.
+    derivative div(T grad w) = p(w/d) [Pa] holds where no applicator touches; edges are free.
     """
 
     def __init__(self, mesh: MeshTri, tension: float, thickness: float, elastic: Elastic) -> None:
@@ -251,7 +251,7 @@ class MembraneSurface:
         return at
 
     def _found(self, x: NDArray[np.float64]) -> Located:
-        """Located positions as of `_located`, cached for positions that are requested again."""
+        """Located positions, see `_located`; cached for positions that are requested again."""
         for known, found in self._known:
             if known is x:
                 return found

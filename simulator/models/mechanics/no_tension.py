@@ -28,15 +28,17 @@ Shapes = tuple[Circle | NDArray[np.float64], ...]
 def deformation_without_tension(
     scene: Scene, press: Press, mechanics: Mechanics, thickness: float
 ) -> Deformation:
-    """Deformation where each touch presses only the area that it covers; raises as
-    `deformation`."""
+    """Deformation if each touch presses only the area that it covers.
+
+    Raises what `deformation` raises.
+    """
     places = [touch.place for touch in press.indented]
     shapes = tuple(shape_of(scene, place) for place in places)
     boxes = [_box(scene, place) for place in places]
     apart = not any(meet(one, other) for one, other in combinations(boxes, 2))
     by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
     if not apart and not by_depth:
-        raise InputError(f"press {press}: touches of a given force must lie apart from the others")
+        raise InputError(f"press {press}: a touch of given force must not meet another touch")
     area = _areas(scene, press, shapes, apart)
     strain = np.array(
         [

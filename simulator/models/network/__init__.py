@@ -1,1 +1,1 @@
-"""All contacts of a skin as one N-terminal network: trained once, read in any way."""
+"""All contacts of a skin as one N-terminal network: trained once, for any interfaces."""

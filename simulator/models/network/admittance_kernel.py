@@ -18,11 +18,11 @@ from .woodbury_kernel import UnpressedNetwork, by_touches
 
 
 class Wiring(NamedTuple):
-    """Potentials that excitations allow the terminals, see `allowed_potentials`, the driven first.
+    """Terminal potentials that excitations allow, see `allowed_potentials`; the driven ones first.
 
     potentials: shape (excitation, N, most). conductance: between them at zero frequency, S, shape
-    (excitation, most, most). counts: how many there are, shape (excitation,). weights: how they
-    combine to interfaces, see `Combination`.
+    (excitation, most, most). counts: number of potentials of each excitation, shape (excitation,).
+    weights: of the excitations in each interface, see `Combination`.
     """
 
     potentials: NDArray[np.float64]
@@ -32,25 +32,25 @@ class Wiring(NamedTuple):
 
 
 def admittances(
-    rest: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
+    unpressed: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Y in S beyond that at zero frequency, for many presses, shape (press, s, N, N).
 
     Each press adds its rises times M of its cells. s: rad/s.
     """
-    N = len(rest.rows)
+    N = len(unpressed.rows)
     Y = np.empty((batch.count, len(s), N, N), dtype=np.complex128)
-    many = np.diff(batch.starts) * rest.factors.shape[1] > len(rest.diagonal)
-    _of_few(rest, known, batch, many, s, Y)
+    many = np.diff(batch.starts) * unpressed.factors.shape[1] > len(unpressed.diagonal)
+    _of_few(unpressed, known, batch, many, s, Y)
     for press in np.flatnonzero(many).tolist():
-        pressed, _ = own_axes(mass_of(rest, *batch.one(press)), N)
+        pressed, _ = own_axes(mass_of(unpressed, *batch.one(press)), N)
         Y[press] = between_terminals(pressed, s)
     return Y
 
 
 @compiled()
 def _of_few(
-    rest: UnpressedMass,
+    unpressed: UnpressedMass,
     known: UnpressedNetwork,
     batch: PressBatch,
     many: NDArray,
@@ -66,7 +66,7 @@ def _of_few(
         )
         if not many[press]:
             W = weights[starts[press] : starts[after]].reshape(after - press, len(touched))
-            by_touches(rest, known, touched, W, s, Y[press:after])
+            by_touches(unpressed, known, touched, W, s, Y[press:after])
         press = after
 
 
@@ -84,7 +84,7 @@ def _next_with_other_cells(cells: NDArray, starts: NDArray, press: int) -> int: 
 
 @compiled()
 def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
-    """Z in ohm of every excitation, shape (press, excitation, s); Y: of `admittances`.
+    """Z in ohm of every excitation, shape (press, excitation, s); Y: from `admittances`.
 
     Floating potentials are eliminated one after the other. An excitation without any current, such
     as one against an earth that nothing reaches, has an infinite Z.

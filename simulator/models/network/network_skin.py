@@ -1,4 +1,4 @@
-"""One skin seen from its terminals: any number of interfaces for little more time than one."""
+"""One skin as a network of its terminals: many interfaces cost little more than one."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ class NetworkSkin:
         self.skin, self.s = skin, skin.s if s is None else s
 
     @cached_property
-    def _at_rest(self) -> UnpressedNetwork:
+    def _unpressed(self) -> UnpressedNetwork:
         return unpressed_network(self.skin.rest, self.s)
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
         weighted = self.skin.parts.followed(batch).weighted(self.skin.unpressed_factors)
-        return admittances(self.skin.rest, self._at_rest, weighted, self.s)
+        return admittances(self.skin.rest, self._unpressed, weighted, self.s)
 
     @property
     def conductance(self) -> NDArray[np.float64]:
@@ -59,7 +59,7 @@ class NetworkSkin:
         return wiring_of(excitations, self.skin.reduced.terminal_field, self.conductance)
 
     def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Z in ohm of every interface, shape (press, interface, s). Y: of `admittances`."""
+        """Z in ohm of every interface, shape (press, interface, s). Y: from `admittances`."""
         Z, combination = impedances(Y, wiring), Combination(wiring.weights)
         if combination.one_to_one:
             return Z

@@ -50,7 +50,7 @@ def trained(
     """Reduced model of a scene's skin that represents all terminals, with the interfaces of a
     `chain`.
 
-    rtol, draw, modes, progress, frequency: as of `reduce`, which also lists the errors raised;
+    rtol, draw, modes, progress, frequency: see `reduce`, which also lists the errors raised;
     InputError, too, if a tension spreads presses.
     """
     require_no_spread(scene)
@@ -79,7 +79,7 @@ def reduced_for(
 ) -> Reduced:
     """Model with the scene's own interfaces, trained for all terminals if it `needs_all_terminals`.
 
-    rtol, draw, modes, same_sheets, progress, frequency: as of `reduce`.
+    rtol, draw, modes, same_sheets, progress, frequency: see `reduce`.
     """
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
     if not needs_all_terminals(scene, same_sheets):
@@ -90,7 +90,7 @@ def reduced_for(
 def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
     """True if a scene of two fields, pressed by factors, has more interfaces than a chain.
 
-    same_sheets: as of `reduce`.
+    same_sheets: see `reduce`.
     """
     if spreading(scene) or (same_sheets and single_field(scene) is not None):
         return False

@@ -1,5 +1,6 @@
-"""Admittance between all terminals of a skin under touches of low rank: Woodbury's formula,
-compiled.
+"""Compiled admittance between all terminals of a skin under touches of low rank.
+
+It uses Woodbury's formula.
 
 In coordinates in which K is 1 and the unpressed M diagonal, P = 1 / (1 + s d), the terminals'
 potentials are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin
@@ -23,34 +24,37 @@ SIDE_BY_SIDE = 64
 
 
 class UnpressedNetwork(NamedTuple):
-    """Quantities that do not depend on the press, at each s; real and imaginary parts separate but
-    in Y.
+    """Quantities that do not depend on the press, at each s.
+
+    Real and imaginary parts are separate, except in Y.
 
     admittance: Y beyond that at zero frequency, S, shape (s, N, N). damped: P, shape (n, 2, s).
-    seen: E of each cell, shape (cell, rank, N, 2, s). own: Q of each, shape (cell, rank, rank, 2,
-    s).
+    terminal_potentials: E of each cell, shape (cell, rank, N, 2, s). own: Q of each, shape (cell,
+    rank, rank, 2, s).
     """
 
     admittance: NDArray[np.complex128]
     damped: NDArray[np.float64]
-    seen: NDArray[np.float64]
+    terminal_potentials: NDArray[np.float64]
     own: NDArray[np.float64]
 
 
-def unpressed_network(rest: UnpressedMass, s: NDArray[np.complex128]) -> UnpressedNetwork:
+def unpressed_network(unpressed: UnpressedMass, s: NDArray[np.complex128]) -> UnpressedNetwork:
     """Unpressed quantities of a skin. s: rad/s."""
-    N = len(rest.rows)
-    beside = rest.rows[:, N:]
-    at, inside = rest.factors[..., :N], np.ascontiguousarray(rest.factors[..., N:])
-    P = 1 / (1 + s[:, None] * rest.diagonal)
+    N = len(unpressed.rows)
+    beside = unpressed.rows[:, N:]
+    at, inside = unpressed.factors[..., :N], np.ascontiguousarray(unpressed.factors[..., N:])
+    P = 1 / (1 + s[:, None] * unpressed.diagonal)
     each = s[:, None, None]
-    seen = np.empty((*at.shape, 2, len(s)))
+    terminal_potentials = np.empty((*at.shape, 2, len(s)))
     own = np.empty((*inside.shape[:2], inside.shape[1], 2, len(s)))
     for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
         damped = U * P[:, None]
-        seen[k] = _real_and_imaginary(U_at - each * (damped @ beside.T))
+        terminal_potentials[k] = _real_and_imaginary(U_at - each * (damped @ beside.T))
         own[k] = _real_and_imaginary(damped @ U.T)
-    return UnpressedNetwork(between_terminals(rest, s), _real_and_imaginary(P), seen, own)
+    return UnpressedNetwork(
+        between_terminals(unpressed, s), _real_and_imaginary(P), terminal_potentials, own
+    )
 
 
 def _real_and_imaginary(values: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -61,18 +65,23 @@ def _real_and_imaginary(values: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 @compiled()
 def by_touches(
-    rest: UnpressedMass, known: UnpressedNetwork, cells: NDArray, W: NDArray, s: NDArray, Y: NDArray
+    unpressed: UnpressedMass,
+    known: UnpressedNetwork,
+    cells: NDArray,
+    W: NDArray,
+    s: NDArray,
+    Y: NDArray,
 ) -> None:  # pragma: no cover
     """Y in S beyond that at zero frequency, shape (press, s, N, N), of presses on the same cells.
 
     W: shape (press, cell). s: rad/s.
     """
-    N, size = len(rest.rows), rest.factors.shape[1] * len(cells)
+    N, size = len(unpressed.rows), unpressed.factors.shape[1] * len(cells)
     turns = -(-len(s) // SIDE_BY_SIDE)
     for turn in range(turns):
         start, end = turn * len(s) // turns, (turn + 1) * len(s) // turns
         together, added = np.empty((size, size + N, 2, end - start)), np.empty((2, end - start))
-        _put_together(rest, known, cells, start, together)
+        _put_together(unpressed, known, cells, start, together)
         own = np.empty_like(together)
         for press in range(len(W)):
             _weigh(together, W[press], s[start:end], own)
@@ -88,10 +97,10 @@ def by_touches(
 
 @compiled()
 def _put_together(
-    rest: UnpressedMass, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
+    unpressed: UnpressedMass, known: UnpressedNetwork, cells: NDArray, start: int, together: NDArray
 ) -> None:  # pragma: no cover
     """Q from the diagonal on, and E in the columns after it, shape (size, size + N, 2, s)."""
-    N, (size, _, _, count) = len(rest.rows), together.shape
+    N, (size, _, _, count) = len(unpressed.rows), together.shape
     rank = size // max(len(cells), 1)
     for i in range(len(cells)):
         here = i * rank
@@ -102,10 +111,12 @@ def _put_together(
                         own = known.own[cells[i], row, column, part, start + k]
                         together[here + row, here + column, part, k] = own
                     for terminal in range(N):
-                        seen = known.seen[cells[i], row, terminal, part, start + k]
-                        together[here + row, size + terminal, part, k] = seen
+                        terminal_potentials = known.terminal_potentials[
+                            cells[i], row, terminal, part, start + k
+                        ]
+                        together[here + row, size + terminal, part, k] = terminal_potentials
         for j in range(i + 1, len(cells)):
-            U, V = rest.factors[cells[i], :, N:], rest.factors[cells[j], :, N:]
+            U, V = unpressed.factors[cells[i], :, N:], unpressed.factors[cells[j], :, N:]
             P = known.damped[:, :, start : start + count]
             _between(U, V, P, together[here:, j * rank :])
 

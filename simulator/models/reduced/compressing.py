@@ -1,4 +1,4 @@
-"""Factors of M of the lowest rank that the tolerance allows; the cost of a sweep grows with it."""
+"""Lowest rank of the factors of M that the tolerance allows; it determines the cost of a sweep."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def typical(reduced: Reduced) -> NDArray[np.float64]:
     """
     skin = reduced.skin(None)
     none = np.zeros(0, dtype=np.int64)
-    at_rest = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
+    unpressed = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
     terminals = len(reduced.conductance)
-    most = float(np.linalg.norm(at_rest[terminals:], axis=0).max())
+    most = float(np.linalg.norm(unpressed[terminals:], axis=0).max())
     return sizes(terminals, reduced.size, most)
 
 

@@ -13,7 +13,7 @@ from ...fem.excited_terminals import ExcitedTerminals
 
 
 class UnpressedMass(NamedTuple):
-    """Unpressed M of a skin, and the factors of what its cells add.
+    """Unpressed M of a skin, and the factors of the terms that its cells add.
 
     The coordinates are terminals, then basis vectors. rows: rows of the terminals in M, F, shape
     (terminal, m). diagonal: M of the other coordinates, F, shape (n,). factors: F_k of each cell,
@@ -45,10 +45,10 @@ REGISTER = 8
 """Count of numbers that processors take at once, or a multiple of it."""
 
 
-def aligned(rest: UnpressedMass) -> UnpressedMass:
+def aligned(unpressed: UnpressedMass) -> UnpressedMass:
     """Matrices padded with coordinates that stay 0, so that loops end with whole registers."""
-    beside = -rest.rows.shape[1] % REGISTER
-    return UnpressedMass(*(widened(each, each.shape[-1] + beside) for each in rest))
+    beside = -unpressed.rows.shape[1] % REGISTER
+    return UnpressedMass(*(widened(each, each.shape[-1] + beside) for each in unpressed))
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
@@ -97,15 +97,15 @@ def _without_common(
     return conductance
 
 
-def dense_excitation(driven: ExcitedTerminals) -> DenseExcitation:
+def dense_excitation(excited: ExcitedTerminals) -> DenseExcitation:
     """Excitation in the form that the kernel takes."""
-    own = driven.floating_conductance[np.ix_(~driven.common, ~driven.common)]
+    own = excited.floating_conductance[np.ix_(~excited.common, ~excited.common)]
     return DenseExcitation(
-        conductance=driven.conductance,
-        driven=np.ascontiguousarray(driven.potential),
-        tied=np.ascontiguousarray(driven.floating[:, ~driven.common].T),
+        conductance=excited.conductance,
+        driven=np.ascontiguousarray(excited.potential),
+        tied=np.ascontiguousarray(excited.floating[:, ~excited.common].T),
         tied_inverse=np.linalg.inv(own).astype(np.float64),
-        common=np.ascontiguousarray(driven.floating[:, driven.common].T),
+        common=np.ascontiguousarray(excited.floating[:, excited.common].T),
     )
 
 
@@ -116,8 +116,8 @@ Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 
 def solved(
-    drives: Sequence[ExcitedTerminals],
-    rest: UnpressedMass,
+    excitations: Sequence[ExcitedTerminals],
+    unpressed: UnpressedMass,
     cells: NDArray[np.int64],
     weights: NDArray[np.float64],
     s: NDArray[np.complex128],
@@ -127,28 +127,30 @@ def solved(
     Shapes (press, s, N + n) and (press, s). cells: equally many for each press, shape (press,
     touch). weights: rises of their M. s: rad/s.
     """
-    rank = cells.shape[1] * rest.factors.shape[1]
-    U = rest.factors[cells].reshape(len(cells), rank, rest.factors.shape[2])
-    C = np.repeat(weights, rest.factors.shape[1], axis=1)
-    N = len(rest.rows)
-    rows = rest.rows + (U[:, :, :N] * C[:, :, None]).transpose(0, 2, 1) @ U
-    if MANY * rank <= len(rest.diagonal):
-        P = (1 / (1 + s[:, None] * rest.diagonal))[None]
-        seen = _capacitance_matrices(rest, cells, C, s[:, None] * P[0])
-        return [_by_touches(driven, rows, P, U[:, :, N:], C, seen, s) for driven in drives]
+    rank = cells.shape[1] * unpressed.factors.shape[1]
+    U = unpressed.factors[cells].reshape(len(cells), rank, unpressed.factors.shape[2])
+    C = np.repeat(weights, unpressed.factors.shape[1], axis=1)
+    N = len(unpressed.rows)
+    rows = unpressed.rows + (U[:, :, :N] * C[:, :, None]).transpose(0, 2, 1) @ U
+    if MANY * rank <= len(unpressed.diagonal):
+        P = (1 / (1 + s[:, None] * unpressed.diagonal))[None]
+        woodbury = _woodbury_matrices(unpressed, cells, C, s[:, None] * P[0])
+        return [
+            _by_touches(excited, rows, P, U[:, :, N:], C, woodbury, s) for excited in excitations
+        ]
     M = (U[:, :, N:] * C[:, :, None]).transpose(0, 2, 1) @ U[:, :, N:]
-    M[:, range(M.shape[1]), range(M.shape[1])] += rest.diagonal
+    M[:, range(M.shape[1]), range(M.shape[1])] += unpressed.diagonal
     diagonal, axes = np.linalg.eigh(M)
     P = 1 / (1 + s[:, None] * diagonal[:, None])
     turned = np.concatenate([rows[:, :, :N], rows[:, :, N:] @ axes], axis=2)
     nothing = U[:, :0, N:], C[:, :0], np.zeros((len(cells), len(s), 0, 0), dtype=complex)
-    found = [_by_touches(driven, turned, P, *nothing, s) for driven in drives]
+    found = [_by_touches(excited, turned, P, *nothing, s) for excited in excitations]
     back = axes.transpose(0, 2, 1)
     return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
 
 
-def _capacitance_matrices(
-    rest: UnpressedMass,
+def _woodbury_matrices(
+    unpressed: UnpressedMass,
     cells: NDArray[np.int64],
     C: NDArray[np.float64],
     sP: NDArray[np.complex128],
@@ -160,24 +162,26 @@ def _capacitance_matrices(
     own, same = cells, np.arange(len(cells))
     if len(cells) > 1:
         own, same = np.unique(cells, axis=0, return_inverse=True)
-    U = rest.factors[own].reshape(len(own), -1, rest.factors.shape[2])[:, :, len(rest.rows) :]
+    U = unpressed.factors[own].reshape(len(own), -1, unpressed.factors.shape[2])[
+        :, :, len(unpressed.rows) :
+    ]
     count, rank, n = U.shape
     parts = np.stack([sP.real, sP.imag])
     rows = (parts[:, :, None] * U[:, None, None]).reshape(count, 2 * len(sP) * rank, n)
     products = (rows @ U.transpose(0, 2, 1)).reshape(count, 2, len(sP), rank, rank)
-    seen = (products[:, 0] + 1j * products[:, 1])[same.ravel()]
-    seen *= C[:, None, None]
-    seen[:, :, range(rank), range(rank)] += 1.0
-    return seen
+    woodbury = (products[:, 0] + 1j * products[:, 1])[same.ravel()]
+    woodbury *= C[:, None, None]
+    woodbury[:, :, range(rank), range(rank)] += 1.0
+    return woodbury
 
 
 def _by_touches(
-    driven: ExcitedTerminals,
+    excited: ExcitedTerminals,
     rows: NDArray[np.float64],
     P: NDArray[np.complex128],
     U: NDArray[np.float64],
     C: NDArray[np.float64],
-    seen: NDArray[np.complex128],
+    woodbury: NDArray[np.complex128],
     s: NDArray[np.complex128],
 ) -> Solved:
     """Potentials and Y of one excitation by a small system for each press and s.
@@ -187,56 +191,56 @@ def _by_touches(
 
     rows: rows of the terminals in M, shape (press, N, N + n). P: 1 / (1 + s M) where M is diagonal,
     (press or 1, s, n). U, C: factors of cells there, (press, rank, n), and their weights, (press,
-    rank). seen: see `_seen`.
+    rank). woodbury: see `_seen`.
     """
-    N, F = len(driven.potential), driven.floating
+    N, F = len(excited.potential), excited.floating
     floats = F.shape[1]
-    charge = driven.potential @ rows
+    charge = excited.potential @ rows
     beside = np.concatenate([F.T @ rows[:, :, N:], U], axis=1)
     weighed = np.concatenate([np.ones((len(C), floats)), C], axis=1)
     sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, C.shape[1]], axis=1)
-    system = _beside_floating(driven, rows, P, beside, weighed, seen, s) if floats else seen
+    system = _with_floating(excited, rows, P, beside, weighed, woodbury, s) if floats else woodbury
     right = -sign * ((P * charge[:, None, N:]) @ beside.transpose(0, 2, 1))
     right[:, :, :floats] -= s[:, None] * (charge[:, :N] @ F)[:, None]
     found = np.linalg.solve(system, right[..., None])[..., 0]
     v = -s[:, None] * P * (charge[:, None, N:] + (found * weighed[:, None]) @ beside)
-    at_terminals = driven.potential + found[:, :, :floats] @ F.T
+    at_terminals = excited.potential + found[:, :, :floats] @ F.T
     u = np.concatenate([at_terminals, v], axis=2)
-    return u, driven.conductance + s * (u @ charge[:, :, None])[:, :, 0]
+    return u, excited.conductance + s * (u @ charge[:, :, None])[:, :, 0]
 
 
-def _beside_floating(
-    driven: ExcitedTerminals,
+def _with_floating(
+    excited: ExcitedTerminals,
     rows: NDArray[np.float64],
     P: NDArray[np.complex128],
     beside: NDArray[np.float64],
     weighed: NDArray[np.float64],
-    seen: NDArray[np.complex128],
+    woodbury: NDArray[np.complex128],
     s: NDArray[np.complex128],
 ) -> NDArray[np.complex128]:
     """Matrix of the small system, with floating terminals before the cells' products."""
-    F, N = driven.floating, len(driven.potential)
+    F, N = excited.floating, len(excited.potential)
     floats, k = F.shape[1], beside.shape[1]
-    system = np.empty((*seen.shape[:2], k, k), dtype=complex)
-    system[:, :, floats:, floats:] = seen
+    system = np.empty((*woodbury.shape[:2], k, k), dtype=complex)
+    system[:, :, floats:, floats:] = woodbury
     across = (beside[:, None, :floats] * P[:, :, None]) @ beside.transpose(0, 2, 1)[:, None]
     system[:, :, :floats] = -(s[:, None, None] ** 2) * across * weighed[:, None, None]
     back = across[:, :, :, floats:].transpose(0, 1, 3, 2)
     system[:, :, floats:, :floats] = s[:, None, None] * back
-    system[:, :, :floats, :floats] += driven.floating_conductance
+    system[:, :, :floats, :floats] += excited.floating_conductance
     system[:, :, :floats, :floats] += s[:, None, None] * (F.T @ rows[:, :, :N] @ F)[:, None]
     return system
 
 
 def mass_of(
-    rest: UnpressedMass, cells: NDArray[np.int64], weights: NDArray[np.float64]
+    unpressed: UnpressedMass, cells: NDArray[np.int64], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """M of a press in F, shape (N + n, N + n)."""
-    terminals = len(rest.rows)
-    M = np.diag(np.concatenate([np.zeros(terminals), rest.diagonal]))
-    M[:terminals] = rest.rows
-    M[:, :terminals] = rest.rows.T
-    return M + added(rest.factors, cells, weights)
+    terminals = len(unpressed.rows)
+    M = np.diag(np.concatenate([np.zeros(terminals), unpressed.diagonal]))
+    M[:terminals] = unpressed.rows
+    M[:, :terminals] = unpressed.rows.T
+    return M + added(unpressed.factors, cells, weights)
 
 
 def added(
@@ -256,9 +260,11 @@ def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[UnpressedMass, NDA
     ), axes
 
 
-def between_terminals(rest: UnpressedMass, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def between_terminals(
+    unpressed: UnpressedMass, s: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
     """Y in S less that at zero frequency, shape (s, N, N). s: rad/s."""
-    N = len(rest.rows)
-    terminals, beside, each = rest.rows[:, :N], rest.rows[:, N:], s[:, None, None]
-    P = 1 / (1 + s[:, None, None] * rest.diagonal)
+    N = len(unpressed.rows)
+    terminals, beside, each = unpressed.rows[:, :N], unpressed.rows[:, N:], s[:, None, None]
+    P = 1 / (1 + s[:, None, None] * unpressed.diagonal)
     return each * terminals - each**2 * ((beside * P) @ beside.T)

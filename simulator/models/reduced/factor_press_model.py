@@ -57,17 +57,17 @@ def certified_result(
     """Result of a reduced skin for one press; its error is certified, and includes the mesh."""
     model, s = skin.reduced, laplace_variable(frequency, skin.loss)
     at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
-    told = f"reduced to {model.size} vectors, {model.circuit.description}"
-    return ModelResult(told, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
+    name = f"reduced to {model.size} vectors, {model.circuit.description}"
+    return ModelResult(name, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
 
 
 def _check_trained(press: Press, scene: Scene) -> None:
     if not all(isinstance(touch, Touch) for touch in press.touches):
-        raise InputError(f"answers whole pixels, got {press}")
+        raise InputError(f"the model takes touches of whole pixels only, got {press}")
     low, high = TRAINED
     for touch in press.touches:
         if not low <= touch.factor <= high:
-            raise InputError(f"trained on factors from {low} to {high}, got {touch}")
+            raise InputError(f"the model is trained on factors from {low} to {high}, got {touch}")
         check_finger(touch, scene)
 
 
@@ -75,4 +75,4 @@ def check_finger(touch: AnyTouch, scene: Scene) -> None:
     """Raises InputError for a finger stronger than those that the scene's models are trained on."""
     if touch.finger and touch.finger > strongest_finger(scene):
         strongest = f"{strongest_finger(scene):g} F"
-        raise InputError(f"trained on fingers up to {strongest}, got {touch}")
+        raise InputError(f"the model is trained on fingers up to {strongest}, got {touch}")

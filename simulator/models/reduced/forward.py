@@ -96,27 +96,27 @@ class Forward:
         values = all_values(self.scene, given)
         cells, rises = self._with_finger(cells, rises, values)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
-        asked = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
+        further = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
         if _has_foam_modes(values):
-            asked.append(
+            further.append(
                 self._foam_mode_terms.masses(float(skin.unpressed_factors[0]), cells, rises)
             )
         with one_blas_thread():
-            found = sensitivity(skin, cells, rises, s, np.concatenate(asked))
+            found = sensitivity(skin, cells, rises, s, np.concatenate(further))
         by_gauge: NDArray[np.complex128] | float = 0.0
         if gauged(self.scene.skin):
             assert skin.weights is not None
             own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
             by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
-        return self._at_meter(found, skin, values, len(asked[0]), by_gauge)
+        return self._at_meter(found, skin, values, len(further[0]), by_gauge)
 
     def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
         """True if a press only raises M by fixed parts, as `respond_together` requires.
 
         given: see `respond`.
         """
-        even = not _has_foam_modes(given or {})
-        return even and type(self.reduced) is Reduced and not gauged(self.scene.skin)
+        uniform = not _has_foam_modes(given or {})
+        return uniform and type(self.reduced) is Reduced and not gauged(self.scene.skin)
 
     def respond_together(
         self,
@@ -148,7 +148,7 @@ class Forward:
     ) -> Response:
         """beside: number of further terms that K does not have."""
         ends = np.cumsum([len(self.reduced.stiffness), beside])
-        by_weight, by_term, by_wave = np.split(found.by_weight, ends, axis=-1)
+        by_weight, by_term, by_mode = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}
         by_name["capacitance"] = found.of_foam * of_s["capacitance"]
@@ -156,8 +156,8 @@ class Forward:
         assert skin.variation is not None and skin.weights is not None
         by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
         by_name |= self._terms.by_amplitudes(by_weight, skin.weights, values)
-        of_waves = np.moveaxis(self._s(values)[:, None] * by_wave, -1, 0)
-        named = zip(FOAM_MODES, of_waves, strict=False)
+        of_modes = np.moveaxis(self._s(values)[:, None] * by_mode, -1, 0)
+        named = zip(FOAM_MODES, of_modes, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
         at = leads_of(values), self.scene.frequencies
         return at_meter(1 / found.Y, by_name, *at, found.by_cell, by_term, by_gauge)

@@ -52,14 +52,14 @@ TRAINING = "training a reduced model"
 MESH_DRAWS = 4
 FREQUENCIES = 6
 SNAPSHOT_SHARE = 0.1
-"""Snapshots may be wrong by this share of what may be dropped of them, in the norm of K."""
+"""Error of snapshots in the norm of K, over the part of them that may be dropped."""
 WORTH_ADDING = 0.1
-"""At most this share of the largest energy that a snapshot lacks stays missing, whatever the
+"""Largest missing energy of a snapshot after vectors are added, over that before, at any
 tolerance."""
 CERTIFIED_SHARE, NEAR = 0.7, 0.5
 TRAINED_SHARE = 1e-4
-"""While the basis grows, factors omit this share of the change that lower rank may cause, as a part
-of each factor's energy."""
+"""Share of a factor's energy that is omitted while the basis grows, over what `compressed` may
+omit."""
 DROPPED_SHARE = 0.1
 """A snapshot of unit energy may lose this share of the tolerance as energy."""
 ESSENCE_SHARE = 1e-4
@@ -164,8 +164,10 @@ class Basis:
             self._add([cases[k] for k in np.flatnonzero(~(found <= NEAR * limit))])
             quiet, reduced, roughly = 0, self._reduced(), True
             if reduced.size > LARGEST:
-                told = f"{found.max():.1e} with {reduced.size} vectors"
-                raise ToleranceError(f"the scene does not reduce to {self.rtol:g}: {told}")
+                raise ToleranceError(
+                    f"the reduced model leaves an error of {found.max():.1e} with {reduced.size} "
+                    f"vectors, tolerance {self.rtol:g}"
+                )
         return compressed(reduced, [draw(random) for _ in range(BATCH)])
 
     def _add(self, cases: list[Case]) -> None:
@@ -266,8 +268,8 @@ class Basis:
         factors = family.masses.factors(W, size, share, parts)
         fixed = [*family.masses.energies(W, slice(parts.touched, None))]
         if family.far_inside is not None:
-            seen = family.far_inside.T @ W
-            fixed[-1] = fixed[-1] + seen.T @ seen
+            far = family.far_inside.T @ W
+            fixed[-1] = fixed[-1] + far.T @ far
         reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
         reduced = replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
         return with_applicator_tables(reduced) if isinstance(family, IndentationFamily) else reduced
@@ -281,8 +283,7 @@ def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> ND
         presses = [(case.cells, case.rises) for case in own]
         foams = [reduced.family.foam_of(case) for case in own]
         skin = reduced.skin(own[0].variation, touched(reduced.scene, *presses[0]))
-        told = skin.certificates(presses, foams, s)
-        found[group] = told.max(axis=(0, 2, 3))
+        found[group] = skin.certificates(presses, foams, s).max(axis=(0, 2, 3))
     return found
 
 

@@ -19,15 +19,15 @@ from ...fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
 from ...press.batch import PressBatch
 from .dense import DenseExcitation, UnpressedMass
 
-ROOM = 5
+WORK_VECTORS = 5
 """Number of work vectors of Lanczos' method, without two for each conductor that floats as a
 whole."""
 
 
 @compiled()
 def swept(
-    rest: UnpressedMass,
-    feed: DenseExcitation,
+    unpressed: UnpressedMass,
+    excitation: DenseExcitation,
     batch: PressBatch,
     s: NDArray,
     rtol: float,
@@ -44,29 +44,29 @@ def swept(
         square = s[k] * s[k]
         parts[0, k], parts[1, k] = s[k].real, s[k].imag
         parts[2, k], parts[3, k] = square.real, square.imag
-    room, fractions = room_for(rest, feed), np.empty((2, len(s)))
+    work, fractions = work_vectors(unpressed, excitation), np.empty((2, len(s)))
     diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
-    basis = np.empty((0, rest.rows.shape[1]))
+    basis = np.empty((0, unpressed.rows.shape[1]))
     for press in range(len(starts) - 1):
         first, end = starts[press], starts[press + 1]
         touched = cells[first:end], rises[first:end]
         steps, capacitance = lanczos_steps(
-            rest, feed, touched, farthest, rtol, room, diagonal, squared, basis
+            unpressed, excitation, touched, farthest, rtol, work, diagonal, squared, basis
         )
         delayed = 0.0
         if steps:
             delayed = squared[0]
             continued_fractions(parts, diagonal, squared, steps, fractions)
         for k in range(len(s)):
-            at_once = feed.conductance + s[k] * capacitance
+            at_once = excitation.conductance + s[k] * capacitance
             late = complex(parts[2, k], parts[3, k]) * complex(fractions[0, k], fractions[1, k])
             Y[press, k] = at_once - delayed * late if steps else at_once
     return Y
 
 
 def impedances(
-    rest: UnpressedMass,
-    feeds: Sequence[DenseExcitation],
+    unpressed: UnpressedMass,
+    excitations: Sequence[DenseExcitation],
     combination: Combination,
     batch: PressBatch,
     s: NDArray[np.complex128],
@@ -74,15 +74,20 @@ def impedances(
 ) -> NDArray[np.complex128]:
     """Z in ohm of every interface, shape (press, interface, s); for arguments see `swept`."""
     contiguous = np.ascontiguousarray(batch.cells)  # otherwise another `swept` is compiled
-    Y = [swept(rest, feed, batch._replace(cells=contiguous), s, rtol) for feed in feeds]
+    Y = [
+        swept(unpressed, excitation, batch._replace(cells=contiguous), s, rtol)
+        for excitation in excitations
+    ]
     Y = Y if combination.one_to_one else [*combination.admittance(np.stack(Y))]
     return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
 
 @compiled()
-def room_for(rest: UnpressedMass, feed: DenseExcitation) -> NDArray:  # pragma: no cover
+def work_vectors(
+    unpressed: UnpressedMass, excitation: DenseExcitation
+) -> NDArray:  # pragma: no cover
     """Work vectors of `lanczos_steps`, shape (vector, m)."""
-    return np.empty((ROOM + 2 * len(feed.common), rest.rows.shape[1]))
+    return np.empty((WORK_VECTORS + 2 * len(excitation.common), unpressed.rows.shape[1]))
 
 
 @compiled()
@@ -97,47 +102,51 @@ def farthest_of(s: NDArray) -> complex:  # pragma: no cover
 
 @compiled()
 def lanczos_steps(
-    rest: UnpressedMass,
-    feed: DenseExcitation,
+    unpressed: UnpressedMass,
+    excitation: DenseExcitation,
     touched: tuple[NDArray, NDArray],
     s: complex,
     rtol: float,
-    room: NDArray,
+    work: NDArray,
     diagonal: NDArray,
     squared: NDArray,
     basis: NDArray,
 ) -> tuple[int, float]:  # pragma: no cover
     """Lanczos' method until two steps in a row change neither Rs nor Cp at s by rtol.
 
-    touched: cells and their rises. room: from `room_for`; on return its first vector holds the
+    touched: cells and their rises. work: from `work_vectors`; on return its first vector holds the
     potentials at s = 0, V. diagonal, squared: filled as `continued_fraction` takes them. basis:
     filled with the vector of each step, shape (MAX_LANCZOS_STEPS, m), unless it is empty. Returns
     the number of steps and the capacitance that acts at once, F.
     """
-    terminals, m = rest.rows.shape
-    for vector in range(len(room)):
+    terminals, m = unpressed.rows.shape
+    for vector in range(len(work)):
         for k in range(m):
-            room[vector, k] = 0.0
-    potential, w, residual, product, solution = room[0], room[1], room[2], room[3], room[4]
-    count = len(feed.common)
-    common, charge, own = room[ROOM : ROOM + count], room[ROOM + count :], np.empty(count)
-    driven, floating = terminals > 0, len(feed.tied) + count > 0
+            work[vector, k] = 0.0
+    potential, w, residual, product, solution = work[0], work[1], work[2], work[3], work[4]
+    count = len(excitation.common)
+    common, charge, own = (
+        work[WORK_VECTORS : WORK_VECTORS + count],
+        work[WORK_VECTORS + count :],
+        np.empty(count),
+    )
+    driven, floating = terminals > 0, len(excitation.tied) + count > 0
     for k in range(terminals):
-        potential[k] = feed.driven[k]
+        potential[k] = excitation.driven[k]
     for each in range(count):
         for k in range(terminals):
-            common[each, k] = feed.common[each, k]
+            common[each, k] = excitation.common[each, k]
         _neutralise(common, charge, own, each, terminals, common[each])
-        _charge(rest, touched, common[each], charge[each], driven)
+        _charge(unpressed, touched, common[each], charge[each], driven)
         own[each] = _dot(common[each, :terminals], charge[each, :terminals])
     _neutralise(common, charge, own, count, terminals, potential)
-    _charge(rest, touched, potential, residual, driven)
+    _charge(unpressed, touched, potential, residual, driven)
     capacitance = _dot(potential, residual)
-    now = feed.conductance + s * capacitance
+    now = excitation.conductance + s * capacitance
     convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
     steps, change_before, beside = 0, np.inf, 0.0
     while steps < MAX_LANCZOS_STEPS:
-        _solve(feed, residual, solution)
+        _solve(excitation, residual, solution)
         _neutralise(common, charge, own, count, terminals, solution)
         square = _dot(residual, solution)
         if not square > 0.0:
@@ -146,7 +155,7 @@ def lanczos_steps(
         share = 1.0 / beside
         for k in range(m):
             solution[k] *= share
-        _charge(rest, touched, solution, product, floating)
+        _charge(unpressed, touched, solution, product, floating)
         squared[steps], diagonal[steps] = square, _dot(solution, product)
         if len(basis):
             for k in range(m):
@@ -158,7 +167,7 @@ def lanczos_steps(
         convergent = next_convergent(convergent, s, a, square, steps)
         steps += 1
         fraction = convergent[0] * convergent[1].conjugate()
-        before, now = now, feed.conductance + s * capacitance - s * s * squared[0] * fraction
+        before, now = now, excitation.conductance + s * capacitance - s * s * squared[0] * fraction
         change = _difference(before, now)
         if steps >= MIN_LANCZOS_STEPS and change <= rtol and change_before <= rtol:
             break
@@ -168,7 +177,7 @@ def lanczos_steps(
 
 @compiled(fastmath={"reassoc", "contract"})
 def _charge(
-    rest: UnpressedMass,
+    unpressed: UnpressedMass,
     touched: tuple[NDArray, NDArray],
     v: NDArray,
     charge: NDArray,
@@ -179,16 +188,16 @@ def _charge(
     Unless `floating`, v is 0 at terminals and their charge is left out. Rows of factors are taken
     four at a time: v and charge are then read less often.
     """
-    terminals, m = rest.rows.shape
+    terminals, m = unpressed.rows.shape
     for k in range(terminals, m):
-        charge[k] = rest.diagonal[k - terminals] * v[k]
+        charge[k] = unpressed.diagonal[k - terminals] * v[k]
     for row in range(terminals if floating else 0):
-        charge[row] = _dot(rest.rows[row], v)
+        charge[row] = _dot(unpressed.rows[row], v)
         for k in range(terminals, m):
-            charge[k] += rest.rows[row, k] * v[row]
+            charge[k] += unpressed.rows[row, k] * v[row]
     cells, rises = touched
     for touch in range(len(cells)):
-        factor, rise = rest.factors[cells[touch]], rises[touch]
+        factor, rise = unpressed.factors[cells[touch]], rises[touch]
         whole = len(factor) - len(factor) % 4
         for row in range(0, whole, 4):
             a, b, c, d = 0.0, 0.0, 0.0, 0.0
@@ -235,21 +244,21 @@ def _neutralise(
 
 
 @compiled()
-def _solve(feed: DenseExcitation, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
+def _solve(excitation: DenseExcitation, y: NDArray, solution: NDArray) -> None:  # pragma: no cover
     """Writes K^-1 y into `solution`.
 
     K is 1 in the basis; floating terminals follow from the conductance between them.
     """
-    terminals = len(feed.driven)
+    terminals = len(excitation.driven)
     for k in range(len(y)):
         solution[k] = y[k] if k >= terminals else 0.0
-    for row in range(len(feed.tied)):
+    for row in range(len(excitation.tied)):
         potential = 0.0
-        for column in range(len(feed.tied)):
-            current = _dot(feed.tied[column], y[:terminals])
-            potential += feed.tied_inverse[row, column] * current
+        for column in range(len(excitation.tied)):
+            current = _dot(excitation.tied[column], y[:terminals])
+            potential += excitation.tied_inverse[row, column] * current
         for k in range(terminals):
-            solution[k] += potential * feed.tied[row, k]
+            solution[k] += potential * excitation.tied[row, k]
 
 
 @compiled()

@@ -132,10 +132,10 @@ def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
     sizes |= {FIXED: (len(arrays[FIXED]), N + n, N + n)} if FIXED in arrays else {}
     for name, size in sizes.items():
         if arrays[name].shape != size:
-            raise ValueError(f"`{name}` has shape {arrays[name].shape}, where {size} belongs")
+            raise ValueError(f"`{name}` must have shape {size}, got {arrays[name].shape}")
     field = arrays["terminal_field"]
     if not ((field >= 0) & (field < fields)).all():
-        raise ValueError(f"`terminal_field` must be from 0 on and < {fields}")
+        raise ValueError(f"`terminal_field` must be >= 0 and < {fields}")
 
 
 def _mesh_description(mesh: Mesh) -> tuple[dict[str, Any], dict[str, NDArray]]:

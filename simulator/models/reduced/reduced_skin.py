@@ -26,9 +26,9 @@ from .projection import Projection
 
 KRYLOV_SHARE = 0.03
 CANCELLED_UNDER_PRESS, MAX_CANCELLATION = 3.0, 1e6
-"""Cancellation between excitations under a press over that without one: strong presses change it
-two- or threefold. Largest cancellation that the tolerance of Lanczos' method follows: the method
-ends at rounding, and the certificate covers what is lost beyond it."""
+"""Cancellation between excitations under a press over that of the unpressed skin, which strong
+presses change two- or threefold. Largest cancellation that the tolerance of Lanczos' method
+follows: beyond it the method ends at rounding, and the certificate covers the loss."""
 
 
 class ReducedSkin:
@@ -49,14 +49,16 @@ class ReducedSkin:
         """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
         self.reduced, self.variation = reduced, variation
         factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
-        told = reduced.scene, reduced.circuit, reduced.modes
-        self.weights = weights_under(variation, *told, factors)
+        given = reduced.scene, reduced.circuit, reduced.modes
+        self.weights = weights_under(variation, *given, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
         self.loss, self.unpressed_factors = own.loss, own.factors(reduced.scene)
         self.s, self.parts = laplace_variable(reduced.frequency, own.loss), parts_of(reduced.scene)
         K = self.stiffness
-        at_rest = (self.unpressed_factors * self.parts.resting)[: len(reduced.factors), None, None]
-        rows = (np.sqrt(at_rest) * reduced.factors).reshape(-1, len(K))
+        unpressed = (self.unpressed_factors * self.parts.resting)[
+            : len(reduced.factors), None, None
+        ]
+        rows = (np.sqrt(unpressed) * reduced.factors).reshape(-1, len(K))
         M = rows.T @ rows
         if len(reduced.fixed):
             M += np.tensordot(self.fixed_factors, reduced.fixed, axes=1)
@@ -77,7 +79,7 @@ class ReducedSkin:
 
     @cached_property
     def rest(self) -> UnpressedMass:
-        """Unpressed M, and the factors of what every cell adds."""
+        """Unpressed M, and the factors of the terms that cells add."""
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
@@ -153,7 +155,7 @@ class ReducedSkin:
         rises: NDArray[np.float64],
         s: NDArray[np.complex128] | None = None,
     ) -> NDArray[np.float64]:
-        """Bound on the relative errors of Rs and Cp of one press by the reduction, plus `doubt`.
+        """Bound on the relative errors of Rs and Cp of one press by the reduction, with its foam.
 
         Shape (2, interface, s). s: rad/s, by default those of the model's frequencies.
         """
@@ -174,7 +176,7 @@ class ReducedSkin:
         foams: Sequence[NDArray[np.float64]],
         s: NDArray[np.complex128],
     ) -> NDArray[np.float64]:
-        """Bounds by the reduction alone for presses under which the sheets are as here.
+        """Bounds by the reduction alone, for presses under which the sheets do not change.
 
         Shape (2, press, interface, s). foams: factors of each pressed skin, as the family's `mass`
         takes them.
@@ -187,18 +189,18 @@ class ReducedSkin:
         potential = W @ np.hstack([u.real, u.imag])
         current = family.currents(self.weights, potential)
         masses = [family.mass_inside(foam) for foam in foams]
-        told = potential, current, Q, s, self.min_conductance, self.combination
-        return certificate(family.space, masses, *told)
+        solved = potential, current, Q, s, self.min_conductance, self.combination
+        return certificate(family.space, masses, *solved)
 
     def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
         """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""
         reduced = self.reduced
         if reduced.scene.uniform:
             return 0.0
-        asked = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
+        pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
             read = reduced.rtol, reduced.frequency, reduced.circuit.excitations
-            return reduced.family.solved(*asked, *read)[1]
+            return reduced.family.solved(*pressed, *read)[1]
 
     @property
     def min_conductance(self) -> float:
@@ -222,15 +224,17 @@ class ReducedSkin:
                 )
                 if error <= rtol:
                     return Z
-        raise ToleranceError(f"a press leaves {error:.1e} by the full system, asked {rtol:g}")
+        raise ToleranceError(
+            f"the full system leaves an error of {error:.1e} under this press, tolerance {rtol:g}"
+        )
 
     def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
         """Family that was reduced, then families on finer and finer meshes for this press."""
         reduced = self.reduced
         yield reduced.family
-        asked = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
+        given = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
         press = Case(None, cells, rises).press_on(reduced.scene)
-        yield from finer_families(*asked, [press], reduced.frequency)
+        yield from finer_families(*given, [press], reduced.frequency)
 
     def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""

@@ -88,8 +88,10 @@ def _alone(
     foam, fingers, across, walls = (squares[:, kind] for kind in parts.kind)
     fixed, of_foam, each = squares[:, parts.touched :], whole, s[:, None]
     if parts.around:
-        held = cells >= parts.foam
-        of_foam = whole - squares[:, cells[held]] @ rises[held] - fixed @ skin.fixed_factors
+        beyond_foam = cells >= parts.foam
+        of_foam = (
+            whole - squares[:, cells[beyond_foam]] @ rises[beyond_foam] - fixed @ skin.fixed_factors
+        )
     pressed = parts.pressed(cells, rises)[parts.kind[0]]
     if parts.thickness:
         foam = foam + across * parts.across_slope(pressed)
@@ -176,12 +178,12 @@ def _of_touched(
 
 def _stored(
     u: NDArray[np.complex128],
-    rest: UnpressedMass,
+    unpressed: UnpressedMass,
     squares: NDArray[np.complex128],
     weights: NDArray[np.float64],
 ) -> NDArray[np.complex128]:
     """u'Mu of each press, F V², shape (press, s)."""
-    rows, diagonal, _ = rest
+    rows, diagonal, _ = unpressed
     U, V = u[:, :, : len(rows)], u[:, :, len(rows) :]
     whole = (U * (u @ rows.T)).sum(axis=2) + (U * (V @ rows[:, len(rows) :].T)).sum(axis=2)
     return whole + (V**2 @ diagonal + (squares * weights[:, None]).sum(axis=2))

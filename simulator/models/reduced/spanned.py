@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...fem.lanczos import MAX_LANCZOS_STEPS
 from .dense import DenseExcitation, UnpressedMass, aligned
-from .kernel import farthest_of, lanczos_steps, room_for
+from .kernel import farthest_of, lanczos_steps, work_vectors
 
 RTOL = 1e-12
 """Tolerance of Lanczos' method for Rs and Cp; that of the potentials is its square root."""
@@ -23,45 +23,45 @@ Potentials = tuple[NDArray[np.complex128], NDArray[np.complex128]]
 
 
 def spanned_by_all(
-    feeds: Sequence[DenseExcitation],
+    excitations: Sequence[DenseExcitation],
     presses: Iterable[tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]],
     s: NDArray[np.complex128],
 ) -> Potentials:
     """Potentials and Y of each press and excitation, see `spanned`.
 
-    The potentials have shape (m, press * drive * s), Y has shape (press, drive, s).
+    The potentials have shape (m, press * excitation * s), Y has shape (press, excitation, s).
     """
     found = []
-    for rest, cells, weights in presses:
-        own, touched = aligned(rest), (cells, weights)
-        found += [spanned(feed, own, touched, s, RTOL) for feed in feeds]
+    for unpressed, cells, weights in presses:
+        own, touched = aligned(unpressed), (cells, weights)
+        found += [spanned(excitation, own, touched, s, RTOL) for excitation in excitations]
     u, Y = zip(*found, strict=True)
-    return np.hstack(u), np.stack(Y).reshape(-1, len(feeds), len(s))
+    return np.hstack(u), np.stack(Y).reshape(-1, len(excitations), len(s))
 
 
 @compiled()
 def spanned(
-    feed: DenseExcitation, rest: UnpressedMass, touched: Touched, s: NDArray, rtol: float
+    excitation: DenseExcitation, unpressed: UnpressedMass, touched: Touched, s: NDArray, rtol: float
 ) -> Potentials:  # pragma: no cover
     """Potentials of one press at 1 V, shape (m, s), and Y in S, shape (s,).
 
     touched: cells and their rises. s, rtol: see `swept`.
     """
-    m = rest.rows.shape[1]
-    room, basis = room_for(rest, feed), np.empty((MAX_LANCZOS_STEPS, m))
+    m = unpressed.rows.shape[1]
+    work, basis = work_vectors(unpressed, excitation), np.empty((MAX_LANCZOS_STEPS, m))
     diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
     steps, capacitance = lanczos_steps(
-        rest, feed, touched, farthest_of(s), rtol, room, diagonal, squared, basis
+        unpressed, excitation, touched, farthest_of(s), rtol, work, diagonal, squared, basis
     )
     u, Y = np.empty((m, len(s)), np.complex128), np.empty(len(s), np.complex128)
     share = np.empty(steps, np.complex128)
     for k in range(len(s)):
         _shares(s[k], diagonal, squared, share)
-        Y[k] = feed.conductance + s[k] * capacitance
+        Y[k] = excitation.conductance + s[k] * capacitance
         if steps:
             Y[k] += s[k] * np.sqrt(squared[0]) * share[0]
         for row in range(m):
-            potential = complex(room[0, row], 0.0)
+            potential = complex(work[0, row], 0.0)
             for step in range(steps):
                 potential += basis[step, row] * share[step]
             u[row, k] = potential

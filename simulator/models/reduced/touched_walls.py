@@ -1,4 +1,4 @@
-"""Walls around the touches of a reduced skin, and their slopes by the factors beside them."""
+"""Walls around the touches of a reduced skin, and their slopes by the adjacent factors."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def walls_around(
     each = own.reshape(len(cells), -1)
     again = np.tril(each[:, :, None] == each[:, None, :], -1).any(axis=2).reshape(own.shape)
     number = parts.kind[3].start + wall
-    at_rest = rest[number] / rest[np.minimum(cells, parts.foam - 1)][..., None]
+    unpressed = rest[number] / rest[np.minimum(cells, parts.foam - 1)][..., None]
     return TouchedWalls(
         number,
         np.where(there & ~again, parts.wall(here, over), 0.0),
-        np.where(there, parts.wall_slope(here, over) * at_rest, 0.0),
+        np.where(there, parts.wall_slope(here, over) * unpressed, 0.0),
     )
 
 

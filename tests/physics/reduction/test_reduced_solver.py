@@ -19,7 +19,7 @@ def test_presses_beyond_the_trained_range_fall_back_to_elements():
     told = [solver.explain(press, solver.solve(press)) for press in (usual, strong)]
     assert "reduced to" in told[0].splitlines()[1]
     assert "2-D elements" in told[1].splitlines()[1]
-    assert "reduced: trained on factors from 0.5 to 3.0, got 2,2:30.0" in told[1]
+    assert "reduced: the model is trained on factors from 0.5 to 3.0, got 2,2:30.0" in told[1]
     exact = simulate(Solver(scene, 1e-7), [usual, strong])
     for name in ("Rs", "Cp"):
         np.testing.assert_allclose(sweeps[name], exact[name], rtol=RTOL)
@@ -32,7 +32,9 @@ def test_touches_anywhere_are_left_to_elements():
     press = Press((Rectangle(0.05, 0.07, 0.03, 0.02, 2.5),))
     solver = Solver(scene, 1e-4, "reduced")
     answer, truth = solver.solve(press), Solver(scene, 1e-7).solve(press)
-    assert answer.rejected[0] == f"reduced: answers whole pixels, got {press}"
+    assert (
+        answer.rejected[0] == f"reduced: the model takes touches of whole pixels only, got {press}"
+    )
     off = relative_difference(answer.Z, truth.Z)
     assert (off <= np.array(answer.relative_errors) + 1e-7).all()
     assert off.max() <= 1e-4

@@ -196,7 +196,7 @@ def test_foam_that_creeps_not_at_all_reads_as_before(strip):
         (
             {"skin.foam.relaxation": ONE},
             ["disc(0.05,0.01,0.005):2.0+disc(0.05,0.01,0.005):1.5"],
-            "foam that creeps takes each place once",
+            "foam that creeps allows one touch at each place",
         ),
     ],
 )
@@ -257,13 +257,14 @@ def test_a_localizer_by_a_model_of_the_skin_says_so_too(creeping):
 
 
 @pytest.mark.parametrize(
-    ("pause", "how"), [(2.0, "let go 2 s before the next"), (0.0, "not let go")]
+    ("pause", "how"),
+    [(2.0, "with a pause of 2 s before the next"), (0.0, "with no pause before the next")],
 )
 def test_sweep_says_how_presses_follow_each_other(creeping, run, tmp_path, monkeypatch, pause, how):
     monkeypatch.chdir(tmp_path)
     write_scene("mine.toml", creeping.with_({"experiment.timing.pause": pause}))
     code, _, err = run("sweep", "mine.toml", "--press", "1,2", "-o", "out.nc")
     assert code == 0
-    (line,) = [line for line in err.splitlines() if "the foam remembers" in line]
-    assert line.startswith("rcskin: note: mine.toml: the foam remembers: presses come one after")
-    assert line.endswith(f"each is held for 500 ms while it is read, and {how}")
+    (line,) = [line for line in err.splitlines() if "the foam creeps" in line]
+    assert line.startswith("rcskin: note: mine.toml: the foam creeps: presses follow each other")
+    assert line.endswith(f"each lasts 500 ms while it is read, {how}")

@@ -175,13 +175,13 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
         (
             [*SQUARE, (0.5, -1), (0.6, -1)],
             [(0, 1, 2), (0, 2, 3), (0, 1, 4), (0, 1, 5)],
-            "must meet by twos, got 3 at one edge",
+            "must meet in pairs, got 3 at one edge",
         ),
-        ([*SQUARE, (0.5, 2)], [(0, 1, 2), (0, 1, 4)], "overlap near"),
+        ([*SQUARE, (0.5, 2)], [(0, 1, 2), (0, 1, 4)], "must not overlap, got two that do near"),
         (
             [*SQUARE, (3, 0), (4, 0), (3, 1)],
             [(0, 1, 2), (0, 2, 3), (4, 5, 6)],
-            "must hang together by edges, got 2 separate parts",
+            "must be connected by edges, got 2 separate parts",
         ),
         ([(0, 0), (1, 0), (np.nan, 1)], [(0, 1, 2)], "must have finite coordinates"),
     ],

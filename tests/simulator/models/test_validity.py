@@ -45,7 +45,7 @@ def test_a_capacitance_alone_is_of_a_foam_of_assumed_permittivity(make_scene):
     """3.5 mm at 5 nF/m² and a relative permittivity of 2."""
     assert warnings(make_scene(frequencies=[1e5])) == []
     (warning,) = warnings(make_scene(frequencies=[1e7]))
-    assert "the foam's 3.5 mm (relative permittivity 2 assumed)" in warning
+    assert "the foam, 3.5 mm (relative permittivity 2 assumed)" in warning
 
 
 @pytest.mark.parametrize(("permittivity", "warned"), [(1.0, True), (2.2, False)])
@@ -63,7 +63,9 @@ def test_the_fringe_weighs_more_the_less_the_foam_holds(make_scene, permittivity
 def test_a_thickness_that_is_assumed_where_it_counts_is_told(key):
     scene = load_scene("sheet-5x5").with_({f"surroundings.{key}": True})
     (warning,) = warnings(scene)
-    assert f"`surroundings.{key}` takes the foam to be 3.6 mm (relative permittivity 2 " in warning
+    assert (
+        f"`surroundings.{key}` assumes that the foam is 3.6 mm (relative permittivity 2 " in warning
+    )
     assert warnings(scene.with_({"skin.foam.thickness": 4e-3})) == []
 
 
@@ -91,4 +93,4 @@ def test_loss_is_taken_for_the_surroundings_too(changes):
     lossy = load_scene("sheet-5x5").with_(changes)
     assert warnings(lossy) == []
     (warning,) = warnings(lossy.with_({"surroundings": {}}))
-    assert "loss of the foam is taken for [surroundings], too" in warning
+    assert "[surroundings] has the loss of the foam, too" in warning

@@ -1,1 +1,1 @@
-"""Deflections on an even lattice: less exact than on triangles, for very many presses."""
+"""Deflections on a uniform lattice: less exact than on triangles, for very many presses."""

@@ -24,17 +24,18 @@ def relaxed_in_place(
     still: float,
     most: int,
 ) -> int:  # pragma: no cover
-    """Relax deflections w to the minimum of energy that is nowhere below `least`; count of sweeps.
+    """Relax deflections w to the minimum of energy that is nowhere below `least`.
 
-    By successive over-relaxation (`relaxed`) with one Newton step at a node and projection, until a
-    sweep moves nothing by more than `still`; returns `most` + 1 if that many do not suffice. w,
+    Successive over-relaxation by the factor `relaxed`, with one Newton step at each node and
+    projection, until a sweep moves no node by more than `still`. Returns the number of sweeps, or
+    `most` + 1 if `most` sweeps do not suffice. w,
     least, still: m. right, up: conductance of each node to the next along x and along y, over the
     tension; 0 at the last. load: area of a node over the tension, m² / (N/m). law: the foam's
     stress in Pa at equidistant strains from 0. per_metre: number of those strains for each m of
     deflection.
     """
     rows, columns = w.shape
-    last, held = len(law) - 2, _conductance_sums(right, up)
+    last, total = len(law) - 2, _conductance_sums(right, up)
     for sweep in range(most):
         moved = 0.0
         for i in range(rows):
@@ -54,8 +55,8 @@ def relaxed_in_place(
                     pull += up[i - 1, j] * (w[i - 1, j] - own)
                 if i + 1 < rows:
                     pull += up[i, j] * (w[i + 1, j] - own)
-                gain = relaxed / (held[i, j] + load[i, j] * slope * per_metre)
-                if j > 0:  # last, for it has only just moved: all else is known while it does
+                gain = relaxed / (total[i, j] + load[i, j] * slope * per_metre)
+                if j > 0:  # last: this neighbour has just moved, all others are known earlier
                     pull += right[i, j - 1] * (left - own)
                 left = max(own + gain * pull, least[i, j])
                 moved = max(moved, abs(left - own))
@@ -69,15 +70,15 @@ def relaxed_in_place(
 def _conductance_sums(right: NDArray, up: NDArray) -> NDArray:  # pragma: no cover
     """Sum of the conductances of each node to its neighbours, over the tension."""
     rows, columns = right.shape
-    held = np.empty((rows, columns))
+    total = np.empty((rows, columns))
     for i in range(rows):
         for j in range(columns):
-            held[i, j] = right[i, j] + up[i, j]
+            total[i, j] = right[i, j] + up[i, j]
             if j > 0:
-                held[i, j] += right[i, j - 1]
+                total[i, j] += right[i, j - 1]
             if i > 0:
-                held[i, j] += up[i - 1, j]
-    return held
+                total[i, j] += up[i - 1, j]
+    return total
 
 
 @compiled()

@@ -60,7 +60,7 @@ def rises_within(
 def rises_at_nodes(
     lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
-    """Rise of c at the nodes of a window, shape (row, column). still: as STILL."""
+    """Rise of c at the nodes of a window, shape (row, column). still: see STILL."""
     w = deflected(lattice, applied, here, still)
     return lattice.mechanics.factor(w / lattice.thickness) - 1
 
@@ -68,7 +68,7 @@ def rises_at_nodes(
 def deflected(
     lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
 ) -> NDArray[np.float64]:
-    """Deflection at the nodes of a window, m, shape (row, column). still: as STILL.
+    """Deflection at the nodes of a window, m, shape (row, column). still: see STILL.
 
     Raises ToleranceError if the relaxation does not converge.
     """

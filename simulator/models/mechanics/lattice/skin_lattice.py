@@ -14,7 +14,7 @@ from ....scene.scene import Scene
 from ....scene.skin import covers
 
 FINE, OF_TOUCH = 4, 16
-"""Minimum steps for each length of the skins' spread, and along the smallest applicator."""
+"""Minimum number of steps per length of the skins' spread, and along the smallest applicator."""
 MAX_NODES_ALONG = 800
 SAMPLES = 8
 """Samples along each side of a node's area where an edge of the skin passes."""
@@ -68,7 +68,7 @@ class Lattice:
 
     @property
     def per_metre(self) -> float:
-        """Number of those strains for each m of deflection."""
+        """Number of the strains of `law` for each m of deflection."""
         return (LAW - 1) / (self.mechanics.elastic.greatest_strain * self.thickness)
 
     def nodes(self, here: tuple[slice, slice]) -> tuple[slice, slice]:
@@ -89,7 +89,7 @@ class Lattice:
         return self._where(FOLLOWED * depth) - self._where(depth)
 
     def falls_within(self, depth: float) -> float:
-        """Distance over which the deflection falls to a tenth from there, m."""
+        """Distance over which a deflection falls from a depth to a tenth of it, m."""
         return self._where(depth / 10) - self._where(depth)
 
     def _where(self, w: float) -> float:
@@ -157,7 +157,7 @@ def _skin_shares(
 def _cut(
     scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
-    """Shares as of `_skin_shares` for a skin of any outline, by samples where an edge is near."""
+    """Shares as in `_skin_shares` for a skin of any outline, from samples near its edges."""
     skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
     middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
     around = np.pad(middle, 1, mode="edge")

@@ -21,8 +21,10 @@ POINTS = 24
 
 
 def traced(scene: Scene, lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
-    """Rises as of `relaxed_presses.raised`, to FACTOR_RTOL of the factor; some tenths of a second
-    each."""
+    """Rises as `relaxed_presses.raised` returns them, with a tolerance of FACTOR_RTOL.
+
+    A press takes some tenths of a second.
+    """
     if not len(applied.depth):
         return NOTHING
     here, grid = window(lattice, applied), lattice.grid

@@ -43,7 +43,7 @@ class FoamModeTerms:
     """
 
     def __init__(self, even: Reduced) -> None:
-        """Raises what `Reduced.family` raises if that is not at hand."""
+        """Raises what `Reduced.family` raises if the full model must be built again."""
         self.even = even
         self.terms = _terms(even)
 
@@ -65,14 +65,14 @@ class FoamModeTerms:
 
         rest: c of the uniform foam over that of the scene. cells, rises: see `ReducedSkin.sweeps`.
         """
-        found = self._at_rest.copy()
+        found = self._unpressed.copy()
         for cell, rise in zip(cells.tolist(), rises.tolist(), strict=True):
             F = self.even.factors[cell]
             found += rise * (F.T @ (self.terms[:, cell] @ F))
         return rest * found
 
     @cached_property
-    def _at_rest(self) -> NDArray[np.float64]:
+    def _unpressed(self) -> NDArray[np.float64]:
         F = self.even.factors
         rows = F.reshape(-1, F.shape[2])
         return np.stack([rows.T @ (S @ F).reshape(rows.shape) for S in self.terms])
@@ -85,7 +85,7 @@ def _terms(even: Reduced) -> NDArray[np.float64]:
     parts = [each.energies(W) for each in even.family.foam_modes]
     return np.stack(
         [
-            np.stack([G.T @ each @ G for each, G in zip(of_wave, back, strict=True)])
-            for of_wave in parts
+            np.stack([G.T @ each @ G for each, G in zip(of_mode, back, strict=True)])
+            for of_mode in parts
         ]
     )

@@ -95,7 +95,9 @@ def coarsest(
                 break
         else:
             return family, found
-    raise ToleranceError(f"the mesh of the reduced model does not reach {rtol:g}: {found:.1e}")
+    raise ToleranceError(
+        f"the mesh of the reduced model leaves an error of {found:.1e}, tolerance {rtol:g}"
+    )
 
 
 def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Family:
@@ -105,8 +107,8 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
     a few presses.
     """
     if scene.uniform:
-        ladder = ResolutionHierarchy(scene, circuit)
-        resolution = ladder.resolution(ladder.first(rtol), Press(), highest)
+        hierarchy = ResolutionHierarchy(scene, circuit)
+        resolution = hierarchy.resolution(hierarchy.first(rtol), Press(), highest)
         return UniformFamily(scene, circuit, resolution, modes=1)
     draw, random = pixel_touches(scene), np.random.default_rng(0)
     cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
@@ -139,9 +141,9 @@ def finer_families(
         for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
             yield HeterogeneousFamily(scene, circuit, mesh, modes)
         return
-    ladder = ResolutionHierarchy(scene, circuit)
-    for level in range(ladder.first(rtol), len(ladder.levels)):
-        resolution = ladder.resolution(level, presses[0], frequency[-1])
+    hierarchy = ResolutionHierarchy(scene, circuit)
+    for level in range(hierarchy.first(rtol), len(hierarchy.levels)):
+        resolution = hierarchy.resolution(level, presses[0], frequency[-1])
         yield UniformFamily(scene, circuit, resolution, modes)
 
 

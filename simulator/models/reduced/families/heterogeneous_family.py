@@ -45,8 +45,8 @@ class HeterogeneousFamily(Family):
 
     @cached_property
     def _coefficients(self) -> PressCoefficients:
-        at_rest = np.ones(self.elements.cells)
-        return PressCoefficients(Materials(self.scene), at_rest, None, self.circuit.fields)
+        unpressed = np.ones(self.elements.cells)
+        return PressCoefficients(Materials(self.scene), unpressed, None, self.circuit.fields)
 
     @property
     def far(self) -> NDArray[np.float64] | None:
@@ -79,13 +79,13 @@ class HeterogeneousFamily(Family):
         If presses change the sheets, each part of the foam has terms of its own.
         """
         x = self.elements.surface.x
-        waves = mode_values(self.scene, x, self.modes)
-        apart = self._cells_of_parts if gauged(self.scene.skin) else [None]
+        modes = mode_values(self.scene, x, self.modes)
+        parts = self._cells_of_parts if gauged(self.scene.skin) else [None]
         return [
-            self._sheet_term(field, self._coefficients.conductance(field, x) * wave, within)
+            self._sheet_term(field, self._coefficients.conductance(field, x) * mode, within)
             for field in range(self.circuit.fields)
-            for wave in waves
-            for within in apart
+            for mode in modes
+            for within in parts
         ]
 
     @cached_property

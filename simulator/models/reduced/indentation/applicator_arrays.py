@@ -18,7 +18,9 @@ OF_PIXELS = {name: f"applied_{name}" for name in ("of_pixel", "turn", "shift", "
 OF_TABLES = {name: f"table_{name}" for name in ("bases", "parts", "matrices")} | {
     "uncertainties": "table_doubts"
 }
-OF_SERIES = {name: name for name in ("p", "nodes", "depth", "count", "w", "unsure", "force")}
+OF_SERIES = {name: name for name in ("p", "nodes", "depth", "count", "w", "force")} | {
+    "uncertainty": "unsure"
+}
 """Name in the file of each attribute that is stored; those of series have a prefix, see `_name`."""
 
 
@@ -67,7 +69,7 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
 
 def with_beside(model: Reduced, beside: Beside) -> IndentationModel:
     """Model with the applicators and tables of its file."""
-    of_pixels, tables, courses = beside
-    known = PixelApplicators(scene=model.scene, all_series=courses, **of_pixels)
+    of_pixels, tables, all_series = beside
+    known = PixelApplicators(scene=model.scene, all_series=all_series, **of_pixels)
     own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
     return IndentationModel(**own, applicators=known, tables=tables)

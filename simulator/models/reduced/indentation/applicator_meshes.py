@@ -63,9 +63,9 @@ def finer_families(
     """Families on finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
-    asked = family.scene, family.circuit
-    for mesh in _triangulations(*asked, family.rtol, [press], frequency, family.mesh.domain):
-        yield family_on(*asked, mesh, family.modes, family.applicators, family.rtol)
+    given = family.scene, family.circuit
+    for mesh in _triangulations(*given, family.rtol, [press], frequency, family.mesh.domain):
+        yield family_on(*given, mesh, family.modes, family.applicators, family.rtol)
 
 
 def _triangulations(

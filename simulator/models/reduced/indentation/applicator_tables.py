@@ -42,8 +42,8 @@ def tables(
     W: basis in the full space, shape (inner + N, N + n). size: typical size of coordinates, V,
     shape (N + n,). rtol: the tolerance.
     """
-    seen = FoamPotentials(family, W)
-    found = {k: _of_pixel(family, seen, k, size, rtol) for k in family.pressable.tolist()}
+    potentials = FoamPotentials(family, W)
+    found = {k: _of_pixel(family, potentials, k, size, rtol) for k in family.pressable.tolist()}
     count, m = len(family.applicators.of_pixel), W.shape[1]
     rank, parts, modes = (
         max(each[which].shape[axis] for each in found.values())
@@ -61,14 +61,14 @@ def tables(
 
 def _of_pixel(
     family: IndentationFamily,
-    seen: FoamPotentials,
+    potentials: FoamPotentials,
     pixel: int,
     size: NDArray[np.float64],
     rtol: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     field = family.field(pixel)
-    weights = seen.weights(field.cells)
-    D = seen.potentials(field.cells) * size
+    weights = potentials.weights(field.cells)
+    D = potentials.potentials(field.cells) * size
     most = np.tensordot(field.coefficients[-1], field.modes, axes=1)
     heavy = D * np.sqrt(weights * np.maximum(most, 0.0))[..., None]
     flat = heavy.reshape(-1, len(size))
@@ -94,14 +94,14 @@ class FoamPotentials:
         """W: shape (inner + N, N + n)."""
         self._family = family
         spread = family.space.spread(W)
-        self._held = np.vstack([spread, np.zeros((1, W.shape[1]))])
+        self._values = np.vstack([spread, np.zeros((1, W.shape[1]))])
 
     def potentials(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         """Potentials across the foam, V, shape (cell, point, N + n)."""
         family = self._family
         elements, number = family.elements, family.system.unknowns.number
         dofs = elements.trial.dofs.element_dofs[:, cells]
-        first, *others = (self._held[of_field[dofs]] for of_field in number)
+        first, *others = (self._values[of_field[dofs]] for of_field in number)
         across = first - others[0] if others else first
         return np.einsum("fp,fcm->cpm", elements.rule.values, across, optimize=True)
 

@@ -1,4 +1,4 @@
-"""Every pixel of a skin as an applicator: deflections under and beside it by its depth.
+"""Every pixel of a skin as an applicator: deflections under and next to it by its depth.
 
 On a rectangle, pixels in equivalent positions relative to its edges share one depth series.
 """
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 REACH = 0.9
 """Largest strain under applicators over that at which the foam's cells are closed."""
 FACTOR_SHARE, COARSEST = 30.0, 1e-2
-"""Largest error of a factor, which occurs at corners alone: over the tolerance, and in any case."""
+"""Largest error of a factor over the tolerance of Rs and Cp, and its maximum. It occurs only at
+corners."""
 DEPTH_SHARE = 0.1
 """Interpolation between depths may leave this share of the tolerance as error of the factor."""
 NEGLIGIBLE = 0.1
@@ -84,14 +85,14 @@ class PixelApplicators:
     def deflection(self, pixel: int, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Deflection by one applicator at a depth in m, at positions x (2, point) on the skin,
         m."""
-        own, course = (
+        own, series = (
             self.turn[pixel][:, None] * x + self.shift[pixel][:, None],
             self.depth_series_of(pixel),
         )
         found = np.zeros(x.shape[1])
-        low, high = course.reach(self.far)
+        low, high = series.reach(self.far)
         there = ((own >= low[:, None]) & (own <= high[:, None])).all(axis=0)
-        found[there] = course.deflection(depth, own[:, there])
+        found[there] = series.deflection(depth, own[:, there])
         return found
 
 

@@ -49,7 +49,7 @@ def scene_spreads_presses(scene: Scene) -> bool:
 
 
 def spreads(scene: Scene) -> bool:
-    """True if a press by depth or force deflects the foam beside its applicator."""
+    """True if a press by depth or force deflects the foam next to its applicator."""
     mechanics = scene.skin.foam.mechanics
     return mechanics is not None and bool(mechanics.tension)
 
@@ -68,7 +68,7 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 
 
 def separated_draws(draw: Draw, scene: Scene) -> Draw:
-    """Draws on separate pixels with skin, as deep as applicators go at most, without pull.
+    """Draws on separate pixels with skin, with rises from 0 to that of the deepest applicator.
 
     Rises are clipped to this range. If touches are on pixels that meet, only the first is left;
     touches on pixels without skin are left out.

@@ -75,8 +75,10 @@ class IndentationFamily(HeterogeneousFamily):
         foam, fingers = self.parts.by_kind(cells, rises)
         under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
         under[foam.cells] = foam.rises
-        held = np.bincount(fingers.cells, fingers.rises, len(rest)) if len(fingers.cells) else 0.0
-        return np.concatenate([rest + held, under])
+        touched = (
+            np.bincount(fingers.cells, fingers.rises, len(rest)) if len(fingers.cells) else 0.0
+        )
+        return np.concatenate([rest + touched, under])
 
     def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
         """M in F, in the system's pattern. factors: see the class."""

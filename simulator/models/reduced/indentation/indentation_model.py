@@ -1,8 +1,8 @@
 """Reduced model of a skin whose pixels are pressed by applicators, by depth or force.
 
 A touch of pixel k by `rise` stands for the depth at which the factor under its applicator is 1 +
-rise. The rise of c beside the applicator follows from the membrane. The change of M by each touch
-has thin factors, so that a press costs as much as one by capacitance factors.
+rise. The rise of c next to the applicator follows from the membrane. The change of M by each
+touch has factors of low rank, so that a press costs as much as one by capacitance factors.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ class IndentationModel(Reduced):
         if isinstance(self.built, IndentationFamily):
             return self.built
         assert self.applicators is not None
-        asked = self.scene, self.circuit, self.mesh, self.modes
-        return family_on(*asked, self.applicators, self.rtol)
+        given = self.scene, self.circuit, self.mesh, self.modes
+        return family_on(*given, self.applicators, self.rtol)
 
     def skin(
         self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
@@ -133,8 +133,8 @@ class IndentationSkin(ReducedSkin):
         """
         squares, (foam, _) = self.squares(u), self.parts.by_kind(cells, rises)
         rest, _, _ = self.touched(cells, rises)
-        seen = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
-        whole = squares @ (self.unpressed_factors * self.parts.resting) + seen.sum(axis=(0, 1))
+        touched = (rest.factors @ np.linalg.solve(self.turn, u)) ** 2
+        whole = squares @ (self.unpressed_factors * self.parts.resting) + touched.sum(axis=(0, 1))
         for cell, rise in zip(foam.cells.tolist(), foam.rises.tolist(), strict=True):
             y, step = self._tables.bases[cell] @ u, SLOPE_STEP * (1 + rise)
             ends = np.clip([rise - step, rise + step], 0.0, self._most - 1)

@@ -39,11 +39,11 @@ class IndentationPressModel:
         Raises InputError for touches that are no pixels, or that are deeper than the applicators
         go.
         """
-        cells, rises, unsure = self.cells(press)
-        held = fingers(self.scene, press)
-        cells, rises = np.append(cells, held.cells), np.append(rises, held.rises)
+        cells, rises, uncertainty = self.cells(press)
+        touched = fingers(self.scene, press)
+        cells, rises = np.append(cells, touched.cells), np.append(rises, touched.rises)
         known = certified_result(self._skin, cells, rises, frequency)
-        return replace(known, error=known.error + unsure)
+        return replace(known, error=known.error + uncertainty)
 
     def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
         """Pixels, rises of the factor under their applicators, and uncertainty of that factor.
@@ -53,7 +53,7 @@ class IndentationPressModel:
         pixels = self._pixels(press)
         columns, known = self.scene.pixels.columns, self._skin.reduced.applicators
         assert known is not None
-        cells, depths, unsure = [], [], 0.0
+        cells, depths, uncertainty = [], [], 0.0
         for place, touch in pixels:
             pixel = (place.row - 1) * columns + place.column - 1
             if known.of_pixel[pixel] < 0:
@@ -66,10 +66,10 @@ class IndentationPressModel:
             cells.append(pixel)
             depths.append(depth)
             strain = np.array(depth / known.thickness)
-            unsure += off / known.thickness * float(known.mechanics.gain(strain))
+            uncertainty += off / known.thickness * float(known.mechanics.gain(strain))
         rises = known.mechanics.factor(np.array(depths) / known.thickness) - 1
         self._check_forces(press, np.array(cells))
-        return np.array(cells, dtype=np.int64), rises, unsure
+        return np.array(cells, dtype=np.int64), rises, uncertainty
 
     def _pixels(self, press: Press) -> list[tuple[Touch, Indentation]]:
         """Pressed pixels and their indentations. Raises InputError for touches outside the
@@ -77,7 +77,7 @@ class IndentationPressModel:
         found = []
         for touch in press.touches:
             if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
-                raise InputError(f"answers pixels by depth or force alone, got {press}")
+                raise InputError(f"the model takes pixels by depth or force only, got {press}")
             if isinstance(touch.by, Depth):
                 _check_depth(touch.by.value, deepest(self.scene), touch)
             check_finger(touch, self.scene)
@@ -89,7 +89,9 @@ class IndentationPressModel:
         others."""
         by_force = any(not isinstance(touch.by, Depth) for touch in press.indented)
         if by_force and self._skin.reduced.family.coupled(cells):
-            raise InputError(f"press {press}: touches of a given force feel others")
+            raise InputError(
+                f"press {press}: a touch of given force is too near to another for the model"
+            )
 
     @cached_property
     def _skin(self) -> IndentationSkin:
@@ -102,4 +104,4 @@ class IndentationPressModel:
 
 def _check_depth(depth: float, most: float, touch: Indentation) -> None:
     if not depth <= most:
-        raise InputError(f"trained on depths up to {most:.4g} m, got {touch}")
+        raise InputError(f"the model is trained on depths up to {most:.4g} m, got {touch}")

@@ -1,4 +1,4 @@
-"""Rise of c under and beside one applicator at the points of a mesh, by modes over depth."""
+"""Rise of c under and next to one applicator at the points of a mesh, by modes over depth."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DROPPED = 1e-8
 MIN_RISE = 0.1
 """Smallest rise of the factor that the error by omitted modes and depths is relative to."""
 LEBESGUE = 3.0
-"""Largest amplification, by interpolation, of what is left out at up to 33 Chebyshev depths."""
+"""Bound on the amplification of omitted modes by interpolation at up to 33 Chebyshev depths."""
 
 
 @dataclass(frozen=True)
@@ -44,26 +44,26 @@ class RiseField:
 
 def field_of(known: PixelApplicators, pixel: int, elements: Elements, domain: Domain) -> RiseField:
     """Field of a pixel with skin, at the points of the elements' rule."""
-    course, cells = known.depth_series_of(pixel), near(domain, domain.pixel == pixel, known.far)
+    series, cells = known.depth_series_of(pixel), near(domain, domain.pixel == pixel, known.far)
     surface = elements.surface.some(cells)
     shape = surface.x.shape[1:]
     rise, raised = known.rises(pixel, surface.x.reshape(2, -1))
-    nodes, between = rise[: course.count], rise[course.count :]
+    nodes, between = rise[: series.count], rise[series.count :]
     weights = (surface.area * elements.rule.weights).ravel()
     power, turn = np.linalg.eigh((nodes * weights) @ nodes.T)
     kept = power > DROPPED**2 * power[-1]
     turn = turn[:, kept][:, ::-1]
     modes = turn.T @ nodes
     left_out = LEBESGUE * np.abs(nodes - turn @ modes).max(axis=0)
-    told = course.weights(course.depth[course.count :]) @ nodes
-    left_out += INTERPOLATION_SAFETY * np.abs(told - between).max(axis=0)
-    under = known.mechanics.factor(course.depth / known.thickness) - 1
+    interpolated = series.weights(series.depth[series.count :]) @ nodes
+    left_out += INTERPOLATION_SAFETY * np.abs(interpolated - between).max(axis=0)
+    under = known.mechanics.factor(series.depth / known.thickness) - 1
     pushed = under > 0
     shares = ((raised - rise)[pushed] / under[pushed, None]).max(axis=0)
     return RiseField(
         cells,
         modes.reshape(-1, *shape),
-        course.depth[: course.count],
+        series.depth[: series.count],
         turn,
         (shares + left_out / MIN_RISE).reshape(shape),
     )

@@ -87,7 +87,7 @@ def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
     asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in asked:
         place = kept.of(press)
-        place.deflections.__dict__["level"] = type("Level", (), {"held": np.zeros(4)})()
+        place.deflections.__dict__["level"] = type("Level", (), {"clamped": np.zeros(4)})()
     assert kept.of(asked[2]) is place
     assert kept.of(parse_press("1,3:2mm", 2.0)) is place
     assert len(kept._known) == 2
@@ -96,25 +96,28 @@ def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
 
 def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
-    ground = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
+    contact = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
     press = parse_press("1,2:2mm", 2.0)
-    found = adaptive.adaptive_deflection(press, ground, mechanics, thickness, 1e-2)
-    body, held, w = found.membrane, found.held, found.rest.w
-    pushed = ApplicatorLoads(np.array([1.2e-3]), np.array([np.nan]))
-    true = equilibrium(body, held, pushed, w)
-    near = nearby_equilibrium(body, held, pushed, 0.6 * w, found.rest.newton, 1e-8)
+    found = adaptive.adaptive_deflection(press, contact, mechanics, thickness, 1e-2)
+    body, clamped, w = found.membrane, found.clamped, found.solution.w
+    loads = ApplicatorLoads(np.array([1.2e-3]), np.array([np.nan]))
+    true = equilibrium(body, clamped, loads, w)
+    near = nearby_equilibrium(body, clamped, loads, 0.6 * w, found.solution.newton, 1e-8)
     np.testing.assert_allclose(near.w, true.w, atol=1e-7 * true.w.max())
     np.testing.assert_allclose(near.force, true.force, rtol=1e-6)
-    assert nearby_equilibrium(body, held, pushed, 0.6 * w, lambda pulls: 1e-3 * pulls, 1e-8) is None
     assert (
-        nearby_equilibrium(body, held, pushed, 0.6 * w, lambda pulls: np.nan * pulls, 1e-8) is None
+        nearby_equilibrium(body, clamped, loads, 0.6 * w, lambda pulls: 1e-3 * pulls, 1e-8) is None
+    )
+    assert (
+        nearby_equilibrium(body, clamped, loads, 0.6 * w, lambda pulls: np.nan * pulls, 1e-8)
+        is None
     )
 
 
 def test_places_in_triangles_have_the_elements_own_shares(scene):
-    ground = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
+    contact = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
     found = adaptive.adaptive_deflection(
-        parse_press("1,2:2mm", 2.0), ground, scene.skin.foam.mechanics, 4e-3, 1e-2
+        parse_press("1,2:2mm", 2.0), contact, scene.skin.foam.mechanics, 4e-3, 1e-2
     )
     surface = found.surface
     assert isinstance(surface, MembraneSurface)
