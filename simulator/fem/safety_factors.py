@@ -17,17 +17,17 @@ SINGULAR = 2.0
 """k of a mesh that serves all presses of a uniform skin; it multiplies UNIFORM. It covers the worst
 singularities: a foil that ends at an inner corner, and a sheet that conducts far better along one
 direction. A single press cannot estimate it."""
-UNSEEN = 3.0
+FIRST_MESH = 3.0
 """k of a first mesh, which cannot estimate it. The largest observed k was 3.7, and 2.5 at ends of
 foils."""
 MIN_FACTOR, MAX_FACTOR = 1.3, 4.0
 """Bounds of an estimated k. A smaller estimate may come from refining smooth regions alone. A
 larger one is noise of a mesh that is far too coarse. The upper bound is raised at corners where
 conductance jumps by a large factor: k is larger there."""
-FORESEEN = 1.5
+PREDICTED = 1.5
 """Factor on the k that the corners of a mesh predict. On about 60 meshes of 20 skins k was at most
 1.6 times the prediction, except at one place where Cp changes sign: 2.2 times."""
-TELLS = 0.1
+MIN_DECREASE = 0.1
 """Relative decrease of the difference from mesh to mesh that is needed to estimate k."""
 PARITY = 0.8
 """Largest share of the previous difference that is taken as the error. This covers cells far wider

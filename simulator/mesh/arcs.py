@@ -76,7 +76,9 @@ def arc_length(chord: NDArray[np.float64], curvature: NDArray[np.float64]) -> ND
     return chord * np.divide(np.arcsin(q), q, out=np.ones_like(q), where=q > 0)
 
 
-def beside_chords(p: Points, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+def areas_beside_chords(
+    p: Points, t: Numbers, curvature: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Areas between chords and arcs, negative where arcs cut into the triangle, m².
 
     p, t, curvature: as for `mapped`. The result has the shape of curvature.

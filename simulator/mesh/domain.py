@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skfem import MeshTri
 
 from ..scene.planar import Circle, inside
-from .arcs import NO_ARCS, Arcs, beside_chords, mapped
+from .arcs import NO_ARCS, Arcs, areas_beside_chords, mapped
 from .drawing import Drawing
 from .edge_numbering import edges_of
 
@@ -65,7 +65,9 @@ class Domain:
     @property
     def areas(self) -> NDArray[np.float64]:
         """Areas of the triangles, m², shape (triangle,)."""
-        return areas(self.p, self.t) + beside_chords(self.p, self.t, self.curvature).sum(axis=0)
+        return areas(self.p, self.t) + areas_beside_chords(self.p, self.t, self.curvature).sum(
+            axis=0
+        )
 
     @property
     def lengths(self) -> NDArray[np.float64]:

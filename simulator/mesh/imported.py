@@ -21,8 +21,8 @@ from .drawing import Drawing
 from .edge_numbering import edges_of, rim_points
 from .mending import collapsed, compressed, edges_along, flipped
 from .mesh_checks import check
+from .refining.inverted_triangles import without_inversions
 from .refining.refinement import refined
-from .refining.untangled import untangled
 
 
 def bent(mesh: Domain, drawing: Arrangement, curvature: Points, same: float) -> Domain:
@@ -87,7 +87,7 @@ def imported(drawing: Drawing) -> Domain:
     whole = replace(unlabelled(surface.p, surface.t, foils), pixel=pixel)
     by_lines = drawing.between and not groups
     shapes = [_grid(drawing), *drawing.edges] if by_lines else drawing.edges
-    cut = (_cut_as_seen if in_space else _conforming)(whole, shapes)
+    cut = (_cut_along_z if in_space else _conforming)(whole, shapes)
     labels = labelled(drawing, cut)
     if groups is not None:
         labels = replace(labels, pixel=cut.pixel)
@@ -132,10 +132,10 @@ def _conforming_by(mesh: Domain, shapes: Sequence[Circle | Points], widest: floa
     mesh = compressed(mesh)
     seams = np.hstack([edges_along(mesh.p, mesh.t, pieces, same), _kept_edges(mesh)])
     mesh = replace(mesh, seams=np.unique(seams, axis=1))
-    return untangled(bent(mesh, lines, curvature[lines.segment], same))
+    return without_inversions(bent(mesh, lines, curvature[lines.segment], same))
 
 
-def _cut_as_seen(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
+def _cut_along_z(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     """Mesh in space cut along segments (segment, 2, 2), as seen along z."""
     straight = [each for each in shapes if not isinstance(each, Circle)]
     if not straight:

@@ -16,7 +16,7 @@ from .arrangement import Arrangement, Chords, arranged, chords
 from .domain import Domain, Numbers, Points, labelled, unlabelled
 from .drawing import Drawing, closed
 from .mesher import MeshedDrawing, meshed
-from .refining.untangled import untangled
+from .refining.inverted_triangles import without_inversions
 
 SAME = 1e-8
 """Distance over the skin's longer side below which points are at one place."""
@@ -43,7 +43,7 @@ def drawn(drawing: Drawing, size: float) -> Domain:
 
     foils = {foil.name: under(foil) for foil in drawing.foils}
     bare = unlabelled(mesh.p, mesh.t, foils, mesh.lines, _arcs(mesh, pieces, bends))
-    return labelled(drawing, untangled(bare))
+    return labelled(drawing, without_inversions(bare))
 
 
 def _grid(drawing: Drawing) -> list[Points]:

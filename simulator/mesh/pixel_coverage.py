@@ -31,11 +31,11 @@ class PixelCoverage(NamedTuple):
 
 def pixel_coverage(scene: Scene) -> PixelCoverage:
     """Skin in each pixel of a scene. Raises InputError for an unusable mesh file."""
-    return _held(scene)  # pyright: ignore[reportArgumentType]
+    return _cached_coverage(scene)  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=16)
-def _held(scene: Scene) -> PixelCoverage:
+def _cached_coverage(scene: Scene) -> PixelCoverage:
     count, (length, width) = scene.pixels.rows * scene.pixels.columns, scene.skin.sides
     if scene.skin.rectangular:
         row, column = np.divmod(np.arange(count), scene.pixels.columns)

@@ -231,14 +231,14 @@ def _nodes(
     found = nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)
     if not resolution.corners:
         return found
-    return _apart(found, [each[axis] for each in (*tips, *resolution.corners)])
+    return _with_nodes_between(found, [each[axis] for each in (*tips, *resolution.corners)])
 
 
 def _at_corner(ringed: tuple[float, float, int], skin: Skin) -> bool:
     return all(at in (0.0, side) for at, side in zip(ringed, skin.sides, strict=False))
 
 
-def _apart(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.float64]:
+def _with_nodes_between(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.float64]:
     """Nodes with one more in the middle of cells between two ringed ones.
 
     No cell then has rings twice.

@@ -40,13 +40,13 @@ class Variation:
     films: NDArray[np.float64]
     capacitance: NDArray[np.float64]
     loss: Loss
-    beside: float = 1.0
+    beyond_pixels: float = 1.0
     body: float = 1.0
     rim: float = 1.0
 
     def foam(self, scene: Scene) -> NDArray[np.float64]:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
-        return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beside)
+        return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beyond_pixels)
 
     def factors(self, scene: Scene) -> NDArray[np.float64]:
         """Factors on each part of M, shape (part,), see `Parts`; 1 for a finger."""
@@ -180,7 +180,7 @@ def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
             (scene.pixels.rows, scene.pixels.columns), math.exp(values["capacitance"])
         ),
         loss=loss_of(values),
-        beside=math.exp(values["capacitance"]),
+        beyond_pixels=math.exp(values["capacitance"]),
         body=math.exp(values.get("body", 0.0)),
         rim=math.exp(values.get("rim", 0.0)),
     )

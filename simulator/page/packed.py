@@ -94,7 +94,7 @@ def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation
         films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
         capacitance=np.full(scene.pixels.shape, foam),
         loss=scene.skin.foam.loss,
-        beside=foam,
+        beyond_pixels=foam,
     )
 
 

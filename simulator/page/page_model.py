@@ -28,7 +28,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
 
     See `dense.UnpressedMass` and `dense.DenseExcitation`.
     """
-    rest, reduced = skin.rest, skin.reduced
+    rest, reduced = skin.unpressed_mass, skin.reduced
     full = np.abs(rest.factors).max(axis=2) > 0
     rows, columns = reduced.grid
     return {
@@ -50,7 +50,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
                 "allowed": allowed[0].T.tolist(),
                 "allowedAtNoCurrent": allowed[1].tolist(),
             }
-            for feed, allowed in zip(skin.feeds, _allowed(reduced), strict=True)
+            for feed, allowed in zip(skin.dense_excitations, _allowed(reduced), strict=True)
         ],
         "fields": reduced.terminal_field.tolist(),
         "conductance": _conductance(skin).tolist(),
@@ -94,7 +94,7 @@ def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.
 
 def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:
     """Conductance between terminals at zero frequency, S, shape (N, N)."""
-    terminals = len(skin.rest.rows)
+    terminals = len(skin.unpressed_mass.rows)
     return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
 
 

@@ -51,12 +51,12 @@ class PressedSkin:
     @cached_property
     def unpressed(self) -> NDArray[np.float64]:
         """M of the unpressed skin in F, shape (N + n, N + n)."""
-        return mass_of(self._skin.rest, np.zeros(0, dtype=np.int64), np.zeros(0))
+        return mass_of(self._skin.unpressed_mass, np.zeros(0, dtype=np.int64), np.zeros(0))
 
     def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
         """Change of M in F by changes of the parts over the scene's own, shape (part,)."""
         skin, weights = self._skin, change * self._skin.unpressed_factors
-        factors = skin.rest.factors
+        factors = skin.unpressed_mass.factors
         cells = np.flatnonzero(weights[: len(factors)])
         found = added(factors, cells, weights[cells])
         if weights[len(factors) :].any():

@@ -16,7 +16,7 @@ from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
 from ...models.reduced.families.family_meshes import unreduced
-from ...models.reduced.greedy import Basis
+from ...models.reduced.greedy import GreedyBasis
 from ...models.reduced.reduced_skin import ReducedSkin
 from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
@@ -106,5 +106,5 @@ def trained(
 
     with one_blas_thread():
         family = unreduced(driven, two_fields(driven).read(chain(driven)), MESH_RTOL, highest)
-        reduced = Basis(family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
+        reduced = GreedyBasis(family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
     return ReducedFields(scene, read(reduced, scene.interfaces).skin(None), cells)

@@ -21,9 +21,9 @@ WIDEST = 1.05 / np.sqrt(3)
 
 It is 1 / sqrt(3) for an equilateral triangle.
 """
-APART = 0.57
+POINT_CLEARANCE = 0.57
 """Smallest distance of a new point from all others over the requested length."""
-BESIDE = 0.35
+LINE_CLEARANCE = 0.35
 """Smallest distance of a new point from the middle of a line over its length."""
 NEAREST = 3
 """Number of lines that are checked; a drawing has at least as many."""
@@ -39,18 +39,18 @@ def filled(
     """
     while True:
         t = triangulated(points, lines, curve)
-        new, urgency = _asked(points, t, sizing)
-        free = _within_box(new, points) & _beside(new, points, lines)
+        new, urgency = _new_points(points, t, sizing)
+        free = _within_box(new, points) & _clear_of_lines(new, points, lines)
         new, urgency = new[free], urgency[free]
-        reach = APART * sizing(new)
-        free = _apart(new, points, reach)
+        reach = POINT_CLEARANCE * sizing(new)
+        free = _clear_of_points(new, points, reach)
         new = _chosen(new[free], reach[free], urgency[free])
         if not len(new):
             return points, t
         points = np.concatenate([points, new])
 
 
-def _asked(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[np.float64]]:
+def _new_points(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[np.float64]]:
     """New place for each triangle that is too large, and its urgency."""
     centre, radius = _circles(points, t)
     urgency = radius / sizing(points[t].mean(axis=0))
@@ -88,17 +88,17 @@ def _within_box(new: Points, points: Points) -> NDArray[np.bool_]:
     return ((new > points.min(axis=0)) & (new < points.max(axis=0))).all(axis=1)
 
 
-def _beside(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
+def _clear_of_lines(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
     """True for places that keep off the middles of lines."""
     from scipy.spatial import KDTree
 
     start, stop = points[lines]
     length = np.linalg.norm(stop - start, axis=1)
     off, line = KDTree((start + stop) / 2).query(new, k=NEAREST)
-    return (off >= BESIDE * length[line]).all(axis=1)
+    return (off >= LINE_CLEARANCE * length[line]).all(axis=1)
 
 
-def _apart(new: Points, points: Points, reach: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _clear_of_points(new: Points, points: Points, reach: NDArray[np.float64]) -> NDArray[np.bool_]:
     """True for places that are at least `reach` away from all points."""
     from scipy.spatial import KDTree
 

@@ -135,7 +135,7 @@ def _power_at(
     t: Numbers,
     angle: NDArray[np.float64],
     conductance: NDArray[np.float64],
-    held: Numbers,
+    foil_edges: Numbers,
 ) -> float:
     """Exponent at a point by the wedges around it.
 
@@ -150,7 +150,7 @@ def _power_at(
     ]
     if first == last:
         return around(wedges)
-    foils = set(map(tuple, held.T.tolist()))
+    foils = set(map(tuple, foil_edges.T.tolist()))
     begins, stops = ((min(point, end), max(point, end)) in foils for end in (first, last))
     return between(wedges, begins, stops)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..domain import Domain, areas
 from .exponents import WHOLE
-from .untangled import finer
+from .inverted_triangles import finer
 
 LEFT = 0.7
 """Fraction of the sufficient error that lies in triangles that are not marked."""
@@ -71,13 +71,13 @@ def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.flo
     return parts
 
 
-def fewest(parts: NDArray[np.float64], held: float) -> NDArray[np.int64]:
+def fewest(parts: NDArray[np.float64], target: float) -> NDArray[np.int64]:
     """Fewest triangles whose parts sum to `held`, by number, ascending.
 
     There is at least one.
     """
     order = np.argsort(-parts, kind="stable")
-    return np.sort(order[: int(np.searchsorted(np.cumsum(parts[order]), held)) + 1])
+    return np.sort(order[: int(np.searchsorted(np.cumsum(parts[order]), target)) + 1])
 
 
 def _kept(

@@ -44,7 +44,7 @@ def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.
     return np.array([1.0, *(values.get(name, 0.0) for name in names)])
 
 
-def nearest_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
+def fitted_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
     """Bilinear map that approximates a smooth function over both sides by least squares.
 
     of_place: maps positions in m, shape (2, ...), to values of that shape without its first axis.

@@ -8,7 +8,7 @@ from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..parameters import FOAM_MODES
-from .amplitudes import modes_at, nearest_map
+from .amplitudes import fitted_map, modes_at
 
 
 def with_foam_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
@@ -21,7 +21,7 @@ def with_foam_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of(scene: Scene, values: Mapping[str, float]) -> Grid:
     """Modes as a map whose mean over the sides is 1."""
-    return nearest_map(scene, lambda x: modes_at(scene, values, FOAM_MODES, x))
+    return fitted_map(scene, lambda x: modes_at(scene, values, FOAM_MODES, x))
 
 
 def check_uniform_foam(scene: Scene) -> None:

@@ -13,7 +13,7 @@ from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError
 from ..parameters import BOTTOM_MODES, SHEET_MODES, TOP_MODES, Variation
-from .amplitudes import MAX_AMPLITUDE, amplitudes, modes_at, nearest_map
+from .amplitudes import MAX_AMPLITUDE, amplitudes, fitted_map, modes_at
 
 OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_MODES, "bottom": BOTTOM_MODES}
 
@@ -77,7 +77,7 @@ def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
 
 def map_of_sheet(scene: Scene, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:
     """Modes of a sheet's conductance as a map of its resistance."""
-    return nearest_map(scene, lambda x: 1 / modes_at(scene, values, names, x))
+    return fitted_map(scene, lambda x: 1 / modes_at(scene, values, names, x))
 
 
 def check_uniform_sheets(scene: Scene) -> None:

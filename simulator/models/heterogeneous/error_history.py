@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fem.safety_factors import (
-    FORESEEN,
+    FIRST_MESH,
     MAX_FACTOR,
     MAX_FACTOR_BY_ORDERS,
+    MIN_DECREASE,
     MIN_FACTOR,
     PARITY,
-    TELLS,
-    UNSEEN,
+    PREDICTED,
     VARIED,
 )
 
@@ -48,7 +48,7 @@ class ErrorHistory:
         self._Y: tuple[Admittances, Admittances] | None = None
         self._largest = 0.0
         self._errors: list[float] = []
-        self._unseen, self._most = UNSEEN, MAX_FACTOR
+        self._unseen, self._most = FIRST_MESH, MAX_FACTOR
         self._foreseen = np.ones(1), np.full(1, np.inf)
 
     def predict(self, frequency: NDArray[np.float64], k: NDArray[np.float64]) -> None:
@@ -58,7 +58,7 @@ class ErrorHistory:
     def account_for_corners(self, exponents: NDArray[np.float64], order: int) -> None:
         """Raise the bounds of k for corners with these exponents."""
         slowest = float(at_corners(exponents.min(initial=np.inf), order))
-        self._unseen, self._most = max(UNSEEN, slowest), max(MAX_FACTOR, slowest)
+        self._unseen, self._most = max(FIRST_MESH, slowest), max(MAX_FACTOR, slowest)
 
     def relative_error(self, rtol: float) -> float:
         """Latest error over the tolerance; 1 before the first error."""
@@ -114,7 +114,7 @@ class ErrorHistory:
         if not self._largest:
             return np.full(len(frequency), self._unseen)
         at, k = self._foreseen
-        foreseen = FORESEEN * np.interp(np.log(frequency), np.log(at), k)
+        foreseen = PREDICTED * np.interp(np.log(frequency), np.log(at), k)
         return np.clip(np.minimum(self._largest, foreseen), MIN_FACTOR, self._most)
 
 
@@ -133,7 +133,7 @@ def _largest_ratio(
     """Largest k of all interfaces and frequencies; 0 if none can be estimated. Y of two meshes,
     S."""
     shown = np.abs((coarse - fine) - (next_coarse - next_fine))
-    usable = shown > TELLS * np.abs(coarse - fine)
+    usable = shown > MIN_DECREASE * np.abs(coarse - fine)
     k = np.abs(coarse - next_coarse) / np.where(usable, shown, np.inf)
     return float(np.median(k, axis=1).max(initial=0.0))
 

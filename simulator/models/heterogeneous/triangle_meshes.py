@@ -16,7 +16,7 @@ from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
 from ...mesh.refining.exponents import corner_exponents
 from ...mesh.refining.graded import corner_parts, graded
-from ...mesh.refining.untangled import finer
+from ...mesh.refining.inverted_triangles import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc, Place, Touch
@@ -49,7 +49,7 @@ AIMED = 1.2
 """Predicted error at which refining of the next mesh stops, over the tolerance."""
 MIN_REFINEMENT_GAIN = 0.5
 """Upper limit of the predicted error of the next mesh, over the expected error of this mesh."""
-TELLS_OF = 0.2
+SQUARED_SHARE = 0.2
 """Factor on the square of an error. The product is the part of the error that may arise in other
 triangles than those with a large share of it. The next mesh is not refined for less."""
 SECOND, CORNER_SHARE = 5e-5, 0.25
@@ -148,7 +148,9 @@ class Triangles:
         likely = (share * _shown(exponents, mesh, self.order)).sum(axis=1)
         expected = self._history.expected_at(frequency, float(likely.max()))
         largest = float(expected.max())
-        enough = min(max(AIMED * self.rtol, TELLS_OF * largest**2), MIN_REFINEMENT_GAIN * largest)
+        enough = min(
+            max(AIMED * self.rtol, SQUARED_SHARE * largest**2), MIN_REFINEMENT_GAIN * largest
+        )
         found, left = graded(mesh, expected[:, None] * share, enough, self.order, exponents)
         likely = (left * _shown(exponents, found, self.order)).sum(axis=1) / left.sum(axis=1)
         self._history.predict(frequency, likely)

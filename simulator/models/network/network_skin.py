@@ -41,12 +41,12 @@ class NetworkSkin:
 
     @cached_property
     def _unpressed(self) -> UnpressedNetwork:
-        return unpressed_network(self.skin.rest, self.s)
+        return unpressed_network(self.skin.unpressed_mass, self.s)
 
     def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
         weighted = self.skin.parts.followed(batch).weighted(self.skin.unpressed_factors)
-        return admittances(self.skin.rest, self._unpressed, weighted, self.s)
+        return admittances(self.skin.unpressed_mass, self._unpressed, weighted, self.s)
 
     @property
     def conductance(self) -> NDArray[np.float64]:

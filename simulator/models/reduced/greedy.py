@@ -114,10 +114,10 @@ def reduce(
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         resolve = resolved_under_applicators if applied else resolved
         family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f)
-        return Basis(family, rtol, mesh_error, f).grow(draw, random, progress)
+        return GreedyBasis(family, rtol, mesh_error, f).grow(draw, random, progress)
 
 
-class Basis:
+class GreedyBasis:
     """Growing basis of a family's space, orthonormal in K."""
 
     def __init__(

@@ -65,11 +65,11 @@ class ReducedSkin:
         self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
         terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
         self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
-        self.drives = [
+        self.excited_terminals = [
             excited_terminals(drive, reduced.terminal_field, self.conductance, np.eye(terminals))
             for drive in reduced.circuit.excitations
         ]
-        self.feeds = [dense_excitation(driven) for driven in self.drives]
+        self.dense_excitations = [dense_excitation(driven) for driven in self.excited_terminals]
         self.combination = reduced.circuit.combination
 
     @property
@@ -78,13 +78,13 @@ class ReducedSkin:
         return self.unpressed_factors[self.parts.touched :]
 
     @cached_property
-    def rest(self) -> UnpressedMass:
+    def unpressed_mass(self) -> UnpressedMass:
         """Unpressed M, and the factors of the terms that cells add."""
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
     def _aligned(self) -> UnpressedMass:
-        return aligned(self.rest)
+        return aligned(self.unpressed_mass)
 
     def pressed_by(self, factors: NDArray[np.float64]) -> UnpressedMass:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
@@ -131,7 +131,9 @@ class ReducedSkin:
 
         weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
         rtol = KRYLOV_SHARE * self.reduced.rtol / self._cancelled
-        return impedances(self._aligned, self.feeds, self.combination, weighted, s, rtol)
+        return impedances(
+            self._aligned, self.dense_excitations, self.combination, weighted, s, rtol
+        )
 
     @cached_property
     def _cancelled(self) -> float:
@@ -181,10 +183,12 @@ class ReducedSkin:
         Shape (2, press, interface, s). foams: factors of each pressed skin, as the family's `mass`
         takes them.
         """
-        from .spanned import spanned_by_all
+        from .lanczos_potentials import spanned_by_all
 
         family, W = self.reduced.family, self.reduced.coordinates
-        u, Q = spanned_by_all(self.feeds, [self.touched(*press) for press in presses], s)
+        u, Q = spanned_by_all(
+            self.dense_excitations, [self.touched(*press) for press in presses], s
+        )
         u = self.turn @ u[: len(self.turn)]
         potential = W @ np.hstack([u.real, u.imag])
         current = family.currents(self.weights, potential)
@@ -249,7 +253,7 @@ class ReducedSkin:
         (s,).
         """
         rest, which, weights = self.touched(cells, rises)
-        found = solved(self.drives, rest, which[None], weights[None], s)
+        found = solved(self.excited_terminals, rest, which[None], weights[None], s)
         return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
 
     def touched(

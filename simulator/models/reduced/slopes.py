@@ -119,9 +119,9 @@ def sensitivities(
     terms = turn.T @ skin.reduced.stiffness @ turn
     fixed = turn.T @ skin.reduced.fixed @ turn if len(skin.reduced.fixed) else terms[:0]
     found = []
-    for u, Y in solved(skin.drives, skin.rest, every, weights, s):
-        squares = _squares(u, skin.rest.factors, every)
-        whole, of_fixed = _stored(u, skin.rest, squares, weights), _forms(u, fixed)
+    for u, Y in solved(skin.excited_terminals, skin.unpressed_mass, every, weights, s):
+        squares = _squares(u, skin.unpressed_mass.factors, every)
+        whole, of_fixed = _stored(u, skin.unpressed_mass, squares, weights), _forms(u, fixed)
         by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls)
         of_foam = whole - beyond - of_fixed @ skin.fixed_factors if skin.parts.around else whole
         each = s[:, None]
@@ -172,7 +172,7 @@ def _of_touched(
     if not parts.fingers:
         return by_cell, beyond, none
     pixels, first = parts.pixels(cells)
-    fingers = _squares(u, skin.rest.factors, parts.finger(pixels))
+    fingers = _squares(u, skin.unpressed_mass.factors, parts.finger(pixels))
     return by_cell, beyond, (fingers * first[:, None]).sum(axis=2)
 
 

@@ -11,8 +11,8 @@ from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.dense import mass_of, widened
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.kernel import swept
+from rcskin.simulator.models.reduced.lanczos_potentials import spanned
 from rcskin.simulator.models.reduced.model_file import load, save
-from rcskin.simulator.models.reduced.spanned import spanned
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press

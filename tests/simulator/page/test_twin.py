@@ -70,7 +70,7 @@ def by_python(paged, press, cast):
         films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
         capacitance=np.full(reduced.grid, foam),
         loss=Loss(cast["loss"], scene.skin.foam.phase_exponent),
-        beside=foam,
+        beyond_pixels=foam,
     )
     s = laplace_variable(scene.frequencies, variation.loss) * common * scale
     skin = reduced.skin(variation).under(cells, rises)

@@ -26,14 +26,14 @@ class ModelWithModes(Reduced):
     even: model without these modes. amplitudes: over the mean, shape (mode,).
     """
 
-    even: Reduced | None = None
+    uniform: Reduced | None = None
     amplitudes: NDArray[np.float64] | None = None
 
     @cached_property
     def family(self) -> Family:
         """Full model with these modes."""
-        assert self.even is not None and self.amplitudes is not None
-        return family_with(self.even.family, self.amplitudes)
+        assert self.uniform is not None and self.amplitudes is not None
+        return family_with(self.uniform.family, self.amplitudes)
 
 
 class FoamModeTerms:
@@ -44,19 +44,19 @@ class FoamModeTerms:
 
     def __init__(self, even: Reduced) -> None:
         """Raises what `Reduced.family` raises if the full model must be built again."""
-        self.even = even
+        self.uniform = even
         self.terms = _terms(even)
 
     def under(self, amplitudes: NDArray[np.float64]) -> ModelWithModes:
         """Model with modes of these amplitudes over the mean, shape (mode,)."""
         factors, own = (
-            self.even.factors,
-            {f.name: getattr(self.even, f.name) for f in fields(Reduced)},
+            self.uniform.factors,
+            {f.name: getattr(self.uniform, f.name) for f in fields(Reduced)},
         )
         C = np.eye(factors.shape[1]) + np.tensordot(amplitudes, self.terms, axes=1)
         turned = np.linalg.cholesky(C).transpose(0, 2, 1) @ factors
         own |= {"factors": turned, "built": None}
-        return ModelWithModes(**own, even=self.even, amplitudes=amplitudes)
+        return ModelWithModes(**own, uniform=self.uniform, amplitudes=amplitudes)
 
     def masses(
         self, rest: float, cells: NDArray[np.int64], rises: NDArray[np.float64]
@@ -67,13 +67,13 @@ class FoamModeTerms:
         """
         found = self._unpressed.copy()
         for cell, rise in zip(cells.tolist(), rises.tolist(), strict=True):
-            F = self.even.factors[cell]
+            F = self.uniform.factors[cell]
             found += rise * (F.T @ (self.terms[:, cell] @ F))
         return rest * found
 
     @cached_property
     def _unpressed(self) -> NDArray[np.float64]:
-        F = self.even.factors
+        F = self.uniform.factors
         rows = F.reshape(-1, F.shape[2])
         return np.stack([rows.T @ (S @ F).reshape(rows.shape) for S in self.terms])
 

@@ -108,7 +108,7 @@ class Family(ABC):
         """Space of one skin."""
         if weights is None:
             return self.space
-        return Galerkin(self.varied(weights), self.circuit, self.order)
+        return Galerkin(self.varied_system(weights), self.circuit, self.order)
 
     def solved(
         self,
@@ -133,7 +133,7 @@ class Family(ABC):
         Z, error = impedance_with_error(sweep, drives, frequency, rtol)
         return Z, float(self.estimated(error).max())
 
-    def varied(self, weights: NDArray[np.float64]) -> System:
+    def varied_system(self, weights: NDArray[np.float64]) -> System:
         """System of one skin."""
         sheets, films = np.split(weights, [len(self.sheet_terms)])
         return replace(

@@ -14,7 +14,7 @@ from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.pixel_coverage import pixel_coverage
 from ....mesh.quadrilaterals import Resolution
-from ....mesh.refining.untangled import finer
+from ....mesh.refining.inverted_triangles import finer
 from ....press.batch import NOTHING
 from ....press.parts import Parts, parts_of
 from ....press.press import Press

@@ -38,7 +38,7 @@ class UniformFamily(Family):
 
     def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
         """Space of one order more in the same system, and its M."""
-        system = self.system if weights is None else self.varied(weights)
+        system = self.system if weights is None else self.varied_system(weights)
         return Galerkin(system, self.circuit, self.order + 1), self.mass(factors)
 
     @cached_property

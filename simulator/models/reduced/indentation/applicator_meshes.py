@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
-from ....mesh.refining.untangled import finer
+from ....mesh.refining.inverted_triangles import finer
 from ....press.press import Press
 from ....scene.scene import Scene
 from ...heterogeneous.discretised import indicators, marked_cells

@@ -147,7 +147,7 @@ class IndentationSkin(ReducedSkin):
         from ..kernel import impedances
 
         self._check(batch.rises[batch.cells < self.parts.foam])
-        interfaces, read = len(self.combination.weights), (self.feeds, self.combination)
+        interfaces, read = len(self.combination.weights), (self.dense_excitations, self.combination)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
         coupled = np.array([self._coupled(own.cells) for own in each], dtype=bool)

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import WINDOW, frequencies_around, relative_difference
-from rcskin.simulator.fem.safety_factors import FORESEEN, MIN_FACTOR, UNSEEN, VARIED
+from rcskin.simulator.fem.safety_factors import FIRST_MESH, MIN_FACTOR, PREDICTED, VARIED
 from rcskin.simulator.models.heterogeneous.error_history import (
     ErrorHistory,
     at_corners,
@@ -33,7 +33,7 @@ def steps(orders):
 def test_meshes_tell_how_much_of_the_error_the_next_order_shows():
     course, k = ErrorHistory(), 2.5
     pairs = [(off_by(error), off_by(error * (1 - 1 / k))) for error in (1e-2, 3e-3, 2.9e-3)]
-    assert course.effect(FREQUENCY, *pairs[0]).tolist() == [UNSEEN] * 3
+    assert course.effect(FREQUENCY, *pairs[0]).tolist() == [FIRST_MESH] * 3
     assert course.effect(FREQUENCY, *pairs[1]) == pytest.approx(k, rel=1e-6)
     left, kept = FREQUENCY[1:], np.isin(AROUND, frequencies_around(FREQUENCY[1:]))
     later = [each[:, kept] for each in pairs[2]]
@@ -46,7 +46,7 @@ def test_what_corners_tell_of_a_mesh_in_advance_is_believed_where_it_is_less():
     course.effect(FREQUENCY, off_by(1e-2), off_by(6e-3))
     course.predict(FREQUENCY[[0, -1]], np.array([1.0, 3.0]))
     found = course.effect(FREQUENCY, off_by(1e-3), off_by(6e-4))
-    assert found == pytest.approx([FORESEEN, 2.5, 2.5])
+    assert found == pytest.approx([PREDICTED, 2.5, 2.5])
 
 
 def test_where_a_corner_is_weaker_than_elsewhere_more_is_believed_to_be_left():
@@ -61,9 +61,9 @@ def test_the_error_of_a_first_mesh_is_told_anew_by_what_corners_will_show():
     course, told = ErrorHistory(), np.array([[1e-3, 4e-3, 2e-3], [2e-3, 1e-3, 1e-3]])
     course.record(FREQUENCY, told)
     some = FREQUENCY[[0, 2]]
-    assert course.expected_at(some, 2.0) == pytest.approx(np.array([2e-3, 2e-3]) * 2.0 / UNSEEN)
+    assert course.expected_at(some, 2.0) == pytest.approx(np.array([2e-3, 2e-3]) * 2.0 / FIRST_MESH)
     assert course.expected_at(some, 1.0) == pytest.approx(
-        np.array([2e-3, 2e-3]) * MIN_FACTOR / UNSEEN
+        np.array([2e-3, 2e-3]) * MIN_FACTOR / FIRST_MESH
     )
     assert course.expected_at(np.array([7.0]), 5.0) == pytest.approx([4e-3])
     for error in (1e-2, 3e-3):
@@ -79,7 +79,7 @@ def test_at_corners_the_next_order_shows_as_little_as_their_exponent_tells():
 def test_what_does_not_change_tells_nothing():
     course = ErrorHistory()
     for _ in range(3):
-        assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)).tolist() == [UNSEEN] * 3
+        assert course.effect(FREQUENCY, off_by(1e-3), off_by(1e-5)).tolist() == [FIRST_MESH] * 3
 
 
 def test_smooth_errors_are_not_taken_for_less_than_the_least():

@@ -29,10 +29,10 @@ def finer(mesh: Domain, marked: ArrayLike) -> Domain:
 
     Raises what `untangled` raises.
     """
-    return untangled(refined(mesh, marked))
+    return without_inversions(refined(mesh, marked))
 
 
-def untangled(mesh: Domain) -> Domain:
+def without_inversions(mesh: Domain) -> Domain:
     """Mesh in which arcs turn no triangle over, or nearly.
 
     Raises ToleranceError where triangles would be halved without end.
@@ -40,14 +40,14 @@ def untangled(mesh: Domain) -> Domain:
     if not len(mesh.arcs.curvature):
         return mesh
     for _ in range(MAX_UNTANGLING_ROUNDS):
-        if not _tangled(mesh).size:
+        if not _inverted(mesh).size:
             return mesh
         mesh = _turned(mesh)
-        mesh = arcs_halved(mesh, _tangled(mesh))
+        mesh = arcs_halved(mesh, _inverted(mesh))
     raise ToleranceError("circles of the skin or of the press are too near to other lines to mesh")
 
 
-def _tangled(mesh: Domain) -> Numbers:
+def _inverted(mesh: Domain) -> Numbers:
     """Triangles that their arcs turn over, and those that lie upon a neighbour."""
     curvature = mesh.curvature
     bent = np.flatnonzero(curvature.any(axis=0))
@@ -88,7 +88,7 @@ def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArra
 
 def _turned(mesh: Domain) -> Domain:
     """Mesh with edges of tangled triangles turned within pairs if both improve."""
-    for triangle in _tangled(mesh).tolist():
+    for triangle in _inverted(mesh).tolist():
         edges, of_triangle = edges_of(mesh.t)
         fixed = np.zeros(edges.shape[1], dtype=bool)
         fixed[edge_numbers(mesh.seams, edges)] = True
