@@ -80,7 +80,7 @@ class _Adapted(BaseEstimator):
         inner.set_params(builder=self.builder)
         if curve is None:
             return inner.fit()
-        of_skin = partial(self.builder or simulated, rest=curve, averaged=inner.rest_sweeps)
+        of_skin = partial(self.builder or simulated, baseline=curve, averaged=inner.rest_sweeps)
         return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
     def _by_skin(self, X, predict: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
