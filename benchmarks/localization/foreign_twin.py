@@ -1,17 +1,20 @@
-"""Localizers trained on rcskin's model, asked about skins that it did not make.
+"""Localizers trained on rcskin's model, tested on skins that it did not make.
 
-Twins are skins of a three-dimensional solve of foam, air, sheets and earth: see
-`benchmarks/accuracy/three_dimensions.py`. A meter's low terminal is at earth's potential, fingers
-of 0 to 10 pF press, presses have edges, the foam creeps, a body is near. The sheets and the foam
-are uneven, presses miss and are of unequal strength, skins drift: all as in `twin.py`. The virtual
-meter reads them over TCP. Localizers are trained on the model as it was, without earth; with the
-terms of `[surroundings]`; with these, drawn wider than twins need; adapted by two touches of each
-class; and with the terms, by the unpressed curve, too: the paper's SVM and `gaussian`. None of this
-is measured.
+A three-dimensional solve of foam, air, sheets and earth makes the twins, see
+`benchmarks/accuracy/three_dimensions.py`. The low terminal of the meter is at earth's potential,
+fingers have 0 to 10 pF, presses have edges, the foam creeps, a body is near. Sheets and foam are
+non-uniform, presses miss and differ in strength, skins drift, all as in `twin.py`. The virtual
+meter reads the twins over TCP. Localizers are trained on the model without earth, with the terms of
+`[surroundings]`, or with these and wider distributions.
 
-With a folder that is kept a run that was stopped goes on.
+There are three tables: columns of the paper's sheet; pixels of the skin designed for 6x6 pixels;
+positions of touches of 24 mm on the skin designed for them. The designs are those of
+`twin_design.py`. None of this is a measurement.
 
-Run: python benchmarks/localization/foreign_twin.py [--skins 8] [--found FOLDER] [--quick]
+With a kept folder, a run that was stopped goes on.
+
+Run: python benchmarks/localization/foreign_twin.py [--only columns|pixels|positions] [--skins 5]
+     [--found FOLDER] [--searches FOLDER] [--quick]
 """
 
 from __future__ import annotations
@@ -21,27 +24,33 @@ import tempfile
 from pathlib import Path
 
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.benchmarks.localization.foreign_parts.questions import columns
-from rcskin.benchmarks.localization.foreign_parts.told import tell
+from rcskin.benchmarks.localization.foreign_parts.experiments import EXPERIMENTS
+from rcskin.benchmarks.localization.foreign_parts.report import write_report
 
-SKINS = 8
+SKINS = 5
 
 
 def main(run: Run) -> None:
-    """Ask all twins, and tell of it."""
+    """Make the tables and charts."""
+    options = run.asked
     with tempfile.TemporaryDirectory() as scratch:
-        folder = run.asked.found or Path(scratch)
-        folder.mkdir(parents=True, exist_ok=True)
-        question, skins = columns(run.quick), run.asked.skins or run.sized(SKINS, 1)
-        tell(question, question.answers(folder, skins, run.asked.processes), run.results)
+        folder = options.found or Path(scratch)
+        searches = options.searches or folder / "searches"
+        skins = options.skins or run.sized(SKINS, 1)
+        for name in [options.only] if options.only else EXPERIMENTS:
+            experiment = EXPERIMENTS[name](run.quick, searches)
+            answers = experiment.answers(folder / name, skins, options.processes)
+            write_report(experiment, answers, run.results)
 
 
 def options() -> argparse.ArgumentParser:
-    """Of the command line."""
+    """Parser of the command line."""
     parser = argparse.ArgumentParser()
+    parser.add_argument("--only", choices=EXPERIMENTS, help="One of the three tables.")
     parser.add_argument("--skins", type=int)
     parser.add_argument("--processes", type=int, default=1)
-    parser.add_argument("--found", type=Path, help="Folder of what takes time, to be kept.")
+    parser.add_argument("--found", type=Path, help="Folder in which slow results are kept.")
+    parser.add_argument("--searches", type=Path, help="Folder of designs, shared with others.")
     return parser
 
 

@@ -1,22 +1,25 @@
-"""What twins have that the two-dimensional model as it was has not."""
+"""Effects of a twin that the two-dimensional model without surroundings does not have."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 BODY = 5e-3
-"""m: from the bottom sheet to an earthed plane, as of a robot's arm."""
-MOST_FINGER = 10e-12
-"""F: of a fingertip through a thin cover."""
+"""Distance of an earthed plane from the bottom sheet, m: a robot's arm."""
+MAX_FINGER = 10e-12
+"""Largest capacitance to earth of a fingertip through a thin cover, F."""
 
 
 @dataclass(frozen=True)
 class Effect:
-    """earth: whether the skin is of the three-dimensional solve and the meter's low terminal is at
-    earth's potential; else it is of the model that trains. finger: capacitance to earth of what
-    presses, least and largest, F. body: whether an earthed plane is below. edges: whether the foam
-    has fields at the edges of a press. creep: s of a sweep during which the foam gives way, 0 for
-    none."""
+    """The surroundings, the fingers and the foam of a twin.
+
+    earth: True if the three-dimensional solve made the skin and the meter's low terminal is at
+    earth's potential; False if the training model made it. finger: smallest and largest capacitance
+    to earth of a press, F. body: True if an earthed plane is below. edges: True if the foam has
+    fields at the edges of a press. creep: duration of a sweep in which the foam creeps, s; 0 for
+    none.
+    """
 
     name: str
     earth: bool = True
@@ -28,8 +31,9 @@ class Effect:
 
 OWN = Effect("none: the model that trains", earth=False)
 EARTH = Effect("earth and rim, a rod")
-ALL = Effect("all but a body", finger=(0.0, MOST_FINGER), edges=True, creep=0.4)
-WITH_BODY = Effect("all", finger=(0.0, MOST_FINGER), edges=True, creep=0.4, body=True)
+OVER_BODY = Effect("earth, a body 5 mm below, a rod", body=True)
+ALL = Effect("all but a body", finger=(0.0, MAX_FINGER), edges=True, creep=0.4)
+WITH_BODY = Effect("all", finger=(0.0, MAX_FINGER), edges=True, creep=0.4, body=True)
 EFFECTS = (
     OWN,
     EARTH,
@@ -38,7 +42,7 @@ EFFECTS = (
     Effect("earth, a finger of 5.3 pF", finger=(5.3e-12, 5.3e-12)),
     Effect("earth, edges of presses", edges=True),
     Effect("earth, creep, 2 s a sweep", creep=2.0),
-    Effect("earth, a body 5 mm below, a rod", body=True),
+    OVER_BODY,
     ALL,
     WITH_BODY,
 )

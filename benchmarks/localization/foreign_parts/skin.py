@@ -96,12 +96,20 @@ class Foreign(Twin):
         With both sheets r times as resistive and all capacitance c times as large, Z at s is r
         times that at r c s.
         """
+        known = self._solved.get((asked, event))
+        if known is not None:
+            return known
         f, (c, r) = self.scene.frequencies, self.drifted(event)
         s = laplace_variable(f, self.drawn.variation.loss)
         hand = self.pressed(asked, event).touches
         patches = [self._patch(touch, event) for touch in hand if isinstance(touch, Rectangle)]
         Z = r * self.foreign.impedance(patches, r * c * s)
-        return self.drawn.leads.at_meter(Z, f)
+        return self._solved.setdefault((asked, event), self.drawn.leads.at_meter(Z, f))
+
+    @cached_property
+    def _solved(self) -> dict[tuple[Press, int], NDArray[np.complex128]]:
+        """Impedances by press and event: benches at other interfaces read the same presses."""
+        return {}
 
     def _patch(self, touch: Rectangle, event: int) -> Patch:
         random, (least, most) = self._random(FINGER, event), self.effect.finger

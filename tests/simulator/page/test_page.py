@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import document
+from rcskin.simulator.page.packed import reduced_for_page
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
-from rcskin.simulator.sweeps import read
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, read_scene
+from rcskin.simulator.sweeps import InputError, read
 
 PIXEL = (0.45, 0.52)
 """Of the canvas of the glove: a place in row 2, column 2."""
@@ -81,6 +83,19 @@ def test_bad_input_is_told_in_one_line(refused, tmp_path, monkeypatch, arguments
     (tmp_path / "by-force.toml").write_text(by_depth.replace("depth = 2e-3", "force = 1.0"))
     assert told in refused("page", *arguments)
     assert [path.name for path in tmp_path.iterdir()] == ["by-force.toml"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"surroundings": {"thickness": True}}, "surroundings.thickness"),
+        ({"skin.top.piezoresistance": 2.0}, "piezoresistance"),
+    ],
+)
+def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
+    scene = uniformly_pressed(load_scene("foam").with_(changes), "a page")
+    with pytest.raises(InputError, match=f"cannot take `{key}.*with `skin.foam.mechanics`"):
+        reduced_for_page(scene, 1e-2, 1)
 
 
 def test_pixels_pressed_by_depth_are_pressed_evenly_on_a_page(run, tmp_path):
