@@ -107,7 +107,7 @@ IN_ORDER = (
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/fingers"),
-    Benchmark("localization/foreign_twin", kept=("--found", "foreign_twin")),
+    Benchmark("localization/foreign_twin", kept=("--found", "foreign_twin"), shared=SEARCHES),
     Benchmark("localization/adaptation"),
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
