@@ -23,7 +23,8 @@ from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
 
-TIMEOUT = 5.0
+TIMEOUT = 120.0
+"""s for a reading: the first one of a foreign twin at several interfaces takes some seconds."""
 
 
 def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> xr.Dataset:
