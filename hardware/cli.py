@@ -62,7 +62,7 @@ def serve(
     from .meter.accuracy_table import DERIVED_TABLE
     from .virtual import serving
 
-    exhibit = _exhibit(scene, recorded, interface, seed)
+    exhibit = _served_skin(scene, recorded, interface, seed)
     pressing = serving.routines(exhibit, script, random, seed)
     meter = serving.instrument(exhibit, pace, accuracy or DERIVED_TABLE)
     if len(exhibit.skins) > 1:
@@ -71,7 +71,7 @@ def serve(
             f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
             err=True,
         )
-    paging = _paging(exhibit, page, page_port)
+    paging = _page_options(exhibit, page, page_port)
     with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
         meter.tell = partial(meter.report, "failed readings")
         serving.serve(
@@ -180,7 +180,7 @@ def misbehave(
     send_request(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
 
 
-def _exhibit(
+def _served_skin(
     scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
 ) -> ServedSkin:
     from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
@@ -198,7 +198,7 @@ def _exhibit(
     return exhibit
 
 
-def _paging(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
+def _page_options(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
     """Options of the requested page, or None. Raises InputError if they do not fit the skin."""
     from ..simulator.sweeps import InputError
     from .page.page_document import PageDocument

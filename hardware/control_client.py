@@ -24,14 +24,14 @@ class ControlEndpoint(NamedTuple):
     token: str
 
 
-def checked_address(text: str, must: str) -> ControlEndpoint:
+def checked_address(text: str, requirement: str) -> ControlEndpoint:
     """Address from [TOKEN@]HOST:PORT. Without a token, the user's file gives it.
 
     must: first words of the InputError that a malformed address raises.
     """
     match = ADDRESS.fullmatch(text)
     if match is None or int(match["port"]) > 65535:
-        raise InputError(f"{must}, got {text!r}")
+        raise InputError(f"{requirement}, got {text!r}")
     host, port = match["host"], int(match["port"])
     return ControlEndpoint(
         host, port, match["token"] or (read_token(port) if host in OWN_COMPUTER else "")
@@ -51,7 +51,7 @@ def send_request(control: str, do: str, **given: Any) -> Any:
             line.sendall((json.dumps(request) + "\n").encode())
             answer = line.makefile("rb").readline(1 << 16)
     except OSError as error:
-        raise _absent(address, str(error)) from error
+        raise _no_meter_error(address, str(error)) from error
     return _result(address, answer)
 
 
@@ -65,10 +65,12 @@ def _result(address: ControlEndpoint, line: bytes) -> Any:
         raise InputError(str(answer["error"]))
     if isinstance(answer, dict) and "ok" in answer:
         return answer["ok"]
-    raise _absent(address, "another program answers there" if line else "the connection was closed")
+    raise _no_meter_error(
+        address, "another program answers there" if line else "the connection was closed"
+    )
 
 
-def _absent(address: ControlEndpoint, why: str) -> PressError:
+def _no_meter_error(address: ControlEndpoint, why: str) -> PressError:
     return PressError(
         f"no virtual meter answers at {address.host}:{address.port} ({why}); check that "
         "`rcskin meter serve` runs, and the control port that it printed"

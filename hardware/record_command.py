@@ -225,7 +225,7 @@ def _operator(
         return screen, person, person.connect
     if not (control or press_with) and any(step.row for step in steps):
         raise InputError("--unattended needs --control or --press-with to press the skin")
-    screen, by = RecordingScreen(console, several=several), _untouched
+    screen, by = RecordingScreen(console, several=several), _press_nothing
     if control:
         by = press_virtual_skin(control)
     elif press_with:
@@ -233,5 +233,5 @@ def _operator(
     return screen, MachineOperator(by, screen, retries), None
 
 
-def _untouched(step: PressStep) -> None:
+def _press_nothing(step: PressStep) -> None:
     """Leave the skin untouched."""

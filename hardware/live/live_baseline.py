@@ -11,7 +11,7 @@ from .touch_answer import NOTHING_PRESSED, TouchAnswer
 
 SURE = 0.95
 RENEWED_AFTER = 5
-FIRSTS = 8
+OPENING_COUNT = 8
 """Number of first unpressed sweeps that identify the skin, as in recordings."""
 
 
@@ -27,7 +27,7 @@ class LiveBaseline:
     sweeps: deque[MeasuredSweep] = field(init=False)
     first: MeasuredSweep | None = field(default=None, init=False)
     _firsts: list[MeasuredSweep] = field(default_factory=list, init=False)
-    _quiet: int = field(default=0, init=False)
+    _unpressed_count: int = field(default=0, init=False)
     _candidate: MeasuredSweep | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
@@ -41,12 +41,12 @@ class LiveBaseline:
     @property
     def due(self) -> bool:
         """True if the next sweep may renew the baseline and must be measured whole."""
-        return self._quiet == RENEWED_AFTER - 2
+        return self._unpressed_count == RENEWED_AFTER - 2
 
     @property
     def opening(self) -> list[MeasuredSweep]:
         """The first FIRSTS sweeps; the first `wanted` until there are so many."""
-        return self._firsts[: FIRSTS if len(self._firsts) >= FIRSTS else self.wanted]
+        return self._firsts[: OPENING_COUNT if len(self._firsts) >= OPENING_COUNT else self.wanted]
 
     def give(self, sweeps: Sequence[MeasuredSweep]) -> None:
         """Use these earlier sweeps as the baseline, however few they are."""
@@ -59,13 +59,13 @@ class LiveBaseline:
         """Add an unpressed sweep."""
         self.first = self.first or sweep
         self.sweeps.append(sweep)
-        if len(self._firsts) < FIRSTS:
+        if len(self._firsts) < OPENING_COUNT:
             self._firsts.append(sweep)
 
     def forget(self) -> None:
         """Start again: the next sweeps are unpressed."""
         self.sweeps, self._firsts = deque(maxlen=self.wanted), []
-        self.first, self._quiet, self._candidate = None, 0, None
+        self.first, self._unpressed_count, self._candidate = None, 0, None
 
     def follow(self, sweep: MeasuredSweep | None, answer: TouchAnswer) -> bool:
         """True if a sweep renewed the baseline in place of the oldest of the latest.
@@ -75,14 +75,14 @@ class LiveBaseline:
         sweep: None if only a part was read.
         """
         if not says_unpressed(answer):
-            self._quiet, self._candidate = 0, None
+            self._unpressed_count, self._candidate = 0, None
             return False
         self.first = self.first or sweep
-        self._quiet += 1
-        if self._quiet < RENEWED_AFTER:
+        self._unpressed_count += 1
+        if self._unpressed_count < RENEWED_AFTER:
             self._candidate = sweep or self._candidate
             return False
-        taken, self._quiet, self._candidate = self._candidate, 0, None
+        taken, self._unpressed_count, self._candidate = self._candidate, 0, None
         if taken is None or not self.sweeps:
             return False
         self.add(taken)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 NOTES = 3
 WIDEST = 80
-BESIDE_GRID = 14
+OTHER_LINES = 14
 """Lines of the screen outside the grid."""
 
 
@@ -77,12 +77,12 @@ class LiveScreen:
 
         localizer, skin = self._localizer, self._localizer.scene.skin
         width = min(self._console.width, WIDEST)
-        room = width - 4, self._console.height - BESIDE_GRID
+        room = width - 4, self._console.height - OTHER_LINES
         grid = fitted_grid(
             *localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room
         )
         current = None if self._why or not self._moment else self._moment.answer
-        parts = [grid.draw(current), self._words(), *self._figures(), self._beside()]
+        parts = [grid.draw(current), self._words(), *self._time_lines(), self._beside()]
         title = Text(f"rcskin live: {localizer.model.target}")
         return Panel(Group(*parts), title=title, width=width)
 
@@ -93,7 +93,7 @@ class LiveScreen:
             return Text(f"\n{self._why}\n", "bold yellow")
         return Text(f"\n{self._moment.answer.words}\n", "bold")
 
-    def _figures(self) -> list[Text]:
+    def _time_lines(self) -> list[Text]:
         from rich.text import Text
 
         moment = self._moment

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from .live_localizer import LiveLocalizer
 
-RATED = 10
-RESTLESS = 5
+RATE_ANSWERS = 10
+MAX_BASELINE_TRIALS = 5
 END_KEY, REST_KEY = "q", "r"
 
 
@@ -118,8 +118,8 @@ class LiveSession:
     _begun: float | None = field(default=None, init=False)
     _ended: float | None = field(default=None, init=False)
     _pace: ReadingTimes = field(init=False)
-    _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATED), init=False)
-    _restless: int = field(default=0, init=False)
+    _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATE_ANSWERS), init=False)
+    _baseline_trials: int = field(default=0, init=False)
     _known: BaselineDataset = field(init=False)
 
     def __post_init__(self) -> None:
@@ -134,7 +134,7 @@ class LiveSession:
         Raises MeterError if the meter fails for too long or the unpressed skin is not stable,
         InputError if meter and model do not fit each other.
         """
-        self._ask_for_rest()
+        self._request_baseline()
         if self.rest.complete:
             self._prepare()
         while answers is None or self.answers < answers:
@@ -143,7 +143,7 @@ class LiveSession:
                 return
             if key == REST_KEY and self.rest.wanted:
                 self.rest.forget()
-                self._ask_for_rest()
+                self._request_baseline()
             self.step()
 
     def step(self) -> None:
@@ -167,7 +167,7 @@ class LiveSession:
         if wanted:
             self._answer(measured)
         else:
-            self._take_rest(measured.sweep)
+            self._add_baseline(measured.sweep)
 
     def _measured(self, begun: float) -> TimedSweep:
         """The next sweep, whole or adaptive."""
@@ -195,14 +195,14 @@ class LiveSession:
     def _at_rest(self) -> xr.Dataset | None:
         return self._known.sweeps if self.rest.sweeps else None
 
-    def _localized(self, measured: TimedSweep) -> TouchAnswer:
+    def _localize(self, measured: TimedSweep) -> TouchAnswer:
         if measured.part is not None:
             return self.localizer.described(measured.part.questions.answer(measured.during))
         sweep = model_dataset([measured.sweep], self.localizer.model)
         return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
 
     def _answer(self, measured: TimedSweep) -> None:
-        answer, sweep, begun = self._localized(measured), measured.sweep, measured.begun
+        answer, sweep, begun = self._localize(measured), measured.sweep, measured.begun
         ended = self.clock()
         before, self._begun, self._ended = self._begun, begun, measured.ended
         self._ends.append(ended)
@@ -240,26 +240,26 @@ class LiveSession:
         )
         return AnswerSource(measured.sweep, read, tuple(self.rest.sweeps))
 
-    def _take_rest(self, sweep: MeasuredSweep) -> None:
+    def _add_baseline(self, sweep: MeasuredSweep) -> None:
         moved = self._remarks(TimedSweep(sweep), self.rest.first)
         if moved:
-            self._restless += 1
-            if self._restless >= RESTLESS:
+            self._baseline_trials += 1
+            if self._baseline_trials >= MAX_BASELINE_TRIALS:
                 raise MeterError(
-                    f"the unpressed skin is not stable in {RESTLESS} trials ({moved[0]}); leave it "
+                    f"the unpressed skin is not stable in {MAX_BASELINE_TRIALS} trials ({moved[0]}); leave it "
                     "untouched, or allow more by --drift"
                 )
             self.rest.forget()
             self.show.note(f"was the skin touched? {moved[0]}; measured anew")
         self.rest.add(sweep)
         if self.rest.complete:
-            self._restless = 0
+            self._baseline_trials = 0
             self._prepare()
             self.show.no_answer("ready: the skin may be touched")
         else:
-            self._ask_for_rest()
+            self._request_baseline()
 
-    def _ask_for_rest(self) -> None:
+    def _request_baseline(self) -> None:
         done, wanted = len(self.rest.sweeps), self.rest.wanted
         if done < wanted:
             self.show.no_answer(f"leave the skin untouched: unpressed sweep {done + 1} of {wanted}")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...localization.model.localizer_model import Model
 
 NOTES = 5
-OFTEN = 0.25
+UPDATE_INTERVAL = 0.25
 """Seconds between two updates of a sweep's progress."""
 
 
@@ -27,26 +27,26 @@ OFTEN = 0.25
 class CombinedDisplay:
     """Several displays of one session."""
 
-    shows: Sequence[SessionDisplay]
+    displays: Sequence[SessionDisplay]
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show a reading at a frequency in Hz."""
-        for show in self.shows:
+        for show in self.displays:
             show.reading(frequency, reading)
 
     def answer(self, moment: TimedAnswer) -> None:
         """Show an answer."""
-        for show in self.shows:
+        for show in self.displays:
             show.answer(moment)
 
     def no_answer(self, why: str) -> None:
         """Show why there is no answer."""
-        for show in self.shows:
+        for show in self.displays:
             show.no_answer(why)
 
     def note(self, text: str) -> None:
         """Show a note."""
-        for show in self.shows:
+        for show in self.displays:
             show.note(text)
 
 
@@ -76,7 +76,7 @@ class PageDisplay:
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Post the progress of the sweep, at intervals."""
         self._done += 1
-        if time.monotonic() - self._posted > OFTEN:
+        if time.monotonic() - self._posted > UPDATE_INTERVAL:
             self._post_state(frequency)
 
     def answer(self, moment: TimedAnswer) -> None:

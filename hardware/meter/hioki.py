@@ -102,12 +102,12 @@ class HiokiMeter:
         self.identity = identity or self.talk.query("*IDN?", parse_identity)
         self.found: dict[str, Any] | None = None
         self.known: dict[str, Any] = {}
-        self._keeper = SETTINGS_STORE.get()
+        self._store = SETTINGS_STORE.get()
 
     def note_found(self) -> None:
         """Save the original settings, if there is a store."""
-        if self._keeper:
-            self._keeper.note_found()
+        if self._store:
+            self._store.note_found()
 
     def prepare(self) -> None:
         """Set the meter up so that each reading is new and holds status, Cp, Rs and X.
@@ -116,7 +116,7 @@ class HiokiMeter:
         level, speed and correction do not change. Raises MeterError.
         """
         if self.found is None:
-            self.found = self._keeper.found(self.identity) if self._keeper else {}
+            self.found = self._store.found(self.identity) if self._store else {}
         self.talk.send("*CLS")
         self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
@@ -131,7 +131,7 @@ class HiokiMeter:
         A store restores them itself.
         """
         try:
-            if self._keeper is None:
+            if self._store is None:
                 with suppress(MeterError):
                     self.put_back()
                 if self.found:

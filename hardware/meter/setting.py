@@ -212,7 +212,7 @@ class Setting(MeterProperty[T]):
         text = self.allowed.write(value)
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
-        self._find(meter)
+        self._save_original(meter)
         meter.talk.send(f"{self.tell}{text}")
         meter.known[self.name] = self.allowed.read(text)
 
@@ -230,7 +230,7 @@ class Setting(MeterProperty[T]):
         for n, value in zip(RANGES, found, strict=True):
             meter.talk.send(f"{self._command} {n},{self.allowed.write(value)}")
 
-    def _find(self, meter: SettingsOwner) -> None:
+    def _save_original(self, meter: SettingsOwner) -> None:
         """Add the present value to the meter's original settings, with `moves`, if missing."""
         if meter.found is None:
             return

@@ -14,7 +14,7 @@ MAX_CONNECTIONS, MAX_VIEWERS = 32, 16
 """Together with the virtual meter's connections below 256, the limit of files on macOS."""
 HEAD_SECONDS = 5.0
 """Longest time until the whole head is there. A browser sends it at once."""
-STAND_IN = b"GET / HTTP/1.1" + END
+SUBSTITUTE_HEAD = b"GET / HTTP/1.1" + END
 """Replaces a refused head, because the library answers only valid requests with a status."""
 
 
@@ -74,7 +74,7 @@ class PageConnection(ServerConnection):
         self._decided, self.refused = True, refused
         self.bodiless = self._received.startswith(b"HEAD ")
         request = self._received.removeprefix(b"HEAD").removeprefix(b"GET")
-        super().data_received(STAND_IN if refused else b"GET" + request)
+        super().data_received(SUBSTITUTE_HEAD if refused else b"GET" + request)
 
 
 class ConnectionLimit:

@@ -19,15 +19,15 @@ class PageDocument:
     """HTML with a placeholder that each response replaces by a new nonce."""
 
     text: str
-    stand_in: str
+    placeholder: str
 
     @classmethod
     def of(cls, scene: Scene, kind: Kind) -> PageDocument:
         """Document of a scene. Raises InputError as `linked_page`."""
         from ...simulator.page.linked import linked_page
 
-        stand_in = secrets.token_urlsafe(16)
-        return cls(linked_page(scene, kind, stand_in), stand_in)
+        placeholder = secrets.token_urlsafe(16)
+        return cls(linked_page(scene, kind, placeholder), placeholder)
 
     def sent(self) -> tuple[Mapping[str, str], bytes]:
         """Headers and body of a response."""
@@ -48,4 +48,4 @@ class PageDocument:
             "Cross-Origin-Opener-Policy": "same-origin",
             "Cross-Origin-Resource-Policy": "same-origin",
         }
-        return headers, self.text.replace(self.stand_in, nonce).encode()
+        return headers, self.text.replace(self.placeholder, nonce).encode()

@@ -42,7 +42,7 @@ class ManagedMeter:
     meter: Meter | None = field(default=None, init=False)
     _found: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
-    _has_left: bool = field(default=False, init=False)
+    _given_up: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         if self.journal and (kept := self.journal.original_settings()):
@@ -87,9 +87,9 @@ class ManagedMeter:
                 parting = Thread(target=self._put_back, daemon=True)
                 begun = time.monotonic()
                 parting.start()
-                while parting.is_alive() and self._patient(begun) and not insisting():
+                while parting.is_alive() and self._answers_recently(begun) and not insisting():
                     parting.join(POLL_INTERVAL)
-                self._has_left = True
+                self._given_up = True
             if self._found:
                 self.tell(not_restored_message(self._found))
             elif self.journal:
@@ -112,12 +112,14 @@ class ManagedMeter:
         if self.journal:
             self.journal.save_original_settings(self._identity, self._found)
 
-    def _patient(self, begun: float) -> bool:
+    def _answers_recently(self, begun: float) -> bool:
         """True if the meter answered recently, in view of how slow its line is."""
         silent = time.monotonic() - max(begun, ANSWER_TIMES.at)
-        return silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._under_way()
+        return (
+            silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._running_time()
+        )
 
-    def _under_way(self) -> float:
+    def _running_time(self) -> float:
         """Longest time of a reading that may still be running, s."""
         known = self.meter is not None and self.meter.known.keys() >= set(TIMING)
         return self.meter.seconds if self.meter and known else 0.0
@@ -129,7 +131,7 @@ class ManagedMeter:
                 self.meter.put_back()
                 return
             self.close()
-            if self._has_left:
+            if self._given_up:
                 return
             time.sleep(PAUSE)
 

@@ -72,7 +72,7 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
     ends the recording. Finished sweeps stay on the disk.
     """
     journal = RecordingJournal(task.output)
-    header = _resumed(journal, task)
+    header = _resumed_header(journal, task)
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
         _confirm_mounting(journal, entries.values(), operator)
@@ -170,7 +170,7 @@ class RecordingRun:
         return StepStatus(number, total, left, rests[-1] if rests else None)
 
 
-def _resumed(journal: RecordingJournal, task: RecordingTask) -> RecordingHeader | None:
+def _resumed_header(journal: RecordingJournal, task: RecordingTask) -> RecordingHeader | None:
     header = journal.header()
     if header is None:
         return None

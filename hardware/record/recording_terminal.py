@@ -34,11 +34,11 @@ class RecordingScreen:
     """
 
     def __init__(self, console: Console, plain: bool = False, several: bool = False) -> None:
-        self._console, self._tells_all = console, plain or console.is_terminal
+        self._console, self._reports_all = console, plain or console.is_terminal
         self._several = several
         self._live: Live | None = None
         self._title = self._press = ""
-        self._all_rest: MeasuredSweep | None = None
+        self._baseline: MeasuredSweep | None = None
         self._rest: InterfaceTrace | None = None
         self._readings: list[tuple[float, MeterReading]] = []
 
@@ -56,14 +56,14 @@ class RecordingScreen:
     def begin(self, title: str, rest: MeasuredSweep | None) -> None:
         """Begin a sweep. rest: unpressed sweep to compare with."""
         self._title = self._press = title
-        self._all_rest, self._rest, self._readings = rest, None, []
+        self._baseline, self._rest, self._readings = rest, None, []
 
     def turn(self, interface: str) -> None:
         """Print the readings of the interface before, and begin this one."""
         self._finish()
         if self._several:
             self._title = f"{self._press}, interface {interface}"
-        self._rest = self._all_rest and self._all_rest.at(interface)
+        self._rest = self._baseline and self._baseline.at(interface)
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show a reading at a frequency in Hz."""
@@ -85,7 +85,7 @@ class RecordingScreen:
 
     def _finish(self) -> None:
         self._stop()
-        if self._tells_all and self._readings:
+        if self._reports_all and self._readings:
             self._print("done" + self._curves())
         self._readings = []
 

@@ -56,7 +56,7 @@ def _made(
         device = CommandSwitch(template, COMMAND_TIMEOUT)
         return DeviceSwitch(lambda: device, by_name, waiting)
     if name is not None and name != ASK:
-        return _by_name(name, settle, waiting, by_name)
+        return _named_switch(name, settle, waiting, by_name)
     if ask is None:
         raise InputError(
             f"the interfaces {', '.join(interfaces)} need a switch that works without a person: "
@@ -68,7 +68,7 @@ def _made(
     return DeviceSwitch(lambda: person, by_name, waiting)
 
 
-def _by_name(
+def _named_switch(
     name: str, settle: float | None, waiting: float, by_name: dict[str, str]
 ) -> DeviceSwitch:
     if name.endswith(".toml"):

@@ -40,7 +40,7 @@ class LineReader:
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest, self._kept, self._overlong = longest, b"", False
 
-    def web(self, received: bytes) -> bool:
+    def is_web(self, received: bytes) -> bool:
         """True if these bytes belong to a line of HTTP or TLS, see `WEB`."""
         return WEB.search(self._kept + received) is not None
 
@@ -82,7 +82,7 @@ class Client:
         kept = LineReader()
         while received := await self.reader.read(4096):
             self.heard = time.monotonic()
-            if kept.web(received):
+            if kept.is_web(received):
                 raise WebError
             for line in kept.feed(received):
                 yield line

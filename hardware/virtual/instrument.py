@@ -33,7 +33,7 @@ TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 
 @dataclass
-class Pending:
+class PendingMeasurement:
     """A running measurement. done: time of its end, s of the loop's clock.
 
     press: of the skin in the middle of the measurement.
@@ -63,7 +63,7 @@ class Instrument:
     faults: Faults = field(default_factory=Faults)
     corrections: Corrections = field(default_factory=Corrections)
     latest: MeasurementResult = NOTHING
-    pending: Pending | None = None
+    pending: PendingMeasurement | None = None
     fresh_from: float = 0.0
     waiting: bool = False
     worker: Worker = field(default_factory=Worker)
@@ -152,10 +152,10 @@ class Instrument:
             if event:
                 self.registers.note(event)
 
-    def _begun(self, done: float) -> Pending:
+    def _begun(self, done: float) -> PendingMeasurement:
         settings = replace(self.settings, each_range=dict(self.settings.each_range))
         press = self.bench.skin.momentary(self.press, (self.now + done) / 2)
-        return Pending(press, settings, done, self.bench)
+        return PendingMeasurement(press, settings, done, self.bench)
 
     def _seconds(self) -> float:
         delay = self.settings.each_range[self.settings.range].delay

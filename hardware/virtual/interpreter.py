@@ -19,13 +19,13 @@ async def answer(meter: Instrument, line: str) -> str:
     try:
         for message in messages(line):
             meter.waiting = bool(answers)
-            answers += await _executed(meter, message)
+            answers += await _execute(meter, message)
     except CommandError:
         meter.registers.note(Standard.CME)
     return ";".join(answers)
 
 
-async def _executed(meter: Instrument, message: Message) -> list[str]:
+async def _execute(meter: Instrument, message: Message) -> list[str]:
     command = find(message.words, meter.model, meter.settings.compatible)
     act = command and (command.ask if message.query else command.tell)
     if command is None or act is None:
@@ -38,9 +38,9 @@ async def _executed(meter: Instrument, message: Message) -> list[str]:
     except ExecutionError:
         meter.registers.note(Standard.EXE)
         return []
-    return [_headed(meter, command, str(said))] if message.query else []
+    return [_with_header(meter, command, str(said))] if message.query else []
 
 
-def _headed(meter: Instrument, command: MeterCommand, said: str) -> str:
+def _with_header(meter: Instrument, command: MeterCommand, said: str) -> str:
     named = meter.settings.header and command.named
     return f"{command.header.upper()} {said}" if named else said

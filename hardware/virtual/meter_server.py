@@ -45,7 +45,7 @@ async def listening(
     """
 
     async def serve(client: Client) -> None:
-        await _converse(instrument, client)
+        await _serve_client(instrument, client)
 
     async with AsyncExitStack() as stack:
         report = instrument.report
@@ -80,14 +80,14 @@ def running(
     try:
         yield asyncio.run_coroutine_threadsafe(entered, loop).result()
     finally:
-        asyncio.run_coroutine_threadsafe(_wind_up(stack), loop).result()
+        asyncio.run_coroutine_threadsafe(_shut_down(stack), loop).result()
         loop.call_soon_threadsafe(loop.stop)
         thread.join()
         loop.close()
         instrument.worker.shutdown()
 
 
-async def _converse(instrument: Instrument, client: Client) -> None:
+async def _serve_client(instrument: Instrument, client: Client) -> None:
     async for line in client.lines():
         if line is None:
             instrument.registers.note(Standard.CME)
@@ -110,7 +110,7 @@ async def _spoilt(said: bytes, fault: Fault | None) -> bytes:
     return instead.get(fault.kind, said)
 
 
-async def _wind_up(stack: AsyncExitStack) -> None:
+async def _shut_down(stack: AsyncExitStack) -> None:
     await stack.aclose()
     others = asyncio.all_tasks() - {asyncio.current_task()}
     for task in others:

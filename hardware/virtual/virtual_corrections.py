@@ -14,7 +14,7 @@ SECONDS = {"ALL": 4.0, "SPOT": 1.0}
 SETTINGS = {"OPEN": "open_correction", "SHORT": "short_correction"}
 
 
-class Corrected(Protocol):
+class CorrectedMeter(Protocol):
     """The parts of a meter that a correction uses."""
 
     pace: float
@@ -30,7 +30,7 @@ class Corrections:
     under_way: dict[str, asyncio.Task] = field(default_factory=dict)
     errors: dict[str, int] = field(default_factory=lambda: {"OPEN": 0, "SHORT": 0})
 
-    def start(self, meter: Corrected, kind: str, extent: str) -> None:
+    def start(self, meter: CorrectedMeter, kind: str, extent: str) -> None:
         """Acquire a correction. Raises ExecutionError with internal trigger, or if one runs."""
         if meter.settings.trigger != "EXTERNAL" or self.busy:
             raise ExecutionError(kind)
@@ -59,7 +59,7 @@ class Corrections:
         while self.busy:
             await asyncio.wait(self.under_way.values())
 
-    async def _acquire(self, meter: Corrected, kind: str, extent: str) -> None:
+    async def _acquire(self, meter: CorrectedMeter, kind: str, extent: str) -> None:
         await asyncio.sleep(meter.pace * SECONDS[extent])
         failed = meter.faults.take("correction") is not None
         self.errors[kind] = int(failed)

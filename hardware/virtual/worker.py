@@ -9,7 +9,7 @@ from threading import Thread
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
-PARTING = 0.3
+END_TIMEOUT = 0.3
 """Time for a running call to end, s."""
 
 
@@ -41,7 +41,7 @@ class Worker(Executor):
     def end(self) -> None:
         """Accept no further call, and wait shortly for the running one."""
         self.shutdown(wait=False, cancel_futures=True)
-        self._thread.join(PARTING)
+        self._thread.join(END_TIMEOUT)
 
     def _work(self) -> None:
         while task := self._tasks.get():

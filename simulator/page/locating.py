@@ -36,7 +36,7 @@ def located(domain: Domain, points: NDArray[np.float64]) -> Located:
     places = np.stack([place for _, place in each], axis=1)
     for k in np.flatnonzero(bends[:, triangle].any(axis=0)):
         here = domain.p[:2], domain.t[:, triangle[[k]]], bends[:, triangle[[k]]]
-        places[:, k] = _bent(*here, places[:, k], points[:, k])
+        places[:, k] = _newton_place(*here, places[:, k], points[:, k])
     corners = np.vstack([places, 1 - places.sum(axis=0)])
     inside = np.maximum(corners, 0.0)
     return Located(triangle, (inside / inside.sum(axis=0))[:2], corners.min(axis=0) >= -WITHIN)
@@ -54,7 +54,7 @@ def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.fl
     return nearest, np.array([a[nearest], b[nearest]])
 
 
-def _bent(
+def _newton_place(
     p: NDArray[np.float64],
     t: NDArray[np.int64],
     bends: NDArray[np.float64],

@@ -41,7 +41,7 @@ POINTS = 1024
 MAX_PACKED_TOUCHES = 2
 
 
-def pressed_anywhere(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
+def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
     """Function that draws up to two rectangles on cells; none is the unpressed skin.
 
     A rectangle has up to two pixels on a side. If both sheets are fields of their own, each has a
@@ -119,7 +119,7 @@ def reduced_for_page(
     band = np.geomspace(f[0] * slowest, f[-1] * fastest, FREQUENCIES)
     cells = 1 if scene.pixels.groups is not None else cells
     divided = scene.divided(cells)
-    draw = pressed_anywhere(divided, cells)
+    draw = random_press_drawer(divided, cells)
     return reduce(divided, rtol, draw, progress=progress, frequency=band)
 
 

@@ -54,7 +54,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         ],
         "fields": reduced.terminal_field.tolist(),
         "conductance": _conductance(skin).tolist(),
-        "top": exactly(_of_top(skin)) if reduced.circuit.fields == 2 else None,
+        "top": exactly(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
         "gauges": _gauges(skin) if gauged(reduced.scene.skin) else None,
         **_of_surroundings(skin),
     }
@@ -98,7 +98,7 @@ def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:
     return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
 
 
-def _of_top(skin: ReducedSkin) -> NDArray[np.float64]:
+def _top_sheet_matrix(skin: ReducedSkin) -> NDArray[np.float64]:
     """Part of K due to the top sheet and its foils' films, S, shape (m, m)."""
     reduced = skin.reduced
     films = resistive(reduced.circuit)

@@ -44,9 +44,9 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
                 "name": contact.name,
                 "electrode": contact.electrode,
                 "pieces": _rounded(
-                    _along_edge(contact, scene.skin)
+                    _foil_pieces(contact, scene.skin)
                     if of_file is None
-                    else _along_facets(of_file.foils[contact.name], of_file)
+                    else _facet_pieces(of_file.foils[contact.name], of_file)
                 ),
             }
             for contact in scene.contacts
@@ -93,7 +93,7 @@ def _outline(skin: Skin) -> list[Points]:
     return [each.at(angle) if isinstance(each, Circle) else each for each in shapes]
 
 
-def _along_edge(contact: Contact, skin: Skin) -> Points:
+def _foil_pieces(contact: Contact, skin: Skin) -> Points:
     """Pieces of a foil on a skin without mesh."""
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
@@ -112,7 +112,7 @@ def _along_edge(contact: Contact, skin: Skin) -> Points:
     return np.concatenate([x[:, :-1], x[:, 1:], away]).T
 
 
-def _along_facets(facets: NDArray[np.int64], mesh: Domain) -> Points:
+def _facet_pieces(facets: NDArray[np.int64], mesh: Domain) -> Points:
     """Pieces of a foil on a mesh. facets: numbers of points, shape (2, facet)."""
     start, stop = mesh.p[:2, facets[0]], mesh.p[:2, facets[1]]
     of_edge = {(a, b): k for k, three in enumerate(mesh.t.T.tolist()) for a, b in _pairs(three)}

@@ -46,7 +46,7 @@ class Raster:
 
 
 @dataclass(frozen=True)
-class Pictured:
+class RasterFields:
     """Values that a page shows at the points of a raster.
 
     potential: V of each field, for 1 V in each of the skin's coordinates in turn, shape (field,
@@ -61,29 +61,29 @@ class Pictured:
     conductance: NDArray[np.float64]
 
 
-def pictured(skin: ReducedSkin, raster: Raster) -> Pictured:
+def pictured(skin: ReducedSkin, raster: Raster) -> RasterFields:
     """Fields of a skin at the raster's points."""
     family = skin.reduced.family
     if isinstance(family, UniformFamily):
-        at_points, on_skin = _on_squares(family, raster), np.ones(raster.points.shape[1], bool)
+        at_points, on_skin = _square_probes(family, raster), np.ones(raster.points.shape[1], bool)
     else:
-        at_points, on_skin = _on_triangles(family, raster)
+        at_points, on_skin = _triangle_probes(family, raster)
     whole = family.space.spread(skin.reduced.coordinates @ skin.turn)
     held = np.vstack([whole, np.zeros((1, whole.shape[1]))])
     numbers = family.system.unknowns.number
     top = Materials(family.scene).conductance("top", raster.points)
     every = np.zeros(raster.points.shape[1])
-    return Pictured(
+    return RasterFields(
         np.stack([at_points @ held[number] for number in numbers]), on_skin, top + every
     )
 
 
-def _on_squares(family: UniformFamily, raster: Raster) -> csr_matrix:
+def _square_probes(family: UniformFamily, raster: Raster) -> csr_matrix:
     basis = CellBasis(family.system.pixels.mesh, quadrilateral(family.mesh.order), intorder=1)
     return csr_matrix(basis.probes(raster.points))
 
 
-def _on_triangles(family: Family, raster: Raster) -> tuple[csr_matrix, NDArray[np.bool_]]:
+def _triangle_probes(family: Family, raster: Raster) -> tuple[csr_matrix, NDArray[np.bool_]]:
     """Matrix from coefficients of one field to values at points.
 
     Also returns True for points that are on the skin.

@@ -70,7 +70,7 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
     disc as an exact circle; factors multiply.
     """
-    x, y = _even_lines(scene.skin.length, columns), _even_lines(scene.skin.width, rows)
+    x, y = _uniform_lines(scene.skin.length, columns), _uniform_lines(scene.skin.width, rows)
     total = np.ones((rows, columns))
     for touch in press.touches:
         if isinstance(touch, Disc):
@@ -82,7 +82,7 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
 
 
 @lru_cache
-def _even_lines(length: float, cells: int) -> NDArray[np.float64]:
+def _uniform_lines(length: float, cells: int) -> NDArray[np.float64]:
     """Lines between equal cells, from 0 to a length in m; read-only."""
     lines = np.linspace(0, length, cells + 1)
     lines.flags.writeable = False
@@ -98,7 +98,11 @@ def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = Non
     check_fingers(press, scene)
     shape = grid or scene.pixels.shape
     _check_walls(scene, press, shape)
-    raised = _under_applicators(scene, press) if press.indented else _raised(scene, press, shape)
+    raised = (
+        _under_applicators(scene, press)
+        if press.indented
+        else _cells_under_factors(scene, press, shape)
+    )
     if not press.fingers:
         return raised
     return together(raised, fingers(scene, press, shape))
@@ -122,7 +126,7 @@ def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> 
     return together(NOTHING, *each)
 
 
-def _raised(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
+def _cells_under_factors(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
     rises = grid_map(scene, press, *grid).ravel() - 1
     cells = np.flatnonzero(rises)
     return TouchedCells(cells, rises[cells])
@@ -130,7 +134,9 @@ def _raised(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
 
 def _finger(scene: Scene, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
     """Finger of one touch, spread uniformly over the area that it covers."""
-    cells, covered = _raised(scene, Press((replace(place_of(touch), factor=2.0),)), grid)
+    cells, covered = _cells_under_factors(
+        scene, Press((replace(place_of(touch), factor=2.0),)), grid
+    )
     share = touch.finger * covered / covered.sum()
     return TouchedCells(parts_of(scene, grid).finger(cells), share)
 

@@ -174,10 +174,10 @@ class Parts:
             across = self.kind[2].start + keys % self.foam
             batch = batch.and_(PressBatch(across, self.across(factor) - 1, starts))
         if self.walls.count:
-            batch = batch.and_(self._walled(keys, factor, batch.count))
+            batch = batch.and_(self._touched_walls(keys, factor, batch.count))
         return batch
 
-    def _walled(
+    def _touched_walls(
         self, keys: NDArray[np.int64], factor: NDArray[np.float64], count: int
     ) -> PressBatch:
         """Walls around touched parts of `count` presses.

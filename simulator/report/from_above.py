@@ -49,7 +49,7 @@ class Ribbon(NamedTuple):
 def outline(scene: Scene) -> list[Places]:
     """Curves that bound a skin, the outer one first, m, each of shape (2, place)."""
     if scene.skin.mesh is not None:
-        return [_chained(_of_mesh(scene)[1])]
+        return [_chained(_mesh_edges(scene)[1])]
     found = []
     for curve in curves(scene.skin):
         corners = curve.marks
@@ -102,7 +102,7 @@ def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -
 
 def _between_pixels(scene: Scene) -> list[Places]:
     if scene.skin.mesh is not None:
-        return [_chained(_of_mesh(scene)[0])]
+        return [_chained(_mesh_edges(scene)[0])]
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     parts, ends = np.linspace(0, 1, ALONG), np.ones(ALONG)
     upright = [np.array([x * ends, width * parts]) for x in length * _inner(columns)]
@@ -115,7 +115,7 @@ def _inner(count: int) -> Places:
     return np.arange(1, count) / count
 
 
-def _of_mesh(scene: Scene) -> tuple[Places, Places]:
+def _mesh_edges(scene: Scene) -> tuple[Places, Places]:
     """Edges between pixels and on the rim, m, each of shape (2, edge, end)."""
     mesh = domain(scene, Press(), max(scene.skin.sides))
     edges, of_triangle = edges_of(mesh.t)

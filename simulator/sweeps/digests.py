@@ -21,7 +21,7 @@ from .inputs import objects
 HEX = 64
 """Number of hexadecimal characters of a SHA-256 digest."""
 AT_ONCE = 2**20
-AT_END = b"\nsha256 of the bytes above: "
+DIGEST_PREFIX = b"\nsha256 of the bytes above: "
 """Text before the digest at the end of a binary file; HDF5 ignores bytes behind its end."""
 MEMBER = "sha256"
 """Member of a ZIP archive with the digest of the names and contents of all other members."""
@@ -39,21 +39,21 @@ first line, and the number of lines below both."""
 def seal_binary(path: Path) -> None:
     """Appends the digest of a file to the file."""
     with path.open("r+b") as file:
-        digest = _of_rest(file)
-        file.write(AT_END + digest.encode() + b"\n")
+        digest = _digest_to_end(file)
+        file.write(DIGEST_PREFIX + digest.encode() + b"\n")
 
 
 def check_binary(path: Path) -> None:
     """Raises InputError if the file does not match the digest at its end."""
-    size = len(AT_END) + HEX + 1
+    size = len(DIGEST_PREFIX) + HEX + 1
     with path.open("rb") as file:
         length = file.seek(0, 2) - size
         file.seek(max(length, 0))
         end = file.read()
-        if length < 0 or not end.startswith(AT_END):
+        if length < 0 or not end.startswith(DIGEST_PREFIX):
             return
         file.seek(0)
-        if _of_rest(file, length) != end[len(AT_END) : -1].decode("ascii", "replace"):
+        if _digest_to_end(file, length) != end[len(DIGEST_PREFIX) : -1].decode("ascii", "replace"):
             raise _spoilt(path)
 
 
@@ -66,7 +66,7 @@ def seal_text(path: Path) -> None:
         file.seek(len(digest_line))
         file.write(lines_line.replace(b"0".rjust(LINES_WIDTH), f"{lines:>{LINES_WIDTH}}".encode()))
         file.seek(len(digest_line))
-        digest = _of_rest(file)
+        digest = _digest_to_end(file)
         file.seek(0)
         file.write(digest_line.replace(b"0" * HEX, digest.encode()))
 
@@ -94,7 +94,7 @@ def check_text(path: Path, content: bytes) -> bool:
 def seal_archive(path: Path) -> None:
     """Adds the digest of all members to a ZIP archive."""
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr(zipfile.ZipInfo(MEMBER), _of_members(archive))
+        archive.writestr(zipfile.ZipInfo(MEMBER), _members_digest(archive))
 
 
 def check_archive(path: Path, file: IO[bytes]) -> None:
@@ -105,7 +105,7 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
     with zipfile.ZipFile(file) as archive:
         if MEMBER not in archive.namelist():
             return
-        if archive.read(MEMBER) != _of_members(archive):
+        if archive.read(MEMBER) != _members_digest(archive):
             raise _spoilt(path)
 
 
@@ -132,7 +132,7 @@ def check_store(folder: Path) -> bool:
 
 def sealed_json(content: Mapping[str, Any], *, allow_nan: bool = True) -> str:
     """An object as JSON with the digest of its content. Raises as json.dumps."""
-    return json.dumps({**content, MEMBER: _of_json(content)}, allow_nan=allow_nan)
+    return json.dumps({**content, MEMBER: _json_digest(content)}, allow_nan=allow_nan)
 
 
 def unsealed_json(text: str) -> dict[str, Any]:
@@ -144,16 +144,16 @@ def unsealed_json(text: str) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ValueError("it is no object")
     stored = content.pop(MEMBER, None)
-    if stored is not None and stored != _of_json(content):
+    if stored is not None and stored != _json_digest(content):
         raise ValueError("it does not match its checksum")
     return content
 
 
-def _of_json(content: Mapping[str, Any]) -> str:
+def _json_digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
 
-def _of_rest(file: BinaryIO, end: int | None = None) -> str:
+def _digest_to_end(file: BinaryIO, end: int | None = None) -> str:
     """Hexadecimal digest from the current position to the end of the file, or to `end`."""
     digest = hashlib.sha256()
     while part := file.read(AT_ONCE if end is None else min(AT_ONCE, end - file.tell())):
@@ -161,7 +161,7 @@ def _of_rest(file: BinaryIO, end: int | None = None) -> str:
     return digest.hexdigest()
 
 
-def _of_members(archive: zipfile.ZipFile) -> bytes:
+def _members_digest(archive: zipfile.ZipFile) -> bytes:
     """Hexadecimal digest of the names and contents of all members except the digest itself."""
     digest = hashlib.sha256()
     for name in sorted(set(archive.namelist()) - {MEMBER}):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Source = str | Path
-OF_SWEEPS = ("times", "interface_times", "remarks", "answers")
+PER_SWEEP_ATTRIBUTES = ("times", "interface_times", "remarks", "answers")
 """Attributes that are JSON lists with an entry for each sweep."""
 FLAGGED = "flagged"
 """Attribute of abnormal readings: JSON rows that start with the number of the sweep."""
@@ -69,7 +69,7 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
         )
     f, g = part["frequency"].values, first["frequency"].values
     if f.size != g.size or not same_frequencies(f, g).all():
-        raise InputError(f"{path}: {_spanned(f)} are not the frequencies of {other}: {_spanned(g)}")
+        raise InputError(f"{path}: {_range_text(f)} are not the frequencies of {other}: {_range_text(g)}")
     ordered = part.isel(interface=[ours.index(name) for name in theirs])
     if not same_taken(ordered, first):
         raise InputError(
@@ -79,7 +79,7 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
     return ordered.assign_coords(frequency=first["frequency"])
 
 
-def _spanned(frequency: np.ndarray) -> str:
+def _range_text(frequency: np.ndarray) -> str:
     return f"{frequency.size} from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"
 
 
@@ -107,7 +107,7 @@ def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str,
     merged: dict[str, Any] = {}
     for name in dict.fromkeys(str(name) for part in parts for name in part.attrs):
         values = [part.attrs[name] for part in parts if name in part.attrs]
-        if name in (*OF_SWEEPS, FLAGGED):
+        if name in (*PER_SWEEP_ATTRIBUTES, FLAGGED):
             if len(values) == len(parts):
                 merged[name] = json.dumps(_listed(name, values, parts))
         elif name == "scene" or all(np.array_equal(value, values[0]) for value in values):

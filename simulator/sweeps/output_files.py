@@ -36,7 +36,7 @@ def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
             OF_TABLES[path.suffix](sweeps, unfinished)
         else:
             whole = sweeps.dataset() if isinstance(sweeps, SweepTable) else sweeps
-            OF_DATASETS[path.suffix](check(whole), unfinished)
+            DATASET_WRITERS[path.suffix](check(whole), unfinished)
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
@@ -156,4 +156,4 @@ def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
 
 
 OF_TABLES = {".nc": write_table, ".csv": write_rows}
-OF_DATASETS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}
+DATASET_WRITERS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}

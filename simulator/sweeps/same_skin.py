@@ -32,7 +32,7 @@ def difference(recorded: str, requested: str) -> str | None:
 
     recorded, requested: as in `check_same_skin`. Interfaces that only one has are ignored.
     """
-    ours, theirs = _traits(recorded), _traits(requested)
+    ours, theirs = _properties(recorded), _properties(requested)
     for key in ours:
         if key in theirs and ours[key] != theirs[key]:
             written = isinstance(ours[key], str) and isinstance(theirs[key], str)
@@ -44,15 +44,15 @@ def _name(text: str) -> str:
     return str(inputs.tables(text).get("name", "an unnamed scene"))
 
 
-def _traits(text: str) -> dict[str, Any]:
+def _properties(text: str) -> dict[str, Any]:
     """Properties of a skin by name; empty for a text that is no scene."""
     try:
-        return _of_table(inputs.tables(text))
+        return _skin_properties(inputs.tables(text))
     except (KeyError, TypeError, ValueError, AttributeError):
         return {}
 
 
-def _of_table(scene: Mapping[str, Any]) -> dict[str, Any]:
+def _skin_properties(scene: Mapping[str, Any]) -> dict[str, Any]:
     skin, pixels = scene["skin"], scene["pixels"]
     foils = {each["name"]: _foil(each) for each in scene["contact"]}
     return {

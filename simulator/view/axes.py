@@ -32,7 +32,7 @@ HALO_WIDTH, SHADE_WIDTH = 1.3, 0.6
 """Widths of the white and the black of a line between pixels, points."""
 MAX_NAMED_PIXELS = 12
 """Largest number of pixels along a grid's side at which each is named."""
-FACING = 0.3
+MIN_FACING = 0.3
 """Component of a normal towards the eye up to which pixels are not named."""
 
 
@@ -102,7 +102,7 @@ def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> 
         kept[0, :] = True
         kept[:, int(np.argmax(facing.sum(axis=0)))] = True
         facing = np.where(kept, facing, 0.0)
-    for row, column in np.argwhere(facing > FACING):
+    for row, column in np.argwhere(facing > MIN_FACING):
         x, y = MILLI * camera.project(marks.middles[:, row, column])
         axes.text(
             float(x),

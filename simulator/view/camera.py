@@ -78,7 +78,7 @@ def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
     side = np.cross(up, front)
     turned = np.cos(TURN) * front + np.sin(TURN) * side
     towards = np.cos(TILT) * turned + np.sin(TILT) * up
-    return _looking(towards, up, places, margin)
+    return _camera_towards(towards, up, places, margin)
 
 
 def obliquely(places: Real, margin: float) -> Camera:
@@ -86,10 +86,10 @@ def obliquely(places: Real, margin: float) -> Camera:
     up = np.array([0.0, 0.0, 1.0])
     level = np.array([np.sin(-TURN), -np.cos(TURN), 0.0])
     towards = np.cos(1.4 * TILT) * level + np.sin(1.4 * TILT) * up
-    return _looking(towards, up, places, margin)
+    return _camera_towards(towards, up, places, margin)
 
 
-def _looking(towards: Real, up: Real, places: Real, margin: float) -> Camera:
+def _camera_towards(towards: Real, up: Real, places: Real, margin: float) -> Camera:
     right = np.cross(up, towards)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(towards, right), towards])

@@ -78,10 +78,10 @@ def at_frequencies(
     ]
     if len(set(ends)) == 1:
         return drawn
-    return [replace(each, note=_and_scale(each)) for each in drawn]
+    return [replace(each, note=_note_with_scale(each)) for each in drawn]
 
 
-def _and_scale(shown: DisplayedQuantity) -> str:
+def _note_with_scale(shown: DisplayedQuantity) -> str:
     """Note of a frame, and the ends of its colours, which other frames do not share."""
     scale = f"colours: {span_text(*shown.limits, shown.unit)}"
     return f"{shown.note}, {scale}" if shown.note else scale

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SINGLE, PANEL, MIN_FIGURE_WIDTH = 5.0, 2.3, 5.0
 """Width of a single panel, of one of several, and the least for a title, inches."""
-HIGHEST = 5.6
+MAX_HEIGHT = 5.6
 """Largest height of a panel, inches."""
 BESIDE = 1.85
 """Width of what stands next to each panel, inches."""
@@ -41,7 +41,7 @@ LINE, AXES_HEIGHT, TITLE_AND_FOILS = 0.16, 0.85, 0.65
 LEGEND_WIDTH = 2.2
 """Width of a foil's name with its colour, inches."""
 PIXELS_PER_INCH = 260
-FAR_SIDE = -0.1
+MAX_HIDDEN_NORMAL = -0.1
 """Component of a normal towards the eye below which the skin is turned away."""
 
 
@@ -81,7 +81,7 @@ def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
     alone = columns == len(rows) == 1
     widths = [max(_width(panel, alone) for panel in row) for row in rows]
     heights = [
-        max(_width(panel, alone) * panel.camera.aspect for panel in row) + _words_height(row)
+        max(_width(panel, alone) * panel.camera.aspect for panel in row) + _text_height(row)
         for row in rows
     ]
     width = max(columns * (max(widths) + BESIDE), MIN_FIGURE_WIDTH)
@@ -90,10 +90,10 @@ def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
 
 def _width(panel: Panel, alone: bool) -> float:
     """Width of a panel's picture, inches."""
-    return min(SINGLE if alone else PANEL, HIGHEST / panel.camera.aspect)
+    return min(SINGLE if alone else PANEL, MAX_HEIGHT / panel.camera.aspect)
 
 
-def _words_height(row: Sequence[Panel]) -> float:
+def _text_height(row: Sequence[Panel]) -> float:
     """Height of what stands above and below the pictures of a row, inches."""
     lines = max(_heading(panel.shown).count("\n") + 1 for panel in row)
     return LINE * lines + (AXES_HEIGHT if any(panel.camera.above for panel in row) else 0.1)
@@ -161,5 +161,5 @@ def _told(foil: Foil, panel: Panel) -> str:
     """Label of a foil, which notes if it is behind the body the skin is wrapped on."""
     skin = panel.scenery.skin
     normal = skin.normals[:, skin.nearest(foil.middle[:, None])[0]]
-    behind = normal @ panel.camera.towards < FAR_SIDE
+    behind = normal @ panel.camera.towards < MAX_HIDDEN_NORMAL
     return f"{foil.label}, behind" if behind else foil.label

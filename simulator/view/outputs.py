@@ -36,10 +36,10 @@ PHASES = 24
 MOVIE_DPI = 100
 LONG = 60.0
 """Drawing time in seconds above which a movie is announced by a note."""
-LONGEST_PRESS = 60
+MAX_PRESS_TEXT = 60
 LEGEND_LINE = 0.05
 """Height of a legend's line over the window's."""
-ROOM_FOR_WORDS = 1.35
+TEXT_MARGIN = 1.35
 """Factor on what a window shows, for its title and colour bar."""
 
 
@@ -73,7 +73,7 @@ def write_output(
     """
     check_output(path)
     if path.suffix in MOVIES:
-        frames = _phases(stage, what) if animate == "phase" else _frequencies(stage, what)
+        frames = _period_panels(stage, what) if animate == "phase" else _frequencies(stage, what)
         _write_frames(path, stage, frames, progress, tell)
         return
     stills = dict.fromkeys(STILLS, _write_picture)
@@ -84,8 +84,8 @@ def write_output(
 def title(stage: ViewedPress) -> str:
     """Scene, press and interface in one line."""
     press = str(stage.press) if stage.press.touches else ""
-    if len(press) > LONGEST_PRESS:
-        press = f"{press[:LONGEST_PRESS]}…"
+    if len(press) > MAX_PRESS_TEXT:
+        press = f"{press[:MAX_PRESS_TEXT]}…"
     pressed = f"press {press}" if press else "at rest"
     return f"{stage.scene.name}, {pressed}, interface {stage.interface.name}"
 
@@ -137,7 +137,7 @@ def _frequencies(stage: ViewedPress, what: str) -> list[list[Panel]]:
     ]
 
 
-def _phases(stage: ViewedPress, what: str) -> list[list[Panel]]:
+def _period_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """Panels of each picture of a movie over one period."""
     if what not in ("potential", "current"):
         raise InputError(f"--animate phase: --what must be potential or current, got {what!r}")
@@ -201,7 +201,7 @@ def show(stage: ViewedPress, what: str) -> None:
         panel.camera.aim(plotter)
         width, height = plotter.window_size
         narrow = height * len(panels) / width / panel.camera.aspect
-        plotter.camera.parallel_scale *= ROOM_FOR_WORDS * max(1.0, narrow)
+        plotter.camera.parallel_scale *= TEXT_MARGIN * max(1.0, narrow)
     plotter.show()
 
 

@@ -152,7 +152,7 @@ Image = NDArray[np.uint8]
 ROLE_COLOURS = {"high": COLOURS[1], "low": COLOURS[0], "floating": "#5A5A5A"}
 PALER = (1.0, 0.5, 0.75, 0.25)
 """Fractions of their role's colour that foils of one role get, in turn."""
-LIFTED = 2e-3
+LINE_LIFT = 2e-3
 """Height of lines above the skin over its size."""
 
 BODY, ARROW, GRID = "#F2EEE8", "#FFFFFF", "#7F7F7F"
@@ -297,7 +297,7 @@ def lifted(line: Real, skin: SkinSurface, times: float = 1.0, towards: Real | No
     It is raised off the skin, or towards an eye (3,).
     """
     way = skin.normals_near(line) if towards is None else towards[:, None]
-    return line + times * LIFTED * skin.size * way
+    return line + times * LINE_LIFT * skin.size * way
 
 
 def arrow_mesh(arrows: Arrows) -> pv.PolyData:

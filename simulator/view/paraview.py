@@ -41,7 +41,7 @@ def everywhere(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
     yield "flat_position_m", _in_space(fields.x)
 
 
-def at_frequency(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
+def fields_at(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
     """Fields at a frequency by number: name with unit, values by point."""
     for number, sheet in enumerate(SHEETS):
         V, J = fields.potential[number, at], fields.current[number, at]
@@ -68,7 +68,7 @@ def _write_vtu(
     for name, values in everywhere(fields):
         grid.point_data[name] = values
     for at, frequency in enumerate(fields.frequency):
-        for name, values in at_frequency(fields, at):
+        for name, values in fields_at(fields, at):
             grid.point_data[f"{name}@{frequency:.9g}Hz"] = values
     grid.field_data["frequency_Hz"] = fields.frequency
     grid.field_data["Z_re_ohm"], grid.field_data["Z_im_ohm"] = fields.Z.real, fields.Z.imag
@@ -97,5 +97,5 @@ def _write_xdmf(path: Path, fields: SolutionFields, skin: SkinSurface) -> None:
     with TimeSeriesWriter(path, data_format="XML") as writer:
         writer.write_points_cells(skin.points.T, [(CELLS[len(skin.cells)], skin.cells.T)])
         for at, frequency in enumerate(fields.frequency):
-            data = {**dict(everywhere(fields)), **dict(at_frequency(fields, at))}
+            data = {**dict(everywhere(fields)), **dict(fields_at(fields, at))}
             writer.write_data(float(frequency), point_data=data)

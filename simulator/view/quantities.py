@@ -28,14 +28,14 @@ SAME_SHEETS = 1e-3
 
 It is the mean difference of their densities over the mean of the top sheet.
 """
-ALIKE_FRAMES = 10.0
+SAME_SCALE_RATIO = 10.0
 """Largest ratio of the values of frames that share one scale."""
-PEAKS, FAR_LESS = 0.01, 1.5
+PEAKS, PEAK_RATIO = 0.01, 1.5
 """Fraction of the area whose values the scale may leave out, and ratio required.
 
 The scale ends below these values if they are more than FAR_LESS times the rest.
 """
-FEW_DEGREES = 300.0
+MAX_OPEN_SPAN = 300.0
 """Largest span of phases, in degrees, that needs no closed map."""
 NO_DEFLECTION = 1e-12
 PERCENT_PER_CM2 = 1e2 * 1e-4
@@ -223,7 +223,7 @@ def scales(
     unless the smallest is more than half of the largest.
     """
     sizes = [_size(quantity, values, weight) for values in frames]
-    if own or max(sizes) > ALIKE_FRAMES * min(sizes):
+    if own or max(sizes) > SAME_SCALE_RATIO * min(sizes):
         pairs = zip(frames, sizes, strict=True)
         return [_scale(quantity, [values], size) for values, size in pairs]
     return [_scale(quantity, frames, max(sizes))] * len(frames)
@@ -233,7 +233,7 @@ def _size(quantity: ViewedQuantity, values: Real, weight: Real) -> float:
     """Range of the scale that a frame needs: span of angles, else largest value."""
     if quantity.scale == "cyclic":
         return float(np.ptp(values)) or 1.0
-    return _highest(np.abs(values), weight) or 1.0
+    return _largest_shown(np.abs(values), weight) or 1.0
 
 
 def _scale(quantity: ViewedQuantity, frames: Sequence[Real], high: float) -> tuple[float, float]:
@@ -245,18 +245,18 @@ def _scale(quantity: ViewedQuantity, frames: Sequence[Real], high: float) -> tup
     return (lowest if 0.5 * high < lowest < high else 0.0), high
 
 
-def _highest(sizes: Real, weight: Real) -> float:
+def _largest_shown(sizes: Real, weight: Real) -> float:
     """Largest value, or a bound of all but PEAKS of the area where that is far less."""
     order = np.argsort(sizes)
     covered = np.cumsum(weight[order])
     usual = float(sizes[order[np.searchsorted(covered, (1 - PEAKS) * covered[-1])]])
-    return float(sizes.max()) if sizes.max() <= FAR_LESS * usual else usual
+    return float(sizes.max()) if sizes.max() <= PEAK_RATIO * usual else usual
 
 
 def _angles(frames: Sequence[Real]) -> tuple[float, float]:
     lowest = min(float(values.min()) for values in frames)
     highest = max(float(values.max()) for values in frames)
-    return (lowest, highest) if 0 < highest - lowest <= FEW_DEGREES else (-180.0, 180.0)
+    return (lowest, highest) if 0 < highest - lowest <= MAX_OPEN_SPAN else (-180.0, 180.0)
 
 
 def checked_name(name: str) -> str:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 MARGIN = 0.012
 """Margin around all that is in the picture, over the skin's size."""
-BENEATH = 0.985
+BODY_RADIUS = 0.985
 """Radius of the mug or ball drawn under a skin, over the radius of the skin."""
 ROOM = 1.05
 """Distance of a mug or ball below the skin, over the deepest place as drawn."""
@@ -90,7 +90,9 @@ class ViewedPress:
         if shape is None or not self._in_space:
             return sides
         beneath = max(foam, ROOM * skin.exaggeration * float(self.fields.deflection.max()))
-        radius = max(THINNEST * shape.radius, min(BENEATH * shape.radius, shape.radius - beneath))
+        radius = max(
+            THINNEST * shape.radius, min(BODY_RADIUS * shape.radius, shape.radius - beneath)
+        )
         length, width = self.scene.skin.stretched_sides
         middle = np.array([length / 2, width / 2, -shape.radius])
         if shape.kind == "sphere":

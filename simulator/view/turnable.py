@@ -28,7 +28,7 @@ Real = NDArray[np.float64]
 COLOURS = 33
 """Number of colours of a colour map in the page."""
 MILLI = 1e3
-RAISED, WORDS_RAISED = 2.0, 20.0
+LINE_HEIGHT, TEXT_HEIGHT = 2.0, 20.0
 """Heights of wide lines, and of words on a curved skin, over that of fine lines."""
 BEYOND = 1.04
 """Room given to the drawing over its size."""
@@ -38,7 +38,7 @@ TITLE_WIDTH = 45
 GROUND, WORDS, UNSEEN = "#FFFFFF", "#222222", "rgba(0,0,0,0)"
 FLAT = {"ambient": 0.85, "diffuse": 0.25, "specular": 0.0, "roughness": 1.0}
 UNLIT = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0, "roughness": 1.0}
-PALE = 0.179
+MID_LUMINANCE = 0.179
 """Luminance with which black and white have equal contrast."""
 FITTED = """
 const skin = document.getElementById("{plot_id}");
@@ -76,7 +76,7 @@ def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
             include_plotlyjs=True,
             div_id="skin",
             default_height="97vh",
-            post_script=FITTED % _half_sizes(panels),
+            post_script=FITTED % _half_extent(panels),
         )
 
 
@@ -91,7 +91,7 @@ def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
         f"{axis}axis": {"visible": False, "range": [float(at - reach), float(at + reach)]}
         for axis, at in zip("xyz", middle, strict=True)
     }
-    scale = 1 / max(_half_sizes(panels))
+    scale = 1 / max(_half_extent(panels))
     lines = [*map(plotly_text, textwrap.wrap(title, TITLE_WIDTH))]
     return {
         "title": {
@@ -136,7 +136,7 @@ def _drawn(panel: Panel) -> Real:
     return np.hstack([scenery.skin.points, *bodies, *ribbons])
 
 
-def _half_sizes(panels: Sequence[Panel]) -> tuple[float, float]:
+def _half_extent(panels: Sequence[Panel]) -> tuple[float, float]:
     """Half the width and the height of what the camera sees, with a margin, mm."""
     camera = panels[0].camera
     width, height = BEYOND * MILLI * (camera.high - camera.low) / 2
@@ -190,7 +190,7 @@ def _traces(panel: Panel) -> list[Any]:
         (marks.pixels, GRID, 1.5, 1.0),
         (marks.rim, UNPRESSED_COLOUR, 2, 1.0),
         (shown.contours, "#FFFFFF", 2, 1.0),
-        (marks.pressed, UNPRESSED_COLOUR, 6, RAISED),
+        (marks.pressed, UNPRESSED_COLOUR, 6, LINE_HEIGHT),
     ):
         if lines:
             raised = [lifted(line, skin, lift) for line in lines]
@@ -207,8 +207,8 @@ def _pixel_names(panel: Panel) -> go.Scatter3d:
     skin, middles = panel.scenery.skin, panel.scenery.marks.middles
     rows, columns = np.nonzero(np.isfinite(middles).all(axis=0))
     places = middles[:, rows, columns]
-    points = MILLI * lifted(places, skin, 1.0 if panel.camera.above else WORDS_RAISED)
-    pale = _luminance(panel.shown)[skin.nearest(places)] > PALE
+    points = MILLI * lifted(places, skin, 1.0 if panel.camera.above else TEXT_HEIGHT)
+    pale = _luminance(panel.shown)[skin.nearest(places)] > MID_LUMINANCE
     return go.Scatter3d(
         **dict(zip("xyz", points.astype(np.float32), strict=True)),
         mode="text",

@@ -33,7 +33,7 @@ def _switch(text: str) -> bool:
     return _one_of("ON", "1", "OFF", "0")(text) in ("ON", "1")
 
 
-def _on_or_off(value: bool) -> str:
+def _on_off_text(value: bool) -> str:
     return "ON" if value else "OFF"
 
 
@@ -41,11 +41,11 @@ def _rounded(low: float, high: float, digits: int) -> Read:
     return lambda text: float(f"{number(text, low, high):.{digits - 1}E}")
 
 
-def _average(text: str) -> int:
+def _parse_averaging(text: str) -> int:
     return 1 if text.upper() == "OFF" else whole(text, 1, 256)
 
 
-def _shown_average(value: int) -> str:
+def _averaging_text(value: int) -> str:
     return "OFF" if value == 1 else str(value)
 
 
@@ -108,14 +108,14 @@ def _parameter(header: str, index: int, siblings_only: bool = False) -> MeterCom
     )
 
 
-def _volts(value: float) -> str:
+def _volts_text(value: float) -> str:
     return f"{value:.3f}"
 
 
 STORED = (
-    _stored(":HEADer", "header", _switch, _on_or_off),
+    _stored(":HEADer", "header", _switch, _on_off_text),
     _stored(":MODE", "mode", _one_of("LCR", "CONTinuous")),
-    _stored(":COMMand:COMPatible", "compatible", _switch, _on_or_off),
+    _stored(":COMMand:COMPatible", "compatible", _switch, _on_off_text),
     _stored(
         ":FREQuency",
         "frequency",
@@ -123,20 +123,20 @@ STORED = (
         lambda f: engineering(f, 5),
     ),
     _stored(":LEVel", "level", _one_of("V", "CV", "CC")),
-    _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts),
-    _stored(":LEVel:CVOLTage", "constant_voltage", _rounded(5e-3, 5, 4), _volts),
+    _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts_text),
+    _stored(":LEVel:CVOLTage", "constant_voltage", _rounded(5e-3, 5, 4), _volts_text),
     _stored(
         ":LEVel:CCURRent", "constant_current", _rounded(1e-5, 50e-3, 4), lambda i: engineering(i, 4)
     ),
     MeterCommand(":RANGe", _set_range, lambda meter: meter.settings.range),
-    _stored(":RANGe:AUTO", "auto_range", _switch, _on_or_off),
+    _stored(":RANGe:AUTO", "auto_range", _switch, _on_off_text),
     _parameter(":PARameter1", 0),
     _parameter(":PARameter2", 1),
     _parameter(":PARameter3", 1, siblings_only=True),
     _parameter(":PARameter4", 1, siblings_only=True),
     _stored(":TRIGger", "trigger", _one_of("INTernal", "EXTernal")),
     _stored(":CORRection:CABLe", "cable", lambda text: whole(text, 0, 1)),
-    _stored(":CORRection:LOAD", "load_correction", _switch, _on_or_off),
+    _stored(":CORRection:LOAD", "load_correction", _switch, _on_off_text),
     _stored(
         ":TRANsmit:TERMinator",
         "carriage_return_only",
@@ -144,7 +144,9 @@ STORED = (
         lambda value: str(int(value)),
     ),
     *_each_range(":RANGe:SYNC:SPEEd", ":SPEEd", "speed", _one_of(*SPEEDS), str),
-    *_each_range(":RANGe:SYNC:AVERaging", ":AVERaging", "averaging", _average, _shown_average),
+    *_each_range(
+        ":RANGe:SYNC:AVERaging", ":AVERaging", "averaging", _parse_averaging, _averaging_text
+    ),
     *_each_range(
         ":RANGe:SYNC:TRIGger:DELay",
         ":TRIGger:DELay",

@@ -41,9 +41,9 @@ SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
 WRITTEN_VARIABLES = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
-NAMED = ("press", "session", "interface")
+TEXT_COLUMNS = ("press", "session", "interface")
 """Columns that hold text."""
-UNLABELLED = {
+DEFAULT_LABELS = {
     "sweep": "0",
     "press": "unknown",
     "row": "-1",
@@ -51,7 +51,7 @@ UNLABELLED = {
     "interface": UNNAMED,
 }
 WHOLE = ("sweep", "row", "column", "session")
-MAX_WHOLE = 1e9
+MAX_INTEGER = 1e9
 """Limit of whole numbers; sessions with more digits are names."""
 NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for one session"
 """Value of the attribute `session_rule` for files without that column."""
@@ -92,7 +92,7 @@ def _append(sweeps: SweepTable, path: Path, first: int) -> None:
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
         rows = CsvWriter(file)
         if first == 0:
-            file.write(UNSEALED + _commented(sweeps.attrs))
+            file.write(UNSEALED + _comment_text(sweeps.attrs))
             rows.writerow(columns)
         rows.writerows(zip(*(table[name].tolist() for name in columns), strict=True))
 
@@ -145,7 +145,7 @@ def read_csv(path: Path) -> xr.Dataset:
     )
 
 
-def _commented(attributes: Mapping[Any, Any]) -> str:
+def _comment_text(attributes: Mapping[Any, Any]) -> str:
     """Attributes as TOML in comment lines."""
     import tomli_w
 
@@ -169,7 +169,7 @@ def _is_comment(line: str) -> bool:
 
 
 def _attributes(comments: Sequence[str]) -> dict[str, Any]:
-    """Inverse of `_commented`; other comments become the attribute `preamble`."""
+    """Inverse of `_comment_text`; other comments become the attribute `preamble`."""
     try:
         attributes = inputs.tables("".join(comments))
     except tomllib.TOMLDecodeError:
@@ -213,8 +213,8 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
         raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(table)}")
     if table.empty:
         raise InputError(f"{path}: holds no sweep")
-    named = {name: table[name].map(unguarded) for name in NAMED if name in table}
-    absent_ones = {name: text for name, text in UNLABELLED.items() if name not in table}
+    named = {name: table[name].map(unguarded) for name in TEXT_COLUMNS if name in table}
+    absent_ones = {name: text for name, text in DEFAULT_LABELS.items() if name not in table}
     return table.assign(**named, **absent_ones)
 
 
@@ -226,15 +226,15 @@ def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
     lines = list(table.index)
     return table.assign(
         interface=in_order_of_appearance,
-        **{name: _finite(path, name, list(table[name]), lines) for name in numeric},
+        **{name: _checked_numbers(path, name, list(table[name]), lines) for name in numeric},
     )
 
 
-def _finite(path: Path, name: str, column: list[str], lines: list[int]) -> np.ndarray:
+def _checked_numbers(path: Path, name: str, column: list[str], lines: list[int]) -> np.ndarray:
     values = np.array([plain_number(text) for text in column])
     good, kind = np.isfinite(values), "finite"
     if name in WHOLE:
-        good, kind = good & (values == np.rint(values)) & (np.abs(values) < MAX_WHOLE), "whole"
+        good, kind = good & (values == np.rint(values)) & (np.abs(values) < MAX_INTEGER), "whole"
     bad = np.flatnonzero(~good)
     if bad.size:
         raise InputError(

@@ -22,8 +22,8 @@ MIN_FREQUENCIES = 6
 LAWS = 6
 """Number of laws that noise may appear to break."""
 KRAMERS_KRONIG = "Kramers-Kronig"
-OF_ONE_READING = "Cp = Im(1/Z)/omega"
-DISPLAYED = 1e-3
+CP_CONSISTENCY = "Cp = Im(1/Z)/omega"
+DISPLAY_ROUNDING = 1e-3
 """Tolerance of Cp over |1/Z|/omega: the rounding of a display with four digits."""
 TOLERANCE = 0.02
 
@@ -220,9 +220,9 @@ def _violations(
     if two_terminal:
         laws = _signs(spectrum, limits) | _monotony(spectrum, limits)
         laws[KRAMERS_KRONIG] = _inconsistent(spectrum, limits)
-    slack = DISPLAYED + limits.limit * limits.noise
+    slack = DISPLAY_ROUNDING + limits.limit * limits.noise
     Z, frequency = spectrum.Z, spectrum.frequency
-    laws[OF_ONE_READING] = contradicting(Z.real, Z.imag, Cp, frequency, slack)
+    laws[CP_CONSISTENCY] = contradicting(Z.real, Z.imag, Cp, frequency, slack)
     return tuple(
         Violation(sweep, interface, law, tuple(spectrum.frequency[broken].tolist()))
         for law, broken in laws.items()
@@ -250,11 +250,13 @@ def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_
     }
     broken = {law: np.zeros(kept.shape, dtype=np.bool_) for law in slope}
     for law, (values, allowed) in slope.items():
-        broken[law][kept] = _off_decreasing(values[kept], allowed[kept])
+        broken[law][kept] = _deviates_from_decreasing(values[kept], allowed[kept])
     return broken
 
 
-def _off_decreasing(values: NDArray[np.float64], allowed: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _deviates_from_decreasing(
+    values: NDArray[np.float64], allowed: NDArray[np.float64]
+) -> NDArray[np.bool_]:
     """True where values deviate by more than allowed from the nearest non-increasing curve."""
     from scipy.optimize import isotonic_regression
 
