@@ -198,7 +198,7 @@ def _served_skin(
     return exhibit
 
 
-def _page_options(exhibit: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
+def _page_options(served: ServedSkin, page: bool, port: int | None) -> PageOptions | None:
     """Options of the requested page, or None. Raises InputError if they do not fit the skin."""
     from ..simulator.sweeps import InputError
     from .page.page_document import PageDocument
@@ -208,7 +208,7 @@ def _page_options(exhibit: ServedSkin, page: bool, port: int | None) -> PageOpti
         if port is not None:
             raise InputError("--page-port needs --page")
         return None
-    if exhibit.scene is None:
+    if served.scene is None:
         raise InputError("--page needs --scene: a recorded skin has no page")
-    document = PageDocument.of(exhibit.scene, "skin")
+    document = PageDocument.of(served.scene, "skin")
     return serving.PageOptions(document, port or 0, lambda address: say(f"page  {address.url}"))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-EVERY = 60.0
+INTERVAL = 60.0
 """Seconds between two lines of one kind."""
 Report = Callable[[str, str], None]
 """Takes the kind of an event, as a plural ("failed readings"), and a sentence on this event."""
@@ -29,7 +29,7 @@ class EventCounter:
         """Report an event."""
         shown, uncounted = self._latest.get(kind, (-math.inf, 0))
         now = time.monotonic()
-        if now - shown < EVERY:
+        if now - shown < INTERVAL:
             self._latest[kind] = shown, uncounted + 1
             return
         self._latest[kind] = now, 0

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...localization.filtering.adaptive_sweep import AdaptiveSweep
     from ...localization.model.localizer_model import Model
 
-USUAL = 0.02
+DEFAULT_SECONDS = 0.02
 """Assumed time of a reading before the first one, s."""
 
 
@@ -50,7 +50,7 @@ class ReadingTimes:
     @property
     def seconds(self) -> NDArray[np.float64]:
         """Expected times at the model's readings, s, shape (interface, frequency)."""
-        known = [self._latest.get(f, USUAL) for f in self.model.frequencies]
+        known = [self._latest.get(f, DEFAULT_SECONDS) for f in self.model.frequencies]
         names = self.model.interfaces
         turning = np.zeros(len(names))
         if self.turns is not None:
@@ -77,24 +77,24 @@ class PartialSweep:
 
 
 def measure_adaptively(
-    link: LiveMeter, questions: AdaptiveSweep, pace: ReadingTimes
+    meter: LiveMeter, adaptive_sweep: AdaptiveSweep, times: ReadingTimes
 ) -> tuple[PartialSweep, MeasuredSweep]:
     """Measure what the adaptive sweep requests, until it is certain. Raises MeterError."""
     asked: list[tuple[str, float]] = []
 
     def next_ones() -> Iterator[tuple[str, float]]:
-        while (wanted := questions.next(pace.seconds)) is not None:
-            pace.begin()
+        while (wanted := adaptive_sweep.next(times.seconds)) is not None:
+            times.begin()
             asked.append(wanted)
             yield wanted
 
     def watch(frequency: float, reading: MeterReading) -> None:
-        pace.reading(frequency, reading)
-        questions.add_reading(*asked[-1], complex(reading.Rs, reading.X))
+        times.reading(frequency, reading)
+        adaptive_sweep.add_reading(*asked[-1], complex(reading.Rs, reading.X))
 
-    sweep = link.readings(watch, next_ones())
+    sweep = meter.readings(watch, next_ones())
     read = [
         np.sort([frequency for name, frequency in asked if name == trace.interface])
         for trace in sweep.traces
     ]
-    return PartialSweep(questions, tuple(read)), sweep
+    return PartialSweep(adaptive_sweep, tuple(read)), sweep

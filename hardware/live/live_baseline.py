@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from ..record.measured_sweep import MeasuredSweep
 from .touch_answer import NOTHING_PRESSED, TouchAnswer
 
-SURE = 0.95
+MIN_PROBABILITY = 0.95
 RENEWED_AFTER = 5
 OPENING_COUNT = 8
 """Number of first unpressed sweeps that identify the skin, as in recordings."""
@@ -91,4 +91,4 @@ class LiveBaseline:
 
 def says_unpressed(answer: TouchAnswer) -> bool:
     """True if an answer says with certainty that nothing is pressed."""
-    return answer.label == NOTHING_PRESSED and (answer.probability or 0) >= SURE
+    return answer.label == NOTHING_PRESSED and (answer.probability or 0) >= MIN_PROBABILITY

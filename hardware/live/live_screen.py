@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
 
 NOTES = 3
-WIDEST = 80
+MAX_WIDTH = 80
 OTHER_LINES = 14
 """Lines of the screen outside the grid."""
 
@@ -76,7 +76,7 @@ class LiveScreen:
         from rich.text import Text
 
         localizer, skin = self._localizer, self._localizer.scene.skin
-        width = min(self._console.width, WIDEST)
+        width = min(self._console.width, MAX_WIDTH)
         room = width - 4, self._console.height - OTHER_LINES
         grid = fitted_grid(
             *localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room

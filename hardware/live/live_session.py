@@ -246,8 +246,8 @@ class LiveSession:
             self._baseline_trials += 1
             if self._baseline_trials >= MAX_BASELINE_TRIALS:
                 raise MeterError(
-                    f"the unpressed skin is not stable in {MAX_BASELINE_TRIALS} trials ({moved[0]}); leave it "
-                    "untouched, or allow more by --drift"
+                    f"the unpressed skin is not stable in {MAX_BASELINE_TRIALS} trials "
+                    f"({moved[0]}); leave it untouched, or allow more by --drift"
                 )
             self.rest.forget()
             self.show.note(f"was the skin touched? {moved[0]}; measured anew")

@@ -85,7 +85,7 @@ class PageDisplay:
         self._state |= {
             "why": "",
             "answer": _answer_state(moment.answer),
-            "measured": {"at": moment.at, **_measured(moment.source, self.model)},
+            "measured": {"at": moment.at, **_source_state(moment.source, self.model)},
             "times": {
                 "measuring": moment.measuring,
                 "localizing": moment.localizing,
@@ -126,18 +126,18 @@ def _answer_state(answer: TouchAnswer) -> dict[str, Any]:
     }
 
 
-def _measured(seen: AnswerSource, model: Model) -> dict[str, Any]:
+def _source_state(source: AnswerSource, model: Model) -> dict[str, Any]:
     """Z and its mean of the unpressed skin, ohm, by interface and frequency; None if not read."""
     read = {
         trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
-        for trace, at in zip(seen.sweep.traces, seen.frequencies, strict=True)
+        for trace, at in zip(source.sweep.traces, source.frequencies, strict=True)
     }
     rows = [
         [_pair(of[f]) if f in of else None for f in model.frequencies]
         for of in (read.get(name, {}) for name in model.interfaces)
     ]
-    rest = _mean(seen.rest) if seen.rest else None
-    return {"Z": rows, "rest": rest, "rests": len(seen.rest)}
+    rest = _mean(source.rest) if source.rest else None
+    return {"Z": rows, "rest": rest, "rests": len(source.rest)}
 
 
 def _mean(sweeps: Sequence[MeasuredSweep]) -> list[list[tuple[float, float]]]:

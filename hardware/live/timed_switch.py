@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..switch.switch import Switch
 
-USUAL = 0.1
+DEFAULT_SECONDS = 0.1
 """Assumed time of a turn before the first one, s."""
 
 
@@ -20,7 +20,7 @@ class TimedSwitch:
 
     switch: Switch
     clock: Callable[[], float]
-    latest: float = field(default=USUAL, init=False)
+    latest: float = field(default=DEFAULT_SECONDS, init=False)
     spent: float = field(default=0.0, init=False)
 
     @property

@@ -130,8 +130,8 @@ class Conversation:
             self._closed = True
             self._connection.close()
 
-    def _check_register(self, question: str, about: str) -> None:
-        failure = self._failure(self.query(question, _events, about), about)
+    def _check_register(self, query_text: str, about: str) -> None:
+        failure = self._failure(self.query(query_text, _events, about), about)
         if failure:
             raise failure
 

@@ -157,9 +157,9 @@ class OnOffFormat:
 class MeterProperty(Generic[T]):
     """A property that the meter reports. Each access queries the meter."""
 
-    def __init__(self, ask: str, allowed: ValueFormat[T], meaning: str) -> None:
-        """ask: the query; `{range}` in it stands for the present range."""
-        self.ask, self.allowed, self.__doc__ = ask, allowed, f"{meaning}: {allowed}."
+    def __init__(self, query: str, allowed: ValueFormat[T], meaning: str) -> None:
+        """query: the query; `{range}` in it stands for the present range."""
+        self.ask, self.allowed, self.__doc__ = query, allowed, f"{meaning}: {allowed}."
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name

@@ -89,17 +89,17 @@ class ConnectionLimit:
         """True if there is no room for another viewer."""
         return len(self.viewers) >= MAX_VIEWERS
 
-    def admit(self, guest: PageConnection) -> None:
+    def admit(self, connection: PageConnection) -> None:
         """Count a connection, and close the oldest one if there are too many."""
         if len(self.connections) >= MAX_CONNECTIONS:
             first = next(each for each in self.connections if each not in self.viewers)
             self.remove(first)
             first.transport.abort()
-        self.connections[guest] = None
+        self.connections[connection] = None
 
-    def remove(self, guest: PageConnection) -> None:
+    def remove(self, connection: PageConnection) -> None:
         """Remove a connection from the count."""
-        self.connections.pop(guest, None)
+        self.connections.pop(connection, None)
 
     def abort_all(self) -> None:
         """Close all connections at once."""

@@ -40,9 +40,9 @@ class PageServer:
     """One page at one address. press: presses the skin, see `Viewer`."""
 
     def __init__(
-        self, document: PageDocument, board: LatestState, press: PressSkin | None = None
+        self, document: PageDocument, latest: LatestState, press: PressSkin | None = None
     ) -> None:
-        self._document, self._board, self._press = document, board, press
+        self._document, self._board, self._press = document, latest, press
         self._door, self._address = ConnectionLimit(), PageAddress(0)
 
     @asynccontextmanager
@@ -91,13 +91,13 @@ class PageServer:
             response.body = b""
         return response
 
-    def _response(self, guest: PageConnection, request: Request) -> Response | None:
+    def _response(self, connection: PageConnection, request: Request) -> Response | None:
         headers = request.headers
-        refusal = guest.refused or self._address.refusal_status(
+        refusal = connection.refused or self._address.refusal_status(
             request.path, headers.get_all("Host"), headers.get_all("Origin")
         )
         link = urlsplit(request.path).path == LINK if refusal is None else False
-        if link and guest.bodiless:
+        if link and connection.bodiless:
             refusal = HTTPStatus.METHOD_NOT_ALLOWED
         elif link and self._door.full:
             refusal = HTTPStatus.SERVICE_UNAVAILABLE

@@ -12,15 +12,15 @@ INTERVAL = 0.1
 """Seconds between two updates."""
 
 
-def post_if_changed(board: LatestState, state: Mapping[str, Any]) -> None:
+def post_if_changed(latest: LatestState, state: Mapping[str, Any]) -> None:
     """Post a state if it differs from the latest one."""
     text = state_json(state)
-    if text != board.state:
-        board.post(text)
+    if text != latest.state:
+        latest.post(text)
 
 
-async def keep_updated(board: LatestState, state: Callable[[], Mapping[str, Any]]) -> None:
+async def keep_updated(latest: LatestState, state: Callable[[], Mapping[str, Any]]) -> None:
     """Keep the latest state up to date until cancelled."""
     while True:
-        post_if_changed(board, state())
+        post_if_changed(latest, state())
         await asyncio.sleep(INTERVAL)

@@ -26,9 +26,9 @@ class Viewer:
     """
 
     def __init__(
-        self, socket: ServerConnection, board: LatestState, press: PressSkin | None
+        self, socket: ServerConnection, latest: LatestState, press: PressSkin | None
     ) -> None:
-        self._socket, self._board, self._press = socket, board, press
+        self._socket, self._board, self._press = socket, latest, press
         self._sent, self._drawn = 0, asyncio.Event()
 
     async def serve_frames(self) -> None:

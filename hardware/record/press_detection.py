@@ -40,9 +40,9 @@ def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -
     ]
 
 
-def percent_change(values: Sequence[float], rest: Sequence[float]) -> NDArray[np.float64]:
+def percent_change(values: Sequence[float], baseline: Sequence[float]) -> NDArray[np.float64]:
     """Change of values against the unpressed skin, %; NaN where that is 0. Shape of the values."""
-    before = np.array(rest[: len(values)])
+    before = np.array(baseline[: len(values)])
     ratio = np.full(before.shape, np.nan)
     np.divide(values, before, out=ratio, where=before != 0)
     return 100 * (ratio - 1)
@@ -53,14 +53,16 @@ def _rms(change: NDArray[np.complex128]) -> float:
     return float(np.sqrt(np.mean(np.abs(change) ** 2) / 2))
 
 
-def _noise(change: NDArray[np.complex128], rests: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _noise(
+    change: NDArray[np.complex128], baselines: NDArray[np.complex128]
+) -> NDArray[np.float64]:
     """Standard deviation of real and imaginary part of a change; shape (frequency,).
 
     With enough frequencies it is the roughness along the frequency axis: of the changes between
     baseline sweeps or, with a single one, of this change. With few frequencies it is the size of
-    the changes between baseline sweeps. rests: ohm, shape (sweep, frequency).
+    the changes between baseline sweeps. baselines: ohm, shape (sweep, frequency).
     """
-    at_rest = rests[1:] / rests[:-1] - 1
+    at_rest = baselines[1:] / baselines[:-1] - 1
     if change.size >= MIN_FREQUENCIES:
         seen = roughness(at_rest if len(at_rest) else change[None])
     elif len(at_rest):

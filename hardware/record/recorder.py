@@ -162,12 +162,12 @@ class RecordingRun:
         require_settings(meter, self.station.header.settings)
         return JournalEntry(step.press, sweep, begun, now())
 
-    def _progress(self, number: int, rests: Sequence[MeasuredSweep]) -> StepStatus:
+    def _progress(self, number: int, baselines: Sequence[MeasuredSweep]) -> StepStatus:
         """Progress; the time left is estimated by the median of this run's latest steps."""
         total = len(self.task.order)
         taken = np.diff(self._ends[-ETA_STEPS:])
         left = float(np.median(taken)) * (total - number) if taken.size else None
-        return StepStatus(number, total, left, rests[-1] if rests else None)
+        return StepStatus(number, total, left, baselines[-1] if baselines else None)
 
 
 def _resumed_header(journal: RecordingJournal, task: RecordingTask) -> RecordingHeader | None:

@@ -53,10 +53,10 @@ class RecordingScreen:
     ) -> None:
         self._stop()
 
-    def begin(self, title: str, rest: MeasuredSweep | None) -> None:
-        """Begin a sweep. rest: unpressed sweep to compare with."""
+    def begin(self, title: str, baseline: MeasuredSweep | None) -> None:
+        """Begin a sweep. baseline: unpressed sweep to compare with."""
         self._title = self._press = title
-        self._baseline, self._rest, self._readings = rest, None, []
+        self._baseline, self._rest, self._readings = baseline, None, []
 
     def turn(self, interface: str) -> None:
         """Print the readings of the interface before, and begin this one."""

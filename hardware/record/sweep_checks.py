@@ -67,10 +67,10 @@ class SweepChecker:
         return found
 
     def _trace_remarks(
-        self, trace: InterfaceTrace, earlier: Sequence[InterfaceTrace], at_rest: bool
+        self, trace: InterfaceTrace, earlier: Sequence[InterfaceTrace], unpressed: bool
     ) -> list[str]:
         found = [*self._law_remarks(trace), *self._capacitance_remarks(trace)]
-        if earlier and at_rest:
+        if earlier and unpressed:
             found += self._deviation_remarks(
                 trace, earlier[0].Z, self.limits.drift, "the unpressed skin has drifted"
             )

@@ -49,9 +49,9 @@ pymeasure's `Keithley2700`). states: of Keysight's 34970A and its kind."""
 class ScpiSwitch:
     """An SCPI switch on an open connection. driven: the channels of the switch."""
 
-    def __init__(self, line: Connection, driven: Closed, routing: Routing) -> None:
+    def __init__(self, line: Connection, controlled: Closed, routing: Routing) -> None:
         """Raises SwitchError if it does not answer."""
-        self._line, self._driven, self._routing = line, driven, routing
+        self._line, self._driven, self._routing = line, controlled, routing
         self._send("*CLS")
 
     def put(self, closed: Closed, /) -> None:
@@ -83,19 +83,19 @@ class ScpiSwitch:
                 "channels and `routing`"
             )
 
-    def _ask(self, question: str, parse: Callable[[str], Result], before: str = "") -> Result:
+    def _ask(self, query_text: str, parse: Callable[[str], Result], before: str = "") -> Result:
         try:
             if before:
                 self._line.write(before)
-            self._line.write(question)
+            self._line.write(query_text)
             answer = self._line.read()
         except MeterError as error:
-            raise _as_switch_error(error, self._line.resource, before or question) from error
+            raise _as_switch_error(error, self._line.resource, before or query_text) from error
         try:
             return parse(answer)
         except ValueError as error:
             raise GarbledSwitchError(
-                f"{self._line.resource}: the answer to {question} was {answer[:60]!r}; check the "
+                f"{self._line.resource}: the answer to {query_text} was {answer[:60]!r}; check the "
                 "address and `routing`"
             ) from error
 
@@ -117,7 +117,7 @@ def channel_list(channels: Closed) -> str:
 
 
 def open_scpi(
-    resource: str, baud: int, timeout: float, driven: Closed, routing: Routing
+    resource: str, baud: int, timeout: float, controlled: Closed, routing: Routing
 ) -> ScpiSwitch:
     """Switch at a VISA resource.
 
@@ -129,7 +129,7 @@ def open_scpi(
     except MeterError as error:
         raise _as_switch_error(error, resource, "the first word") from error
     try:
-        return ScpiSwitch(line, driven, routing)
+        return ScpiSwitch(line, controlled, routing)
     except SwitchError:
         line.close()
         raise

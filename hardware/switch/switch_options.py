@@ -29,7 +29,7 @@ def switch_from_options(
         raise InputError("`switch` and `switch-with` cannot both connect the interface")
     if not (name or command) and len(interfaces) == 1:
         return None
-    switch = _made(name, command, settle, interfaces, ask)
+    switch = _make_switch(name, command, settle, interfaces, ask)
     missing = set(interfaces) - set(switch.positions)
     if missing:
         raise InputError(
@@ -39,7 +39,7 @@ def switch_from_options(
     return switch
 
 
-def _made(
+def _make_switch(
     name: str | None,
     command: str | None,
     settle: float | None,

@@ -21,7 +21,7 @@ from .faults import Fault
 from .instrument import Instrument
 from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
-UNKNOWN = (
+UNKNOWN_TOKEN = (
     "the virtual meter does not know the token of this request; commands of the user who serves "
     "it find it on the same computer, all others need TOKEN@HOST:PORT"
 )
@@ -61,7 +61,7 @@ class ControlPort:
         async for line in client.lines():
             request = _request(line)
             known = request is None or same_token(request.pop("token", ""), self.token)
-            answer = await self._answer(request) if known else {"error": UNKNOWN}
+            answer = await self._answer(request) if known else {"error": UNKNOWN_TOKEN}
             await client.say((json.dumps(answer) + "\n").encode("ascii"))
             if not known:
                 self.instrument.report(

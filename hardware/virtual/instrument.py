@@ -29,7 +29,7 @@ from .worker import Worker
 if TYPE_CHECKING:
     from .measurement import Skin
 
-TROUBLES = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
+STATUS_EVENTS = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 
 @dataclass
@@ -148,7 +148,7 @@ class Instrument:
         self.latest = result
         if self.settings.auto_range:
             self.settings.range = result.conditions.range
-        for event in (Measuring.IDX, Measuring.EOM, TROUBLES.get(result.status)):
+        for event in (Measuring.IDX, Measuring.EOM, STATUS_EVENTS.get(result.status)):
             if event:
                 self.registers.note(event)
 

@@ -63,14 +63,16 @@ class MeasurementSetup:
         shown = self.readout(Z, at_hand)
         return MeasurementResult(self._status(shown, at_hand), shown, at_hand)
 
-    def _status(self, Z: complex, at_hand: ReadingConditions) -> int:
+    def _status(self, Z: complex, used_conditions: ReadingConditions) -> int:
         low, high = self.accuracy.span.displayed
-        size = abs(Z) / full_scale(at_hand.range)
+        size = abs(Z) / full_scale(used_conditions.range)
         if size > high:
             return OVERFLOW
         if size < low:
             return UNDERFLOW
-        return OUTSIDE_GUARANTEE if self.accuracy.is_outside_guarantee(Z, at_hand) else NORMAL
+        return (
+            OUTSIDE_GUARANTEE if self.accuracy.is_outside_guarantee(Z, used_conditions) else NORMAL
+        )
 
 
 def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingConditions:

@@ -96,10 +96,10 @@ async def _serve_client(instrument: Instrument, client: Client) -> None:
         if said:
             end = "\r" if instrument.settings.carriage_return_only else "\r\n"
             fault = instrument.faults.take(*ON_ANSWERS)
-            await client.say(await _spoilt(f"{said}{end}".encode("ascii"), fault))
+            await client.say(await _apply_fault(f"{said}{end}".encode("ascii"), fault))
 
 
-async def _spoilt(said: bytes, fault: Fault | None) -> bytes:
+async def _apply_fault(said: bytes, fault: Fault | None) -> bytes:
     if fault is None:
         return said
     if fault.kind == "late":

@@ -49,7 +49,7 @@ def scripted(steps: list[tuple[float, str]]) -> Routine:
         begun = control.instrument.now
         for seconds, press in steps:
             await asyncio.sleep(begun + seconds - control.instrument.now)
-            await _pressed(control, press)
+            await _press(control, press)
 
     return routine
 
@@ -61,13 +61,13 @@ def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator
 
     async def routine(control: ControlPort) -> None:
         while True:
-            await _pressed(control, str(random.choice([UNPRESSED, *pixels])))
+            await _press(control, str(random.choice([UNPRESSED, *pixels])))
             await asyncio.sleep(seconds)
 
     return routine
 
 
-async def _pressed(control: ControlPort, press: str) -> None:
+async def _press(control: ControlPort, press: str) -> None:
     """Press the skin. An impossible press is reported, and the press before stays."""
     try:
         await control.press(press)

@@ -97,9 +97,7 @@ def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin
     return ServedSkin(skins, exact, rows, columns, first)
 
 
-def instrument(
-    exhibit: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE
-) -> Instrument:
+def instrument(served: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE) -> Instrument:
     """Virtual meter of an unpressed skin, with filled caches: all readings take the same time.
 
     pace: factor on measuring times; 1: as a real meter, 0: none.
@@ -107,29 +105,29 @@ def instrument(
     if not 0 <= pace <= 100:
         raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
     meter = Instrument(
-        MeasurementSetup(exhibit.skin, exhibit.readout, read_table(accuracy)),
+        MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
         pace=pace,
-        press=exhibit.skin.check(UNPRESSED),
-        skins=exhibit.skins,
-        interface=next(iter(exhibit.skins)),
+        press=served.skin.check(UNPRESSED),
+        skins=served.skins,
+        interface=next(iter(served.skins)),
     )
-    meter.worker.submit(exhibit.skin.impedance, meter.press, exhibit.frequency).result()
+    meter.worker.submit(served.skin.impedance, meter.press, served.frequency).result()
     return meter
 
 
 def routines(
-    exhibit: ServedSkin, script: Path | None, random: float | None, seed: int
+    served: ServedSkin, script: Path | None, random: float | None, seed: int
 ) -> tuple[Routine, ...]:
     """Automatic presses: by a script's file, or at random every `random` s."""
     if script and random is not None:
         raise InputError("`script` and `random` cannot both press the skin")
     if script:
-        return (scripted(read_script(script, exhibit.skin)),)
+        return (scripted(read_script(script, served.skin)),)
     if random is not None:
         import numpy as np
 
         generator = np.random.default_rng(seed)
-        return (at_random(exhibit.pixels, random, generator),)
+        return (at_random(served.pixels, random, generator),)
     return ()
 
 
@@ -144,30 +142,32 @@ class PageOptions:
 
 def serve(
     meter: Instrument,
-    pressing: tuple[Routine, ...],
-    tell: Callable[[Ports], None],
+    press_routines: tuple[Routine, ...],
+    on_listening: Callable[[Ports], None],
     host: str = LOOPBACK,
     port: int = 3500,
     control_port: int = 3501,
-    paging: PageOptions | None = None,
+    page_options: PageOptions | None = None,
 ) -> None:
-    """Serve until a signal ends the process. tell: called when the ports are open.
+    """Serve until a signal ends the process. on_listening: called when the ports are open.
 
     Raises InputError if a port is not available.
     """
 
     async def open_(stack: AsyncExitStack) -> None:
-        control = ControlPort(meter, pressing)
-        tell(await stack.enter_async_context(listening(meter, control, host, port, control_port)))
-        if paging:
-            paging.tell(await stack.enter_async_context(paged(control, paging)))
+        control = ControlPort(meter, press_routines)
+        on_listening(
+            await stack.enter_async_context(listening(meter, control, host, port, control_port))
+        )
+        if page_options:
+            page_options.tell(await stack.enter_async_context(serve_page(control, page_options)))
 
     asyncio.run(_run_until_signal(open_))
     meter.worker.end()
 
 
 @asynccontextmanager
-async def paged(control: ControlPort, paging: PageOptions) -> AsyncIterator[PageAddress]:
+async def serve_page(control: ControlPort, page_options: PageOptions) -> AsyncIterator[PageAddress]:
     """Serve the skin's page while the block runs. Raises InputError if the port is taken."""
     from ..page.latest_state import LatestState
     from ..page.page_server import PageServer
@@ -180,7 +180,7 @@ async def paged(control: ControlPort, paging: PageOptions) -> AsyncIterator[Page
         post_if_changed(board, control.shown())
         return full
 
-    async with PageServer(paging.document, board, press).served(paging.port) as address:
+    async with PageServer(page_options.document, board, press).served(page_options.port) as address:
         watch = asyncio.create_task(keep_updated(board, control.shown))
         try:
             yield address

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from ..mesh.arcs import mapped
 from ..mesh.domain import Domain
 
-WITHIN = 1e-6
+EDGE_TOLERANCE = 1e-6
 """Distance beyond a triangle, over its size, up to which a point is still in it."""
 NEWTON_STEPS = 5
 """Steps from the straight triangle to the one with arcs for edges."""
 
 
-class Located(NamedTuple):
+class LocatedPoints(NamedTuple):
     """Triangles of points, and places (a, b) in the unit triangle.
 
     Points off the skin are moved onto it, and on_skin is False for them. triangle, on_skin: shape
@@ -28,7 +28,7 @@ class Located(NamedTuple):
     on_skin: NDArray[np.bool_]
 
 
-def located(domain: Domain, points: NDArray[np.float64]) -> Located:
+def located(domain: Domain, points: NDArray[np.float64]) -> LocatedPoints:
     """Places on the mesh of points as seen along z, m, shape (2, point)."""
     each = [_nearest(domain, x) for x in points.T]
     triangle = np.array([number for number, _ in each])
@@ -39,7 +39,9 @@ def located(domain: Domain, points: NDArray[np.float64]) -> Located:
         places[:, k] = _newton_place(*here, places[:, k], points[:, k])
     corners = np.vstack([places, 1 - places.sum(axis=0)])
     inside = np.maximum(corners, 0.0)
-    return Located(triangle, (inside / inside.sum(axis=0))[:2], corners.min(axis=0) >= -WITHIN)
+    return LocatedPoints(
+        triangle, (inside / inside.sum(axis=0))[:2], corners.min(axis=0) >= -EDGE_TOLERANCE
+    )
 
 
 def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.float64]]:

@@ -32,7 +32,7 @@ from .raster import Raster, pictured
 
 RESISTANCE, CAPACITANCE = (0.4, 2.5), (0.5, 2.0)
 """Factors by which a page changes each sheet's resistance, and all capacitance."""
-APART = 2.0
+MAX_SHEET_RATIO = 2.0
 """Largest ratio of the sheets' factors."""
 RISES = (-0.5, 3.0)
 """Range of the rise of capacitance under a touch, over the unpressed capacitance."""
@@ -60,13 +60,13 @@ def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generat
             rises[here] = random.uniform(*RISES)
             if strongest:
                 fingers[here] += random.uniform(0.0, strongest) / fingers[here].size
-        variation = _apart(scene, random, parts.around) if apart else None
-        return Case(variation, *_touched(parts, rises, fingers))
+        variation = _random_variation(scene, random, parts.around) if apart else None
+        return Case(variation, *_touched_parts(parts, rises, fingers))
 
     return draw
 
 
-def _touched(
+def _touched_parts(
     parts: Parts, rises: NDArray[np.float64], fingers: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Parts of M that are touched, and their rises.
@@ -80,13 +80,13 @@ def _touched(
     )
 
 
-def _apart(scene: Scene, random: np.random.Generator, around: bool) -> Variation:
+def _random_variation(scene: Scene, random: np.random.Generator, around: bool) -> Variation:
     """Random skin whose sheets differ as far as sliders allow, as do their contacts.
 
     around: True if there is more than foam, so that the capacitance of the foam is no mere scale.
     """
     foam = random.uniform(*CAPACITANCE) if around else 1.0
-    half = random.uniform(-0.5, 0.5) * math.log(APART)
+    half = random.uniform(-0.5, 0.5) * math.log(MAX_SHEET_RATIO)
     conductance = {"top": math.exp(-half), "bottom": math.exp(half)}
     return Variation(
         top=np.array([conductance["top"]]),
@@ -153,7 +153,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "readout": scene.readout.model_dump(),
         "range": {
             "resistance": RESISTANCE,
-            "apart": APART,
+            "apart": MAX_SHEET_RATIO,
             "capacitance": CAPACITANCE,
             "rise": RISES,
         },
@@ -166,7 +166,7 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
         "sheets": list(scene.skin.sheet_resistances),
         "model": packed_model(skin),
         "basis": base64_arrays.pictured(picture.potential.transpose(0, 2, 1)),
-        "scene": _tables(scene),
+        "scene": _scene_tables(scene),
         **({"finger": _finger(scene)} if scene.surroundings else {}),
     }
 
@@ -192,7 +192,7 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
     }
 
 
-def _tables(scene: Scene) -> dict[str, Any]:
+def _scene_tables(scene: Scene) -> dict[str, Any]:
     """Tables of the scene, with its foam given by its capacitance per area."""
     foam = scene.skin.foam
     by_area = {"capacitance_per_area": foam.unpressed_capacitance_per_area}

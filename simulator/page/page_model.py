@@ -55,12 +55,12 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         "fields": reduced.terminal_field.tolist(),
         "conductance": _conductance(skin).tolist(),
         "top": exactly(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
-        "gauges": _gauges(skin) if gauged(reduced.scene.skin) else None,
-        **_of_surroundings(skin),
+        "gauges": _gauge_data(skin) if gauged(reduced.scene.skin) else None,
+        **_surroundings_data(skin),
     }
 
 
-def _of_surroundings(skin: ReducedSkin) -> dict[str, Any]:
+def _surroundings_data(skin: ReducedSkin) -> dict[str, Any]:
     """Surroundings of a skin as numbers; nothing where there is only foam.
 
     combined: how interfaces are sums of excitations. parts: where the parts of M beyond the foam's
@@ -108,7 +108,7 @@ def _top_sheet_matrix(skin: ReducedSkin) -> NDArray[np.float64]:
     return skin.turn.T @ reduced.stiffness[of_top].sum(axis=0) @ skin.turn
 
 
-def _gauges(skin: ReducedSkin) -> dict[str, Any]:
+def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     """Factors F of K = F'F, S, of each field's sheet in each part of the foam.
 
     piezoresistance: that of each field's sheet.
@@ -116,7 +116,7 @@ def _gauges(skin: ReducedSkin) -> dict[str, Any]:
     reduced = skin.reduced
     scene, fields = reduced.scene, reduced.circuit.fields
     terms = reduced.stiffness[: fields * foam_parts(scene)]
-    factors = [_root(skin.turn.T @ term @ skin.turn) for term in terms]
+    factors = [_factor(skin.turn.T @ term @ skin.turn) for term in terms]
     return {
         "piezoresistance": [scene.skin.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
         "ranks": [len(each) for each in factors],
@@ -124,7 +124,7 @@ def _gauges(skin: ReducedSkin) -> dict[str, Any]:
     }
 
 
-def _root(K: NDArray[np.float64]) -> NDArray[np.float64]:
+def _factor(K: NDArray[np.float64]) -> NDArray[np.float64]:
     """Factor F with K = F'F to rounding."""
     power, turn = np.linalg.eigh(K)
     kept = power > ROUNDING * max(power.max(), 0.0)

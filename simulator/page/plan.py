@@ -16,9 +16,9 @@ from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import Skin, curves
 
-ROUND = 96
+CIRCLE_SIDES = 96
 """Number of sides that a circle is drawn with."""
-BESIDE = 1e-4
+EDGE_STEP = 1e-4
 """Distance off an edge, over the skin's longer side, at which skin is looked for."""
 DIGITS = 7
 """Decimals of places in m: a tenth of a micrometre."""
@@ -38,7 +38,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
     of_file = mesh if scene.skin.mesh is not None else None
     every = pixel_coverage(scene)
     return {
-        "outline": _rounded(_outline(scene.skin) if of_file is None else around(of_file)),
+        "outline": _rounded(_outline(scene.skin) if of_file is None else boundary_lines(of_file)),
         "foils": [
             {
                 "name": contact.name,
@@ -53,21 +53,23 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
         ],
         "held": every.numbers.tolist(),
         "middles": _rounded(every.middle.T),
-        "groups": None if scene.pixels.groups is None or mesh is None else _groups(scene, mesh),
+        "groups": None
+        if scene.pixels.groups is None or mesh is None
+        else _group_lines(scene, mesh),
     }
 
 
-def around(mesh: Domain, within: NDArray[np.bool_] | None = None) -> list[Points]:
+def boundary_lines(mesh: Domain, within: NDArray[np.bool_] | None = None) -> list[Points]:
     """Closed lines around some triangles, by default all, m, shape (point, 2) each."""
     t = mesh.t if within is None else mesh.t[:, within]
     if not t.shape[1]:
         return []
     edges, of_triangle = edges_of(t)
     rim = edges[:, np.bincount(of_triangle.ravel()) == 1]
-    return [mesh.p[:2, each].T for each in _chained(rim)]
+    return [mesh.p[:2, each].T for each in _closed_walks(rim)]
 
 
-def _chained(edges: NDArray[np.int64]) -> list[list[int]]:
+def _closed_walks(edges: NDArray[np.int64]) -> list[list[int]]:
     """Closed walks that take every edge once. edges: numbers of points, shape (2, edge)."""
     beside: dict[int, list[int]] = {}
     for a, b in edges.T.tolist():
@@ -88,7 +90,7 @@ def _chained(edges: NDArray[np.int64]) -> list[list[int]]:
 
 def _outline(skin: Skin) -> list[Points]:
     """Outline of a skin without mesh."""
-    angle = 2 * np.pi * np.arange(ROUND) / ROUND
+    angle = 2 * np.pi * np.arange(CIRCLE_SIDES) / CIRCLE_SIDES
     shapes = [curve.shape for curve in curves(skin)]
     return [each.at(angle) if isinstance(each, Circle) else each for each in shapes]
 
@@ -98,17 +100,17 @@ def _foil_pieces(contact: Contact, skin: Skin) -> Points:
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     if isinstance(curve.shape, Circle):
-        x = path(contact, skin, ROUND)
+        x = path(contact, skin, CIRCLE_SIDES)
     else:
         between = [mark for mark in curve.marks if along.start < mark < along.stop]
         x = np.array([curve.at(mark) for mark in (along.start, *between, along.stop)]).T
     outline, *holes = curves(skin)
-    off = BESIDE * max(skin.sides) * _left(x[:, :-1], x[:, 1:])
+    off = EDGE_STEP * max(skin.sides) * _left_normals(x[:, :-1], x[:, 1:])
     beside = (x[:, :-1] + x[:, 1:]) / 2 + off
     on_left = outline.holds(beside)
     for hole in holes:
         on_left &= ~hole.holds(beside)
-    away = np.where(on_left, -1, 1) * _left(x[:, :-1], x[:, 1:])
+    away = np.where(on_left, -1, 1) * _left_normals(x[:, :-1], x[:, 1:])
     return np.concatenate([x[:, :-1], x[:, 1:], away]).T
 
 
@@ -118,7 +120,7 @@ def _facet_pieces(facets: NDArray[np.int64], mesh: Domain) -> Points:
     of_edge = {(a, b): k for k, three in enumerate(mesh.t.T.tolist()) for a, b in _pairs(three)}
     triangle = [of_edge[a, b] for a, b in np.sort(facets, axis=0).T.tolist()]
     inwards = mesh.middles[:, triangle] - start
-    left = _left(start, stop)
+    left = _left_normals(start, stop)
     away = -np.sign((inwards * left).sum(axis=0)) * left
     return np.concatenate([start, stop, away]).T
 
@@ -128,15 +130,17 @@ def _pairs(three: list[int]) -> list[tuple[int, int]]:
     return [(a, b), (b, c), (a, c)]
 
 
-def _left(start: Points, stop: Points) -> Points:
+def _left_normals(start: Points, stop: Points) -> Points:
     """Unit vectors to the left of lines, both of shape (2, line)."""
     run = stop - start
     return np.stack([-run[1], run[0]]) / np.maximum(np.linalg.norm(run, axis=0), 1e-300)
 
 
-def _groups(scene: Scene, mesh: Domain) -> list[list[list[list[float]]]]:
+def _group_lines(scene: Scene, mesh: Domain) -> list[list[list[list[float]]]]:
     rows, columns = scene.pixels.shape
-    return [_rounded(around(mesh, mesh.pixel == number)) for number in range(rows * columns)]
+    return [
+        _rounded(boundary_lines(mesh, mesh.pixel == number)) for number in range(rows * columns)
+    ]
 
 
 def _rounded(lines: Any) -> Any:

@@ -42,7 +42,7 @@ class Patch:
 
     def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """c over that without the touch, averaged over each cell between other lines."""
-        return weighed(self.share(x, y), self.factor)
+        return mean_factor(self.share(x, y), self.factor)
 
 
 def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
@@ -75,7 +75,7 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     for touch in press.touches:
         if isinstance(touch, Disc):
             covered = disc_fraction(touch.x, touch.y, touch.radius, x, y)
-            total *= weighed(covered, touch.factor)
+            total *= mean_factor(covered, touch.factor)
         else:
             total *= patch(scene, touch).factors(x, y)
     return total
@@ -203,7 +203,7 @@ def touched_box(scene: Scene, touch: AnyTouch) -> Box:
     return Box(_snapped(left, x), _snapped(right, x), _snapped(bottom, y), _snapped(top, y))
 
 
-def weighed(fraction: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+def mean_factor(fraction: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
     """1 + (factor - 1) fraction, exact for fractions 0 and 1."""
     return (1 - fraction) + factor * fraction
 

@@ -21,7 +21,7 @@ from .touch import Disc, Place, Polygon, Touch
 
 PERSON = 150e-12
 """Capacitance of a standing person to earth, F, as in the test of IEC 61000-4-2."""
-LOOKED_AT = 256
+SAMPLES_PER_SIDE = 256
 """Sample points along each side of a touch for its area on the skin: accurate to 1e-3."""
 
 
@@ -78,16 +78,16 @@ def touched_area(scene: Scene, place: Place) -> float:
     stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0
     if isinstance(place, Touch) and groups is not None and skin.mesh is not None:
         return float(stretched * skin.mesh.surface.area(groups[place.row - 1][place.column - 1]))
-    corner, extent = _around(scene, place)
+    corner, extent = _box_around(scene, place)
     whole = stretched * np.prod(extent)
     if skin.rectangular:
-        return float(whole * _part(place, extent))
-    steps = (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+        return float(whole * _covered_share(place, extent))
+    steps = (np.arange(SAMPLES_PER_SIDE) + 0.5) / SAMPLES_PER_SIDE
     x = np.stack(np.meshgrid(*(corner + extent * steps[:, None]).T))
     return float(whole * (covers(skin, x) & _within(place, x)).mean())
 
 
-def _around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _box_around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Rectangle around a place: its lowest corner, and its sides along x and y; m."""
     if isinstance(place, Touch):
         sides = np.array(scene.skin.sides) / scene.pixels.shape[::-1]
@@ -96,7 +96,7 @@ def _around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np
     return box[::2], box[1::2] - box[::2]
 
 
-def _part(place: Place, extent: NDArray[np.float64]) -> float:
+def _covered_share(place: Place, extent: NDArray[np.float64]) -> float:
     """Share of the rectangle around it that a place covers; extent: sides of the rectangle, m."""
     if isinstance(place, Disc):
         return np.pi / 4

@@ -111,7 +111,7 @@ def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Pre
 
 def _touch(written: WrittenTouch, default: Strength, scene: Scene | None) -> AnyTouch:
     place = _place(written)
-    strength = default if written.strength is None else _by(written.strength)
+    strength = default if written.strength is None else _parsed_strength(written.strength)
     return touch_at(place, strength, finger_of(place, written.finger, scene))
 
 
@@ -138,7 +138,7 @@ def _place(touch: WrittenTouch) -> Place:
             return Polygon(tuple(zip(numbers[::2], numbers[1::2], strict=True)), 1.0)
 
 
-def _by(strength: WrittenStrength) -> Strength:
+def _parsed_strength(strength: WrittenStrength) -> Strength:
     kinds = {"m": Depth, "N": Force}
     return kinds[strength.unit](strength.value) if strength.unit else strength.value
 

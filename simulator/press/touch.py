@@ -160,7 +160,9 @@ class Indentation(Touched):
     @property
     def factor(self) -> NoReturn:
         """None: `models.mechanics` finds the factor."""
-        raise InputError(f"press {self}: needs a capacitance factor here, not a {named(self.by)}")
+        raise InputError(
+            f"press {self}: needs a capacitance factor here, not a {strength_name(self.by)}"
+        )
 
     @property
     def where(self) -> str:
@@ -179,7 +181,7 @@ def place_of(touch: AnyTouch) -> Place:
     return touch.place if isinstance(touch, Indentation) else touch
 
 
-def named(by: Depth | Force) -> str:
+def strength_name(by: Depth | Force) -> str:
     """Name of the kind of strength."""
     return "depth" if isinstance(by, Depth) else "force"
 

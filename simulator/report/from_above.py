@@ -18,9 +18,9 @@ from ..scene.skin import curves, on_skin
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-AROUND = 260
+CIRCLE_PLACES = 260
 """Number of places around a circle."""
-ALONG = 1001
+LINE_PLACES = 1001
 """Number of places along a line between pixels that are tested for skin."""
 MM = 1e3
 
@@ -49,11 +49,11 @@ class Ribbon(NamedTuple):
 def outline(scene: Scene) -> list[Places]:
     """Curves that bound a skin, the outer one first, m, each of shape (2, place)."""
     if scene.skin.mesh is not None:
-        return [_chained(_mesh_edges(scene)[1])]
+        return [_line_with_gaps(_mesh_edges(scene)[1])]
     found = []
     for curve in curves(scene.skin):
         corners = curve.marks
-        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], AROUND)
+        marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], CIRCLE_PLACES)
         found.append(np.array([curve.at(mark) for mark in marks]).T)
     return found
 
@@ -64,7 +64,7 @@ def ribbon(foil: Contact, scene: Scene) -> Ribbon:
         along = path(foil, scene.skin)
         return Ribbon(along, outwards(along, scene.skin))
     mesh = domain(scene, Press(), max(scene.skin.sides))
-    along = _chained(mesh.p[:2][:, mesh.foils[foil.name]].transpose(0, 2, 1))
+    along = _line_with_gaps(mesh.p[:2][:, mesh.foils[foil.name]].transpose(0, 2, 1))
     return Ribbon(along, np.zeros_like(along))
 
 
@@ -102,9 +102,9 @@ def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -
 
 def _between_pixels(scene: Scene) -> list[Places]:
     if scene.skin.mesh is not None:
-        return [_chained(_mesh_edges(scene)[0])]
+        return [_line_with_gaps(_mesh_edges(scene)[0])]
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
-    parts, ends = np.linspace(0, 1, ALONG), np.ones(ALONG)
+    parts, ends = np.linspace(0, 1, LINE_PLACES), np.ones(LINE_PLACES)
     upright = [np.array([x * ends, width * parts]) for x in length * _inner(columns)]
     level = [np.array([length * parts, y * ends]) for y in width * _inner(rows)]
     return [np.where(on_skin(scene.skin, line), line, np.nan) for line in [*upright, *level]]
@@ -127,7 +127,7 @@ def _mesh_edges(scene: Scene) -> tuple[Places, Places]:
     return ends[:, low < high], ends[:, times == 1]
 
 
-def _chained(ends: Places) -> Places:
+def _line_with_gaps(ends: Places) -> Places:
     """Edges of shape (2, edge, end) as one line with gaps, (2, place)."""
     gaps = np.full((*ends.shape[:2], 1), np.nan)
     return np.concatenate([ends, gaps], axis=2).reshape(2, -1)

@@ -10,14 +10,14 @@ FOUND = {
 }
 
 
-def bound_text(against_rest: int, skins: str) -> str:
+def bound_text(baseline_count: int, skins: str) -> str:
     """The line that explains a bound.
 
-    against_rest: number of baseline sweeps, 0 for none. skins: which skins are known.
+    baseline_count: number of baseline sweeps, 0 for none. skins: which skins are known.
     """
     features = (
-        f"{CHANGES} (mean of {against_rest} sweeps)"
-        if against_rest
+        f"{CHANGES} (mean of {baseline_count} sweeps)"
+        if baseline_count
         else "readings without a baseline, with the meter's errors of a session"
     )
     return (
@@ -28,17 +28,17 @@ def bound_text(against_rest: int, skins: str) -> str:
 
 
 def accuracy_text(
-    target: str, features: str, judged: str, scene: str = "SCENE", *, noisy: bool = True
+    target: str, features: str, scored: str, scene: str = "SCENE", *, noisy: bool = True
 ) -> str:
     """The line that explains an accuracy.
 
-    features: what was evaluated. judged: which sweeps, such as "outside the training". scene: name
+    features: what was evaluated. scored: which sweeps, such as "outside the training". scene: name
     or path, for the command that computes the bound. noisy: True if a real or simulated meter read
     the sweeps.
     """
     found = FOUND.get(target, f"{target} was found")
     return (
-        f"accuracy means: share of sweeps, {judged}, whose {found}, from {features}, "
+        f"accuracy means: share of sweeps, {scored}, whose {found}, from {features}, "
         f"{NOISE if noisy else NOISE_FREE}; rcskin limits {scene} computes the bound for a known "
         "skin"
     )

@@ -20,7 +20,7 @@ from .inputs import objects
 
 HEX = 64
 """Number of hexadecimal characters of a SHA-256 digest."""
-AT_ONCE = 2**20
+BLOCK_SIZE = 2**20
 DIGEST_PREFIX = b"\nsha256 of the bytes above: "
 """Text before the digest at the end of a binary file; HDF5 ignores bytes behind its end."""
 MEMBER = "sha256"
@@ -29,7 +29,7 @@ OF_STORE = "zarr.json.sha256"
 """Digest file of a Zarr folder in the format of `sha256sum`; chunks have their own crc32c."""
 LINES_WIDTH = 15
 """Width of the line count: enough digits for any disk."""
-ABOVE = re.compile(rb'# rcskin_sha256 = "([0-9a-f]{64})"\n(# rcskin_lines = *(\d+)\n)')
+FIRST_LINES = re.compile(rb'# rcskin_sha256 = "([0-9a-f]{64})"\n(# rcskin_lines = *(\d+)\n)')
 OWN_KEYS = ("rcskin_sha256", "rcskin_lines")
 UNSEALED = f'# {OWN_KEYS[0]} = "{"0" * HEX}"\n# {OWN_KEYS[1]} = {"0":>{LINES_WIDTH}}\n'
 """First two lines of a CSV before `seal_text` fills them in: the digest of everything below the
@@ -54,7 +54,7 @@ def check_binary(path: Path) -> None:
             return
         file.seek(0)
         if _digest_to_end(file, length) != end[len(DIGEST_PREFIX) : -1].decode("ascii", "replace"):
-            raise _spoilt(path)
+            raise _corrupt_error(path)
 
 
 def seal_text(path: Path) -> None:
@@ -62,7 +62,7 @@ def seal_text(path: Path) -> None:
     digest_line, lines_line = UNSEALED.encode().splitlines(keepends=True)
     with path.open("r+b") as file:
         file.seek(len(UNSEALED))
-        lines = sum(part.count(b"\n") for part in iter(lambda: file.read(AT_ONCE), b""))
+        lines = sum(part.count(b"\n") for part in iter(lambda: file.read(BLOCK_SIZE), b""))
         file.seek(len(digest_line))
         file.write(lines_line.replace(b"0".rjust(LINES_WIDTH), f"{lines:>{LINES_WIDTH}}".encode()))
         file.seek(len(digest_line))
@@ -77,17 +77,17 @@ def check_text(path: Path, content: bytes) -> bool:
     Windows line ends and a byte order mark, which editors and version control add, are ignored.
     """
     plain = content.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n")
-    sealed = ABOVE.match(plain)
+    sealed = FIRST_LINES.match(plain)
     if sealed is None:
         above = b"".join(plain.split(b"\n", 2)[:2])
         if any(key.encode() in above for key in OWN_KEYS):
-            raise _changed(path, "the lines of its checksum are spoilt")
+            raise _changed_error(path, "the lines of its checksum are spoilt")
         return False
     found, expected = plain.count(b"\n", sealed.end()), int(sealed[3])
     if found != expected:
-        raise _changed(path, f"only {found} of {expected} lines are left")
+        raise _changed_error(path, f"only {found} of {expected} lines are left")
     if hashlib.sha256(plain[sealed.start(2) :]).hexdigest().encode() != sealed[1]:
-        raise _changed(path, f"its {expected} lines do not match their checksum")
+        raise _changed_error(path, f"its {expected} lines do not match their checksum")
     return True
 
 
@@ -106,7 +106,7 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
         if MEMBER not in archive.namelist():
             return
         if archive.read(MEMBER) != _members_digest(archive):
-            raise _spoilt(path)
+            raise _corrupt_error(path)
 
 
 def seal_store(folder: Path) -> None:
@@ -156,7 +156,7 @@ def _json_digest(content: Mapping[str, Any]) -> str:
 def _digest_to_end(file: BinaryIO, end: int | None = None) -> str:
     """Hexadecimal digest from the current position to the end of the file, or to `end`."""
     digest = hashlib.sha256()
-    while part := file.read(AT_ONCE if end is None else min(AT_ONCE, end - file.tell())):
+    while part := file.read(BLOCK_SIZE if end is None else min(BLOCK_SIZE, end - file.tell())):
         digest.update(part)
     return digest.hexdigest()
 
@@ -170,13 +170,13 @@ def _members_digest(archive: zipfile.ZipFile) -> bytes:
     return digest.hexdigest().encode()
 
 
-def _spoilt(path: Path) -> InputError:
+def _corrupt_error(path: Path) -> InputError:
     return InputError(
         f"{path}: spoilt: its contents are not what its checksum says; use another copy"
     )
 
 
-def _changed(path: Path, what: str) -> InputError:
+def _changed_error(path: Path, what: str) -> InputError:
     return InputError(
         f"{path}: cut off or changed since it was written: {what}; use another copy, or delete "
         f"its lines `# {'` and `# '.join(OWN_KEYS)}` if you changed it"

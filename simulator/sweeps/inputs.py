@@ -21,7 +21,7 @@ from .errors import InputError
 from .free_space import SHARE, free_memory
 
 MIB, GIB = 2**20, 2**30
-WHOLE = 2**63
+INTEGER_LIMIT = 2**63
 """Limit of whole numbers: TOML's have 64 bits."""
 
 
@@ -99,10 +99,10 @@ def text(path: Path, kind: InputKind) -> str:
 def tables(given: str) -> dict[str, Any]:
     """The tables of a TOML text. Raises TOMLDecodeError, also for nesting that is too deep."""
     if len(given) > SCENE.max_bytes:  # within sweeps or a model
-        raise tomllib.TOMLDecodeError(f"it has {len(given) / MIB:.4g} MiB; {_at_most(SCENE)}")
+        raise tomllib.TOMLDecodeError(f"it has {len(given) / MIB:.4g} MiB; {_limit_text(SCENE)}")
     try:
         found = tomllib.loads(given)
-        if _beyond(found):
+        if _has_large_integer(found):
             raise tomllib.TOMLDecodeError("a whole number has more than 64 bits")
         return found
     except tomllib.TOMLDecodeError:
@@ -139,7 +139,7 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
     with zipfile.ZipFile(file) as archive:
         size = sum(each.file_size for each in archive.infolist())
     if size > min(MODEL.max_bytes, SHARE * free_memory()):
-        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_at_most(MODEL)}")
+        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(MODEL)}")
 
 
 def check_folder(path: Path) -> None:
@@ -174,10 +174,10 @@ def _check(path: Path, kind: InputKind, status: os.stat_result) -> None:
     if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: is a pipe, a device or a socket; {kind.label} is a regular file")
     if status.st_size > kind.max_bytes:
-        raise InputError(f"{path}: has {status.st_size / MIB:.4g} MiB; {_at_most(kind)}")
+        raise InputError(f"{path}: has {status.st_size / MIB:.4g} MiB; {_limit_text(kind)}")
 
 
-def _at_most(kind: InputKind) -> str:
+def _limit_text(kind: InputKind) -> str:
     return f"{kind.label} has at most {kind.max_bytes / MIB:.4g} MiB"
 
 
@@ -187,8 +187,8 @@ def _unreadable(path: Path, error: OSError) -> InputError:
     return InputError(f"{path}: cannot be read: {error.strerror or error}")
 
 
-def _beyond(value: Any) -> bool:
+def _has_large_integer(value: Any) -> bool:
     """True if any whole number in tables has more than 64 bits."""
     if isinstance(value, dict | list):
-        return any(map(_beyond, value.values() if isinstance(value, dict) else value))
-    return isinstance(value, int) and not -WHOLE <= value < WHOLE
+        return any(map(_has_large_integer, value.values() if isinstance(value, dict) else value))
+    return isinstance(value, int) and not -INTEGER_LIMIT <= value < INTEGER_LIMIT

@@ -69,7 +69,9 @@ def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) ->
         )
     f, g = part["frequency"].values, first["frequency"].values
     if f.size != g.size or not same_frequencies(f, g).all():
-        raise InputError(f"{path}: {_range_text(f)} are not the frequencies of {other}: {_range_text(g)}")
+        raise InputError(
+            f"{path}: {_range_text(f)} are not the frequencies of {other}: {_range_text(g)}"
+        )
     ordered = part.isel(interface=[ours.index(name) for name in theirs])
     if not same_taken(ordered, first):
         raise InputError(

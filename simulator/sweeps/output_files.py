@@ -32,8 +32,8 @@ def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
     """
     path = checked_output(path)
     with whole_file(path) as unfinished:
-        if isinstance(sweeps, SweepTable) and path.suffix in OF_TABLES:
-            OF_TABLES[path.suffix](sweeps, unfinished)
+        if isinstance(sweeps, SweepTable) and path.suffix in TABLE_WRITERS:
+            TABLE_WRITERS[path.suffix](sweeps, unfinished)
         else:
             whole = sweeps.dataset() if isinstance(sweeps, SweepTable) else sweeps
             DATASET_WRITERS[path.suffix](check(whole), unfinished)
@@ -90,7 +90,7 @@ def made_folder(path: Path) -> Path:
     return path
 
 
-LONGER = 16
+DERIVED_NAME_LENGTH = 16
 """Extra characters of names that are derived from an output's name, such as journals."""
 
 
@@ -98,7 +98,9 @@ def _check_parent(path: Path) -> None:
     with named_failures(path):
         if not path.parent.is_dir():
             raise InputError(f"{path}: the folder {path.parent} does not exist")
-        path.with_name(f"{path.name}{LONGER * '_'}").exists()  # raises where that is too long
+        path.with_name(
+            f"{path.name}{DERIVED_NAME_LENGTH * '_'}"
+        ).exists()  # raises where that is too long
         if not os.access(path.parent, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, "", str(path))
 
@@ -155,5 +157,5 @@ def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
     seal_store(path)
 
 
-OF_TABLES = {".nc": write_table, ".csv": write_rows}
+TABLE_WRITERS = {".nc": write_table, ".csv": write_rows}
 DATASET_WRITERS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}

@@ -38,7 +38,7 @@ TOUCH = re.compile(
     re.ASCII,
 )
 PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
-MEASURED = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
+STRENGTH_WITH_UNIT = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
 PER_M = {"m": 1, "cm": 100, "mm": 1000}
 FARAD = re.compile(r"(?P<number>.*?)\s*(?P<prefix>[fpnuµm]?)F")
 FINGERS: dict[str, WrittenFinger] = {"finger": EARTHED, "rod": 0.0}
@@ -110,17 +110,19 @@ def _touch(part: str, text: str) -> WrittenTouch:
     match = TOUCH.fullmatch(part)
     if match is None:
         raise InputError(f"press {text!r}: must be {SYNTAX}")
-    by = _by(match["strength"], text)
+    by = _strength_and_finger(match["strength"], text)
     if match["shape"] is None:
         return WrittenTouch("pixel", _pixel(match["row"], match["column"], text), *by)
     numbers = list(map(_in_m, match["place"].split(",")))
     if match["shape"] == "poly":
         return WrittenTouch("poly", _corners(numbers, text), *by)
     kind: Kind = "rect" if match["shape"] == "rect" else "disc"
-    return WrittenTouch(kind, _placed(numbers, SIZES[kind], text), *by)
+    return WrittenTouch(kind, _place_and_sizes(numbers, SIZES[kind], text), *by)
 
 
-def _by(given: str | None, text: str) -> tuple[WrittenStrength | None, WrittenFinger | None]:
+def _strength_and_finger(
+    given: str | None, text: str
+) -> tuple[WrittenStrength | None, WrittenFinger | None]:
     """Parses the part behind a place: strength and finger of a touch."""
     if given is None:
         return None, None
@@ -166,7 +168,7 @@ def _pixel(row: str, column: str, text: str) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _placed(given: list[str], sizes: tuple[str, ...], text: str) -> tuple[float, ...]:
+def _place_and_sizes(given: list[str], sizes: tuple[str, ...], text: str) -> tuple[float, ...]:
     if len(given) != 2 + len(sizes):
         raise InputError(f"press {text!r}: must be {SYNTAX}")
     place = [_number(value, name, text) for name, value in zip("XY", given[:2], strict=True)]
@@ -182,7 +184,7 @@ def _corners(given: list[str], text: str) -> tuple[float, ...]:
 
 
 def _strength(given: str, text: str) -> WrittenStrength:
-    match = MEASURED.fullmatch(given)
+    match = STRENGTH_WITH_UNIT.fullmatch(given)
     if match is None:
         factor = _positive(given, "FACTOR", text)
         _check_maximum(factor, "FACTOR", MAX_FACTOR, given, text)

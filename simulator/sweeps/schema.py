@@ -41,7 +41,7 @@ LABELS = {
     "session": "mounting or device",
 }
 NAMES = ("interface", "press")
-SHOWN = 60
+MAX_SHOWN = 60
 """Number of characters shown of a refused name."""
 TAKEN = "taken"
 """Coordinate: mask of the readings taken, shape (interface, frequency). It exists only if some
@@ -200,7 +200,7 @@ def _check_printable(name: str, values: NDArray) -> None:
     """Refuses control characters: names appear on terminals, in tables and in charts."""
     for each in set(map(str, values.tolist())):
         if not each.isprintable():
-            raise InputError(f"`{name}` must be printable, on one line, got {each[:SHOWN]!r}")
+            raise InputError(f"`{name}` must be printable, on one line, got {each[:MAX_SHOWN]!r}")
 
 
 def check(sweeps: xr.Dataset) -> xr.Dataset:

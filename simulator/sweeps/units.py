@@ -9,7 +9,7 @@ from decimal import Decimal, DecimalException
 PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2}
 PREFIXES |= {"k": 3, "K": 3, "M": 6, "G": 9}
 BASES = ("m", "ohm", "Ω", "F", "Hz", "H", "Pa", "N", "rad", "s", "V", "A")
-WRITTEN = re.compile(
+NUMBER_WITH_UNIT = re.compile(
     r"(?P<number>[-+]?[\d._]+(?:,\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s,][^,]*)?"
 )
 
@@ -26,7 +26,7 @@ def plain_number(text: str) -> float:
 
 def in_si(text: str) -> str | None:
     """The number in SI without its unit, with a point; None if it is plain or not a number."""
-    match = WRITTEN.fullmatch(text.strip())
+    match = NUMBER_WITH_UNIT.fullmatch(text.strip())
     if match is None or (match["unit"] is None and "," not in match["number"]):
         return None
     power = _power((match["unit"] or "").strip().split("/")[0])

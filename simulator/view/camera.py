@@ -67,7 +67,7 @@ def from_above(places: Real, margin: float) -> Camera:
 
     places: (3, n) that must be in the picture, with a margin in m.
     """
-    return _around(np.eye(3), places, margin, above=True)
+    return _framed(np.eye(3), places, margin, above=True)
 
 
 def from_the_side(places: Real, facing: Real, margin: float) -> Camera:
@@ -93,10 +93,10 @@ def _camera_towards(towards: Real, up: Real, places: Real, margin: float) -> Cam
     right = np.cross(up, towards)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(towards, right), towards])
-    return _around(axes, places, margin, above=False)
+    return _framed(axes, places, margin, above=False)
 
 
-def _around(axes: Real, places: Real, margin: float, above: bool) -> Camera:
+def _framed(axes: Real, places: Real, margin: float, above: bool) -> Camera:
     seen = axes[:2] @ places
     low, high = seen.min(axis=1) - margin, seen.max(axis=1) + margin
     return Camera(axes[0], axes[1], axes[2], low, high, above)

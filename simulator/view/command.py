@@ -83,7 +83,7 @@ def view(
         with on_terminal() as progress:
             write_output(output, stage, what, animate, progress, note)
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
-        report_written(f"{shown} of press {stage.press} at {_told(stage)}", output)
+        report_written(f"{shown} of press {stage.press} at {_frequencies_text(stage)}", output)
     if interactive:
         _interact(stage, what, output)
 
@@ -151,23 +151,23 @@ def _stage(
     return ViewedPress(scene, pressed, wiring, found)
 
 
-def _frequencies(asked: list[float] | None, known: list[float], every: bool) -> list[float]:
+def _frequencies(requested: list[float] | None, known: list[float], every: bool) -> list[float]:
     """Frequencies to show, Hz, ascending: the requested ones, else all or one.
 
     Without a request it is all known ones if `every`, else the one in their middle.
     """
     from ..sweeps import InputError
 
-    for frequency in asked or []:
+    for frequency in requested or []:
         if not (math.isfinite(frequency) and frequency > 0):
             raise InputError(f"--frequency must be finite and > 0 Hz, got {frequency:g}")
-    if asked or every:
-        return sorted(set(asked or known))
+    if requested or every:
+        return sorted(set(requested or known))
     middle = math.sqrt(known[0] * known[-1])
     return [min(known, key=lambda each: abs(math.log(each / middle)))]
 
 
-def _told(stage: ViewedPress) -> str:
+def _frequencies_text(stage: ViewedPress) -> str:
     frequencies = stage.fields.frequency
     return f"{frequencies[0]:g} Hz" if len(frequencies) == 1 else f"{len(frequencies)} frequencies"
 

@@ -73,7 +73,7 @@ def at_frequencies(
     values = [quantity.values(fields, at) for at in numbers]
     ends = scales(quantity, values, point_areas(fields), own)
     drawn = [
-        _shown(quantity, fields, skin, at, each, scale)
+        _displayed(quantity, fields, skin, at, each, scale)
         for at, each, scale in zip(numbers, values, ends, strict=True)
     ]
     if len(set(ends)) == 1:
@@ -87,7 +87,7 @@ def _note_with_scale(shown: DisplayedQuantity) -> str:
     return f"{shown.note}, {scale}" if shown.note else scale
 
 
-def _shown(
+def _displayed(
     quantity: ViewedQuantity,
     fields: SolutionFields,
     skin: SkinSurface,

@@ -34,7 +34,7 @@ SINGLE, PANEL, MIN_FIGURE_WIDTH = 5.0, 2.3, 5.0
 """Width of a single panel, of one of several, and the least for a title, inches."""
 MAX_HEIGHT = 5.6
 """Largest height of a panel, inches."""
-BESIDE = 1.85
+SIDE_WIDTH = 1.85
 """Width of what stands next to each panel, inches."""
 LINE, AXES_HEIGHT, TITLE_AND_FOILS = 0.16, 0.85, 0.65
 """Heights of a heading's line, axes and numbers, and title and foil names, inches."""
@@ -84,7 +84,7 @@ def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
         max(_width(panel, alone) * panel.camera.aspect for panel in row) + _text_height(row)
         for row in rows
     ]
-    width = max(columns * (max(widths) + BESIDE), MIN_FIGURE_WIDTH)
+    width = max(columns * (max(widths) + SIDE_WIDTH), MIN_FIGURE_WIDTH)
     return width, sum(heights) + TITLE_AND_FOILS
 
 
@@ -150,14 +150,14 @@ def _name_foils(figure: Figure, panel: Panel) -> None:
     colours = foil_colours(foils)
     lines = -(-len(foils) // max(1, int(figure.get_figwidth() / LEGEND_WIDTH)))
     figure.legend(
-        handles=[Patch(color=colours[foil.name], label=_told(foil, panel)) for foil in foils],
+        handles=[Patch(color=colours[foil.name], label=_foil_label(foil, panel)) for foil in foils],
         loc="outside lower center",
         ncols=-(-len(foils) // lines),
         fontsize=9,
     )
 
 
-def _told(foil: Foil, panel: Panel) -> str:
+def _foil_label(foil: Foil, panel: Panel) -> str:
     """Label of a foil, which notes if it is behind the body the skin is wrapped on."""
     skin = panel.scenery.skin
     normal = skin.normals[:, skin.nearest(foil.middle[:, None])[0]]

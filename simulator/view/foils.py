@@ -55,13 +55,13 @@ def foils(
     scene: Scene,
     interface: Interface,
     skin: SkinSurface,
-    laid: Callable[[Real], Real],
+    to_space: Callable[[Real], Real],
     mesh: SkinMesh | None = None,
 ) -> tuple[Foil, ...]:
     """All foils of a scene, driven and floating.
 
-    laid: maps flat places (2, n) to space, (3, n), on the skin and off its edges. mesh: that of a
-    skin that a file describes.
+    to_space: maps flat places (2, n) to space, (3, n), on the skin and off its edges. mesh: that
+    of a skin that a file describes.
     """
     drawn: list[Foil] = []
     for contact in scene.contacts:
@@ -72,7 +72,7 @@ def foils(
         else:
             along = path(contact, scene.skin, PIECES)
             out = skin.outward(along)
-            inner, outer = (_pieces(laid(along + off * out)) for off in (near, far))
+            inner, outer = (_pieces(to_space(along + off * out)) for off in (near, far))
         quads = np.stack([inner[:, 0], inner[:, 1], outer[:, 1], outer[:, 0]], axis=1)
         drawn.append(Foil(contact.name, _role(contact, interface), quads))
     return tuple(drawn)

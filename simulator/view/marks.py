@@ -32,7 +32,7 @@ EDGE_ON = 0.15
 """Component of a normal towards the eye up to which marks cannot be read."""
 ARROWS_ALONG = 16
 """Number of arrows along the longer side."""
-FAINTEST = 0.02
+MIN_ARROW_CURRENT = 0.02
 """Current over the largest one up to which arrows are left out."""
 
 
@@ -76,7 +76,7 @@ def marks(
     press: Press,
     interface: Interface,
     skin: SkinSurface,
-    laid: Callable[[Real], Real],
+    to_space: Callable[[Real], Real],
 ) -> Marks:
     """Marks on the skin, without the field; `laid` as for `foils`."""
     mesh = SkinMesh(scene, press, skin) if scene.skin.mesh else None
@@ -87,18 +87,20 @@ def marks(
         middles = _middles(scene, skin)
     rim = skin.points[:, skin.rim]
     return Marks(
-        foils=foils(scene, interface, skin, laid, mesh),
+        foils=foils(scene, interface, skin, to_space, mesh),
         pixels=tuple(grid),
-        pressed=tuple(_around(scene, press, skin, mesh)),
+        pressed=tuple(_pressed_outlines(scene, press, skin, mesh)),
         rim=tuple(rim.transpose(2, 0, 1)),
         middles=middles.reshape(3, scene.pixels.rows, scene.pixels.columns),
-        grid_lines=None if scene.pixels.groups else _grid_lines(scene, laid),
+        grid_lines=None if scene.pixels.groups else _grid_lines(scene, to_space),
     )
 
 
-def _grid_lines(scene: Scene, laid: Callable[[Real], Real]) -> tuple[Real, Real]:
+def _grid_lines(scene: Scene, to_space: Callable[[Real], Real]) -> tuple[Real, Real]:
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
-    return laid(np.stack([x, np.zeros_like(x)]))[0], laid(np.stack([np.zeros_like(y), y]))[1]
+    return to_space(np.stack([x, np.zeros_like(x)]))[0], to_space(np.stack([np.zeros_like(y), y]))[
+        1
+    ]
 
 
 def _middles(scene: Scene, skin: SkinSurface) -> Real:
@@ -108,7 +110,9 @@ def _middles(scene: Scene, skin: SkinSurface) -> Real:
     return np.where(skin.covers(flat), places, np.nan)
 
 
-def _around(scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None) -> Iterator[Real]:
+def _pressed_outlines(
+    scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None
+) -> Iterator[Real]:
     """Lines (3, n) around the pressed places."""
     for touch in press.touches:
         place = place_of(touch)
@@ -161,7 +165,7 @@ def arrows(skin: SkinSurface, current: Real, highest: float) -> Arrows:
     flat = flat[:, skin.covers(flat)]
     strength = skin.at(flat, current)
     size = np.hypot(*strength)
-    kept = size > FAINTEST * highest
+    kept = size > MIN_ARROW_CURRENT * highest
     flat, along = flat[:, kept], strength[:, kept] / size[kept]
     places, normals, _ = skin.carry(flat)
     ahead, _, _ = skin.carry(flat + 1e-3 * skin.size * along)

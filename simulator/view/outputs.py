@@ -29,12 +29,12 @@ WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio", ".html": "plotly"}
 SURFACES = "pyvista"
 EXTRA = "view"
 ANIMATIONS = ("frequency", "phase")
-ACROSS = 3
+PANELS_PER_ROW = 3
 """Number of panels in a row if all are of one frequency."""
 PHASES = 24
 """Number of frames of one period."""
 MOVIE_DPI = 100
-LONG = 60.0
+LONG_DRAWING = 60.0
 """Drawing time in seconds above which a movie is announced by a note."""
 MAX_PRESS_TEXT = 60
 LEGEND_LINE = 0.05
@@ -64,17 +64,19 @@ def write_output(
     what: str,
     animate: str | None,
     progress: ProgressCallback = silent,
-    tell: Callable[[str], None] = lambda note: None,
+    report: Callable[[str], None] = lambda note: None,
 ) -> None:
     """Writes the fields in the format of the file's ending, whole or not at all.
 
-    progress: reports on a movie's pictures. tell: receives a note on a movie that takes minutes.
+    progress: reports on a movie's pictures. report: receives a note on a movie that takes minutes.
     Raises InputError where nothing of the kind can be shown, or written here.
     """
     check_output(path)
     if path.suffix in MOVIES:
-        frames = _period_panels(stage, what) if animate == "phase" else _frequencies(stage, what)
-        _write_frames(path, stage, frames, progress, tell)
+        frames = (
+            _period_panels(stage, what) if animate == "phase" else _frequency_panels(stage, what)
+        )
+        _write_frames(path, stage, frames, progress, report)
         return
     stills = dict.fromkeys(STILLS, _write_picture)
     write = {**stills, ".html": write_turnable}.get(path.suffix, _write_data)
@@ -99,7 +101,9 @@ def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     if max(map(len, rows)) > 1:
         return rows
     panels = [row[0] for row in rows]
-    return [panels[first : first + ACROSS] for first in range(0, len(panels), ACROSS)]
+    return [
+        panels[first : first + PANELS_PER_ROW] for first in range(0, len(panels), PANELS_PER_ROW)
+    ]
 
 
 def panels_of(stage: ViewedPress, quantity: ViewedQuantity, own: bool = False) -> list[Panel]:
@@ -127,7 +131,7 @@ def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
     write_page(path, panels, title(stage))
 
 
-def _frequencies(stage: ViewedPress, what: str) -> list[list[Panel]]:
+def _frequency_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """Panels of each picture of a movie over the frequencies."""
     if all(quantity.everywhere for quantity in chosen(what, stage.fields)):
         raise InputError(f"--what {what}: is the same at all frequencies; write a .png")
@@ -154,7 +158,7 @@ def _write_frames(
     stage: ViewedPress,
     frames: list[list[Panel]],
     progress: ProgressCallback,
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> None:
     from .figure import rendered
     from .movie import write_movie
@@ -163,11 +167,13 @@ def _write_frames(
     def images() -> Iterator[Image]:
         start = monotonic()
         for number, panels in enumerate(tracked(frames, "drawing", progress)):
-            rows = [panels[low : low + ACROSS] for low in range(0, len(panels), ACROSS)]
+            rows = [
+                panels[low : low + PANELS_PER_ROW] for low in range(0, len(panels), PANELS_PER_ROW)
+            ]
             yield rendered(rows, title(stage), MOVIE_DPI)
             left = (monotonic() - start) * (len(frames) - 1)
-            if number == 0 and left > LONG:
-                tell(f"{path}: {len(frames)} pictures, about {max(1, round(left / 60))} min")
+            if number == 0 and left > LONG_DRAWING:
+                report(f"{path}: {len(frames)} pictures, about {max(1, round(left / 60))} min")
 
     used = {panel.shown.colours for panels in frames for panel in panels}
     write_movie(path, images(), used)

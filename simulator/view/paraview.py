@@ -33,7 +33,7 @@ def write_dataset(
             _write_xdmf(unfinished, fields, skin)
 
 
-def everywhere(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
+def constant_fields(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
     """Fields that are the same at all frequencies: name with unit, values by point."""
     yield "capacitance_F_per_m2", fields.capacitance
     yield "capacitance_factor", fields.factor
@@ -65,7 +65,7 @@ def _write_vtu(
     path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
 ) -> None:
     grid = skin.mesh.cast_to_unstructured_grid()
-    for name, values in everywhere(fields):
+    for name, values in constant_fields(fields):
         grid.point_data[name] = values
     for at, frequency in enumerate(fields.frequency):
         for name, values in fields_at(fields, at):
@@ -97,5 +97,5 @@ def _write_xdmf(path: Path, fields: SolutionFields, skin: SkinSurface) -> None:
     with TimeSeriesWriter(path, data_format="XML") as writer:
         writer.write_points_cells(skin.points.T, [(CELLS[len(skin.cells)], skin.cells.T)])
         for at, frequency in enumerate(fields.frequency):
-            data = {**dict(everywhere(fields)), **dict(fields_at(fields, at))}
+            data = {**dict(constant_fields(fields)), **dict(fields_at(fields, at))}
             writer.write_data(float(frequency), point_data=data)

@@ -30,9 +30,9 @@ MARGIN = 0.012
 """Margin around all that is in the picture, over the skin's size."""
 BODY_RADIUS = 0.985
 """Radius of the mug or ball drawn under a skin, over the radius of the skin."""
-ROOM = 1.05
+BODY_CLEARANCE = 1.05
 """Distance of a mug or ball below the skin, over the deepest place as drawn."""
-THINNEST = 0.2
+MIN_BODY_RADIUS = 0.2
 """Smallest radius of a drawn mug or ball, over the radius of the skin."""
 MUG_MARGIN = 0.25
 """Length of a mug beyond the skin, over the skin's extent along it."""
@@ -89,9 +89,11 @@ class ViewedPress:
         sides = [_foam(skin, self._rest, foam)] if foam else []
         if shape is None or not self._in_space:
             return sides
-        beneath = max(foam, ROOM * skin.exaggeration * float(self.fields.deflection.max()))
+        beneath = max(
+            foam, BODY_CLEARANCE * skin.exaggeration * float(self.fields.deflection.max())
+        )
         radius = max(
-            THINNEST * shape.radius, min(BODY_RADIUS * shape.radius, shape.radius - beneath)
+            MIN_BODY_RADIUS * shape.radius, min(BODY_RADIUS * shape.radius, shape.radius - beneath)
         )
         length, width = self.scene.skin.stretched_sides
         middle = np.array([length / 2, width / 2, -shape.radius])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 SAME_PLACE = 1.234e-7
 """Distance over the skin's extent up to which points are at one place."""
-WITHIN = 1e-3
+EDGE_STEP = 1e-3
 """Distance from an edge, over the skin's size, at which the skin is looked for."""
 AROUND = 24
 """Number of points whose normals are averaged where a line is raised."""
@@ -125,7 +125,7 @@ class SkinSurface:
         """Flat unit vectors (2, n) off the skin, across a path x (2, n) on its edge."""
         along = np.gradient(x, axis=1)
         across = np.stack([along[1], -along[0]]) / np.linalg.norm(along, axis=0)
-        within = self.covers(x + WITHIN * self.size * across)
+        within = self.covers(x + EDGE_STEP * self.size * across)
         return across * (1.0 if within.mean() < 0.5 else -1.0)
 
 

@@ -30,17 +30,17 @@ COLOURS = 33
 MILLI = 1e3
 LINE_HEIGHT, TEXT_HEIGHT = 2.0, 20.0
 """Heights of wide lines, and of words on a curved skin, over that of fine lines."""
-BEYOND = 1.04
+MARGIN_FACTOR = 1.04
 """Room given to the drawing over its size."""
 HEAD, LINE, FOOT = 92, 21, 40
 """Room for headings, a line of the title, and foil names with the slider, pixels."""
 TITLE_WIDTH = 45
-GROUND, WORDS, UNSEEN = "#FFFFFF", "#222222", "rgba(0,0,0,0)"
+BACKGROUND, TEXT_COLOUR, INVISIBLE = "#FFFFFF", "#222222", "rgba(0,0,0,0)"
 FLAT = {"ambient": 0.85, "diffuse": 0.25, "specular": 0.0, "roughness": 1.0}
 UNLIT = {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0, "roughness": 1.0}
 MID_LUMINANCE = 0.179
 """Luminance with which black and white have equal contrast."""
-FITTED = """
+FIT_SCRIPT = """
 const skin = document.getElementById("{plot_id}");
 const [halfWidth, halfHeight] = [%.6g, %.6g];
 function fit() {
@@ -76,7 +76,7 @@ def write_page(path: Path, panels: Sequence[Panel], title: str) -> None:
             include_plotlyjs=True,
             div_id="skin",
             default_height="97vh",
-            post_script=FITTED % _half_extent(panels),
+            post_script=FIT_SCRIPT % _half_extent(panels),
         )
 
 
@@ -113,22 +113,25 @@ def _layout(panels: Sequence[Panel], title: str) -> dict[str, Any]:
         },
         "legend": {"orientation": "h", "x": 0.0, "y": 0.0, "yanchor": "top"},
         "margin": {"l": 10, "r": 10, "t": HEAD + LINE * len(lines), "b": FOOT},
-        "paper_bgcolor": GROUND,
-        "font": {"family": "DejaVu Sans, Arial, sans-serif", "size": 14, "color": WORDS},
+        "paper_bgcolor": BACKGROUND,
+        "font": {"family": "DejaVu Sans, Arial, sans-serif", "size": 14, "color": TEXT_COLOUR},
     }
 
 
 def _ball_around(panels: Sequence[Panel]) -> tuple[Real, float]:
     """Middle of all that is drawn, as the camera sees it, and its radius, mm."""
-    camera, places = panels[0].camera, MILLI * np.hstack([_drawn(panel) for panel in panels])
+    camera, places = (
+        panels[0].camera,
+        MILLI * np.hstack([_surface_corners(panel) for panel in panels]),
+    )
     depths = camera.towards @ places
     across, height = MILLI * (camera.low + camera.high) / 2
     depth = (depths.min() + depths.max()) / 2
     middle = across * camera.right + height * camera.up + depth * camera.towards
-    return middle, float(np.linalg.norm(places - middle[:, None], axis=0).max()) * BEYOND
+    return middle, float(np.linalg.norm(places - middle[:, None], axis=0).max()) * MARGIN_FACTOR
 
 
-def _drawn(panel: Panel) -> Real:
+def _surface_corners(panel: Panel) -> Real:
     """Corners of all surfaces, m, (3, n)."""
     scenery = panel.scenery
     bodies = [np.asarray(body.points, dtype=float).T for body in scenery.bodies]
@@ -139,7 +142,7 @@ def _drawn(panel: Panel) -> Real:
 def _half_extent(panels: Sequence[Panel]) -> tuple[float, float]:
     """Half the width and the height of what the camera sees, with a margin, mm."""
     camera = panels[0].camera
-    width, height = BEYOND * MILLI * (camera.high - camera.low) / 2
+    width, height = MARGIN_FACTOR * MILLI * (camera.high - camera.low) / 2
     return float(width), float(height)
 
 
@@ -152,7 +155,7 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
     alone = len({panel.shown.title for panel in panels}) == 1
     steps = [
         {
-            "label": _step(panel.shown, alone),
+            "label": _slider_label(panel.shown, alone),
             "method": "update",
             "args": [
                 {"visible": [owner == number for owner in owners]},
@@ -164,15 +167,15 @@ def _slider(panels: Sequence[Panel], owners: Sequence[int]) -> dict[str, Any]:
     prefix = "Frequency: " if alone else ""
     return {
         "steps": steps,
-        "currentvalue": {"prefix": prefix, "xanchor": "right", "font": {"color": WORDS}},
-        "font": {"color": WORDS if alone else UNSEEN},
+        "currentvalue": {"prefix": prefix, "xanchor": "right", "font": {"color": TEXT_COLOUR}},
+        "font": {"color": TEXT_COLOUR if alone else INVISIBLE},
         "ticklen": 4,
         "pad": {"t": 8, "b": 0, "l": 10, "r": 10},
     }
 
 
-def _step(shown: DisplayedQuantity, alone: bool) -> str:
-    named = shown.frequency if alone else ", ".join(filter(None, (shown.title, shown.frequency)))
+def _slider_label(shown: DisplayedQuantity, single: bool) -> str:
+    named = shown.frequency if single else ", ".join(filter(None, (shown.title, shown.frequency)))
     return plotly_text(named)
 
 
@@ -232,7 +235,7 @@ def _luminance(shown: DisplayedQuantity) -> Real:
     return linear @ np.array([0.2126, 0.7152, 0.0722])
 
 
-def _field(skin: SkinSurface, shown: DisplayedQuantity, even: bool) -> go.Mesh3d:
+def _field(skin: SkinSurface, shown: DisplayedQuantity, unlit: bool) -> go.Mesh3d:
     import plotly.graph_objects as go
 
     value = f"%{{customdata[2]:.4g}} {shown.unit}"
@@ -247,7 +250,7 @@ def _field(skin: SkinSurface, shown: DisplayedQuantity, even: bool) -> go.Mesh3d
         cmin=shown.limits[0],
         cmax=shown.limits[1],
         colorbar={"title": {"text": shown.unit}, "len": 0.9},
-        lighting=UNLIT if even else FLAT,
+        lighting=UNLIT if unlit else FLAT,
     )
 
 

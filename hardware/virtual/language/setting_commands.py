@@ -29,7 +29,7 @@ def _one_of(*words: str) -> Read:
     return read
 
 
-def _switch(text: str) -> bool:
+def _parse_on_off(text: str) -> bool:
     return _one_of("ON", "1", "OFF", "0")(text) in ("ON", "1")
 
 
@@ -37,7 +37,7 @@ def _on_off_text(value: bool) -> str:
     return "ON" if value else "OFF"
 
 
-def _rounded(low: float, high: float, digits: int) -> Read:
+def _rounded_number(low: float, high: float, digits: int) -> Read:
     return lambda text: float(f"{number(text, low, high):.{digits - 1}E}")
 
 
@@ -49,7 +49,7 @@ def _averaging_text(value: int) -> str:
     return "OFF" if value == 1 else str(value)
 
 
-def _stored(header: str, name: str, read: Read, show: Format = str) -> MeterCommand:
+def _setting_command(header: str, name: str, read: Read, show: Format = str) -> MeterCommand:
     def tell(meter: Instrument, text: str) -> None:
         setattr(meter.settings, name, read(text))
         meter.changed()
@@ -113,31 +113,36 @@ def _volts_text(value: float) -> str:
 
 
 STORED = (
-    _stored(":HEADer", "header", _switch, _on_off_text),
-    _stored(":MODE", "mode", _one_of("LCR", "CONTinuous")),
-    _stored(":COMMand:COMPatible", "compatible", _switch, _on_off_text),
-    _stored(
+    _setting_command(":HEADer", "header", _parse_on_off, _on_off_text),
+    _setting_command(":MODE", "mode", _one_of("LCR", "CONTinuous")),
+    _setting_command(":COMMand:COMPatible", "compatible", _parse_on_off, _on_off_text),
+    _setting_command(
         ":FREQuency",
         "frequency",
-        _rounded(*METER_BANDS[VIRTUAL_MODEL], 5),
+        _rounded_number(*METER_BANDS[VIRTUAL_MODEL], 5),
         lambda f: engineering(f, 5),
     ),
-    _stored(":LEVel", "level", _one_of("V", "CV", "CC")),
-    _stored(":LEVel:VOLTage", "voltage", _rounded(5e-3, 5, 4), _volts_text),
-    _stored(":LEVel:CVOLTage", "constant_voltage", _rounded(5e-3, 5, 4), _volts_text),
-    _stored(
-        ":LEVel:CCURRent", "constant_current", _rounded(1e-5, 50e-3, 4), lambda i: engineering(i, 4)
+    _setting_command(":LEVel", "level", _one_of("V", "CV", "CC")),
+    _setting_command(":LEVel:VOLTage", "voltage", _rounded_number(5e-3, 5, 4), _volts_text),
+    _setting_command(
+        ":LEVel:CVOLTage", "constant_voltage", _rounded_number(5e-3, 5, 4), _volts_text
+    ),
+    _setting_command(
+        ":LEVel:CCURRent",
+        "constant_current",
+        _rounded_number(1e-5, 50e-3, 4),
+        lambda i: engineering(i, 4),
     ),
     MeterCommand(":RANGe", _set_range, lambda meter: meter.settings.range),
-    _stored(":RANGe:AUTO", "auto_range", _switch, _on_off_text),
+    _setting_command(":RANGe:AUTO", "auto_range", _parse_on_off, _on_off_text),
     _parameter(":PARameter1", 0),
     _parameter(":PARameter2", 1),
     _parameter(":PARameter3", 1, siblings_only=True),
     _parameter(":PARameter4", 1, siblings_only=True),
-    _stored(":TRIGger", "trigger", _one_of("INTernal", "EXTernal")),
-    _stored(":CORRection:CABLe", "cable", lambda text: whole(text, 0, 1)),
-    _stored(":CORRection:LOAD", "load_correction", _switch, _on_off_text),
-    _stored(
+    _setting_command(":TRIGger", "trigger", _one_of("INTernal", "EXTernal")),
+    _setting_command(":CORRection:CABLe", "cable", lambda text: whole(text, 0, 1)),
+    _setting_command(":CORRection:LOAD", "load_correction", _parse_on_off, _on_off_text),
+    _setting_command(
         ":TRANsmit:TERMinator",
         "carriage_return_only",
         lambda text: bool(whole(text, 0, 1)),

@@ -50,7 +50,7 @@ DEFAULT_LABELS = {
     "column": "-1",
     "interface": UNNAMED,
 }
-WHOLE = ("sweep", "row", "column", "session")
+INTEGER_COLUMNS = ("sweep", "row", "column", "session")
 MAX_INTEGER = 1e9
 """Limit of whole numbers; sessions with more digits are names."""
 NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for one session"
@@ -233,7 +233,7 @@ def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
 def _checked_numbers(path: Path, name: str, column: list[str], lines: list[int]) -> np.ndarray:
     values = np.array([plain_number(text) for text in column])
     good, kind = np.isfinite(values), "finite"
-    if name in WHOLE:
+    if name in INTEGER_COLUMNS:
         good, kind = good & (values == np.rint(values)) & (np.abs(values) < MAX_INTEGER), "whole"
     bad = np.flatnonzero(~good)
     if bad.size:

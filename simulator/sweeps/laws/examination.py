@@ -133,7 +133,7 @@ def _examine_interface(
     if not np.abs(Z).all():
         raise InputError(f"interface {name}: Z is 0 ohm at some frequency, which no reading is")
     groups = list(zip(sweeps["press"].values, sweeps["session"].values, strict=True))
-    spectra = [fitted(each, frequency, _inductive_end(each)) for each in Z]
+    spectra = [fitted_spectrum(each, frequency, _inductive_end(each)) for each in Z]
     limits = _limits(spectra, groups, noise, tolerance, readings)
     spectra = [_without_chance_sign(each, limits) for each in spectra]
     return [
@@ -152,7 +152,7 @@ def _examine_interface(
     ]
 
 
-def fitted(
+def fitted_spectrum(
     Z: NDArray[np.complex128], frequency: NDArray[np.float64], inductive: NDArray[np.bool_]
 ) -> Spectrum:
     """Fits the nearest passive network to the part of the spectrum that is not inductive."""
@@ -174,7 +174,7 @@ def _without_chance_sign(spectrum: Spectrum, limits: _Limits) -> Spectrum:
     beyond_noise = spectrum.Z.imag > slack
     if not spectrum.inductive.any() or (spectrum.inductive & beyond_noise).any():
         return spectrum
-    return fitted(spectrum.Z, spectrum.frequency, np.zeros_like(spectrum.inductive))
+    return fitted_spectrum(spectrum.Z, spectrum.frequency, np.zeros_like(spectrum.inductive))
 
 
 def _limits(

@@ -47,22 +47,22 @@ class WriteContext:
 
 UNFINISHED = WriteContext("a part of an output")
 """Context of files that are parts of an output; they are not registered."""
-_now: ContextVar[WriteContext] = ContextVar("occasion", default=WriteContext())  # noqa: B039
+_context: ContextVar[WriteContext] = ContextVar("occasion", default=WriteContext())  # noqa: B039
 
 
 def write_context() -> WriteContext:
     """The current context of writing."""
-    return _now.get()
+    return _context.get()
 
 
 @contextmanager
 def in_write_context(now: WriteContext) -> Iterator[None]:
     """Sets the context of writing within the block."""
-    token = _now.set(now)
+    token = _context.set(now)
     try:
         yield
     finally:
-        _now.reset(token)
+        _context.reset(token)
 
 
 def check_replaceable(path: Path) -> None:

@@ -35,7 +35,7 @@ def kept_file(path: Path) -> Iterator[Path]:
         place = Path(os.path.realpath(path))
         clear_left_overs(place.parent)
         unfinished = _new(place)
-        remove = partial(removed, unfinished)
+        remove = partial(delete, unfinished)
         atexit.register(remove)
         try:
             yield unfinished
@@ -93,7 +93,7 @@ def _swap(unfinished: Path, place: Path) -> None:
                 _put_back(aside, place)
                 raise
     for each in aside:
-        removed(each)
+        delete(each)
 
 
 def _put_back(aside: list[Path], place: Path) -> None:
@@ -102,7 +102,7 @@ def _put_back(aside: list[Path], place: Path) -> None:
         os.rename(aside[-1], place)
     if place.exists():
         for each in aside:
-            removed(each)
+            delete(each)
 
 
 def sync(path: Path) -> None:
@@ -116,7 +116,7 @@ def sync(path: Path) -> None:
         _sync_file(path)
 
 
-def removed(path: Path) -> None:
+def delete(path: Path) -> None:
     """Deletes a file or a folder if it exists."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
