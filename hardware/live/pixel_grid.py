@@ -27,7 +27,7 @@ MIN_NUMBERED_WIDTH = 4
 class PixelGrid:
     """Pixels of a skin, drawn with row 1 at the bottom. size: of the skin, mm.
 
-    wide, high: characters of each pixel.
+    pixel_width, pixel_height: characters of each pixel.
     """
 
     rows: int

@@ -110,12 +110,12 @@ def session(ports):
             localizer, connect, read_table(), SweepLimits(drift=drift), patience, switch
         )
         links.append(link)
-        kept = LiveBaseline(rest if localizer.needs_rest else 0)
+        kept = LiveBaseline(rest if localizer.uses_baseline else 0)
         return LiveSession(localizer, link, kept, Witness(then), SessionLog(), **more)
 
     yield session
     for link in links:
-        link.leave()
+        link.release()
 
 
 @pytest.fixture

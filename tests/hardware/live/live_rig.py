@@ -62,11 +62,11 @@ SKINS = {"left": Cushion(), "bottom": FromBelow()}
 class Columns:
     """Tells the column from how far C is above C at rest; keeps what it was asked."""
 
-    target, interfaces, scene, needs_rest = "column", ("left",), CUSHION, True
+    target, interfaces, scene, uses_baseline = "column", ("left",), CUSHION, True
     frequencies = (1e3, 4e3, 16e3)
 
-    def __init__(self, needs_rest=True, frequencies=frequencies):
-        self.asked, self.needs_rest = [], needs_rest
+    def __init__(self, uses_baseline=True, frequencies=frequencies):
+        self.asked, self.uses_baseline = [], uses_baseline
         self.model = SimpleNamespace(
             target=self.target,
             interfaces=self.interfaces,
@@ -75,7 +75,7 @@ class Columns:
             problem=SimpleNamespace(scene=SCENE.read_text()),
         )
 
-    def worded(self, answer):
+    def described(self, answer):
         """Answers of questions are in words already."""
         return answer
 

@@ -191,7 +191,7 @@ def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
 def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
     live = session()
     live.run(2)
-    live.link.leave()
+    live.link.release()
     assert instrument.interface == "left"
 
 

@@ -48,7 +48,9 @@ def of_pixels(grid, answer):
     return np.array(
         [
             [
-                drawn[(grid.rows - 1 - row) * grid.high + grid.high // 2][4 + grid.wide * column][1]
+                drawn[(grid.rows - 1 - row) * grid.pixel_height + grid.pixel_height // 2][
+                    4 + grid.pixel_width * column
+                ][1]
                 for column in range(grid.columns)
             ]
             for row in range(grid.rows)
@@ -120,7 +122,7 @@ def test_a_marker_lies_where_the_position_is(grid, x, y):
         (down, line.index(MARKER) - 4) for down, line in enumerate(lines) if MARKER in line
     ]
     assert others == []
-    wide, high = grid.wide * grid.columns, grid.high * grid.rows
+    wide, high = grid.pixel_width * grid.columns, grid.pixel_height * grid.rows
     assert (across + 0.5) / wide * SIZE[0] == pytest.approx(x, abs=0.51 * SIZE[0] / wide)
     assert (1 - (down + 0.5) / high) * SIZE[1] == pytest.approx(y, abs=0.51 * SIZE[1] / high)
 
@@ -130,7 +132,7 @@ def test_the_region_of_a_position_is_drawn_with_all_its_parts(grid):
         return np.where(np.abs(x - 60) > 30, 0.9, 0.0)
 
     drawn = characters(grid.draw(TouchAnswer("at", position=(60.0, 40.0), region=region)))
-    for line in drawn[: grid.high * grid.rows]:
+    for line in drawn[: grid.pixel_height * grid.rows]:
         bright = [level > 100 for character, level in line[4:] if character != MARKER]
         sides = len(bright) // 5
         assert (

@@ -36,7 +36,7 @@ def test_it_asks_to_leave_the_skin_untouched_first(session):
 
 
 def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
-    live = session(localizer=Columns(needs_rest=False))
+    live = session(localizer=Columns(uses_baseline=False))
     live.run(1)
     assert (live.show.told, live.show.labels) == ([], ["nothing pressed"])
 
@@ -115,10 +115,10 @@ def test_waits_grow_and_begin_anew_after_a_whole_sweep(session, instrument):
     live = session()
     live.link.ready()
     failure = MeterError("gone")
-    waits = [live.link.failed(failure) for _ in range(3)]
+    waits = [live.link.wait_after_failure(failure) for _ in range(3)]
     assert waits[1:] == [2 * waits[0], 4 * waits[0]]
     live.run(1)
-    assert live.link.failed(failure) == waits[0]
+    assert live.link.wait_after_failure(failure) == waits[0]
 
 
 def test_failed_readings_alone_are_no_reason_to_give_up(session, instrument):
@@ -129,10 +129,10 @@ def test_failed_readings_alone_are_no_reason_to_give_up(session, instrument):
 
 def test_a_failed_reading_shows_that_the_meter_is_there(session):
     link = session(patience=0.2).link
-    link.failed(MeterError("gone"))
+    link.wait_after_failure(MeterError("gone"))
     time.sleep(0.3)
-    assert link.failed(FailedReadingError("overflow")) == 0
-    assert link.failed(MeterError("gone")) > 0
+    assert link.wait_after_failure(FailedReadingError("overflow")) == 0
+    assert link.wait_after_failure(MeterError("gone")) > 0
 
 
 def test_a_sweep_that_breaks_a_law_has_no_answer(session, instrument):
@@ -164,7 +164,7 @@ def test_keys_take_the_rest_anew_and_end_the_session(session, press):
 
 def test_times_are_what_they_are_called(session, instrument):
     instrument.pace = 1.0
-    live = session(localizer=Columns(needs_rest=False))
+    live = session(localizer=Columns(uses_baseline=False))
     begun = time.perf_counter()
     live.run(4)
     whole = time.perf_counter() - begun
@@ -229,7 +229,7 @@ def test_the_meter_is_left_as_it_was_found(session, instrument):
     live = session()
     live.run(1)
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("EXTERNAL", 16e3)
-    live.link.leave()
+    live.link.release()
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("INTERNAL", 2e3)
 
 
