@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
+from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
 from ...simulator.sweeps.writing import WriteContext, in_write_context
@@ -94,8 +95,8 @@ def read_baselines(
     if not unpressed.sizes["sweep"]:
         raise InputError(f"{path}: holds no unpressed sweep (press `none`)")
     frequencies = unpressed["frequency"].values
-    same = len(frequencies) == len(model.frequencies) and np.allclose(
-        frequencies, model.frequencies, rtol=1e-9, atol=0
+    same = len(frequencies) == len(model.frequencies) and bool(
+        same_frequencies(frequencies, model.frequencies).all()
     )
     taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
     if (

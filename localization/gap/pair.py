@@ -13,6 +13,7 @@ from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_subset import read_mask, restricted
+from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.schema import with_named_interface
 from .side_label import SideLabel, label_of_side
 from .subsampling import subsampled
@@ -20,8 +21,6 @@ from .subsampling import subsampled
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
-
-SAME_FREQUENCY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +64,7 @@ def pair_sweeps(
     if not _same_frequencies(simulated, other):
         simulated = _at_frequencies_of(other, simulated, scene, notes)
         noise_free = True
+    other = other.assign_coords(frequency=simulated["frequency"].values)
     simulated, other = _of_common_readings(simulated, other, notes)
     _check_common_press(simulated, other)
     simulated = simulated.assign_attrs(scene=scene_text(scene) if scene else "")
@@ -115,7 +115,7 @@ def _on_common_interfaces(
 
 def _same_frequencies(simulated: xr.Dataset, other: xr.Dataset) -> bool:
     f, g = simulated["frequency"].values, other["frequency"].values
-    return f.size == g.size and np.allclose(f, g, rtol=SAME_FREQUENCY, atol=0)
+    return f.size == g.size and bool(same_frequencies(f, g).all())
 
 
 def _at_frequencies_of(

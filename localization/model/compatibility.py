@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
 from ..inputs.features import at_interfaces, taken_rows
 
@@ -43,7 +44,7 @@ def check_compatible(
         raise InputError(
             f"the model was trained on {known.size} frequencies, the sweeps have {given.size}"
         )
-    other = np.flatnonzero(~np.isclose(given, known, rtol=1e-9, atol=0))
+    other = np.flatnonzero(~same_frequencies(given, known))
     if other.size:
         raise InputError(
             f"the model was trained at {known[other[0]]:.12g} Hz, "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..models.line import cut_off_frequency
+from ..scene.form.mesh_extent import off_grid
 from ..scene.scene import Scene
 from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL
 
@@ -36,8 +37,16 @@ def suspicious_values(scene: Scene) -> list[str]:
         *HERTZ.slip("sweep.frequencies", frequencies[0]),
         *(HERTZ.slip("sweep.frequencies", frequencies[-1]) if len(frequencies) > 1 else ()),
         *_beyond_usual(scene.model_dump(by_alias=True, exclude_none=True)),
+        *_off_grid(scene),
     ]
     return found or [*_one_sheet_in_kilo(scene), *_cut_off(scene)]
+
+
+def _off_grid(scene: Scene) -> Iterator[str]:
+    """A warning if a mesh lies beside the grid of pixels that cut it."""
+    skin = scene.skin
+    if skin.mesh is not None and scene.pixels.groups is None:
+        yield from off_grid(skin.mesh.surface, skin.length, skin.width)
 
 
 def _beyond_usual(table: object, key: str = "", place: str = "") -> Iterator[str]:

@@ -16,6 +16,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
 from .foam_mechanics import Mechanics, strain_of
 from .form.mesh_data import MeshData, read_along
+from .form.mesh_extent import check_extent
 from .form.outline import Curve, Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import Loss, penetration_depth
@@ -347,6 +348,8 @@ class Skin(Table):
             raise ValueError("takes outline or mesh, got both")
         if self.outline is not None:
             check_outline(self.outline, self.length, self.width)
+        if self.mesh is not None:
+            check_extent(self.mesh.surface, self.length, self.width)
         return self
 
     @model_validator(mode="after")

@@ -15,6 +15,7 @@ from .formats.csv import read_csv
 from .formats.netcdf import DAMAGED, read_dataset
 from .optional_packages import require_packages
 from .schema import QUANTITIES, check
+from .stored_units import conventional
 from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def read(path: str | Path) -> xr.Dataset:
     if path.suffix == ".zarr" and not path.is_dir():
         raise InputError(f"{path}: is a file; a .zarr is a folder")
     try:
-        return check(readers[path.suffix](path))
+        return check(conventional(readers[path.suffix](path), path))
     except OSError as error:
         raise InputError(f"{path}: cannot be read as {path.suffix}: {error}") from error
     except InputError as error:

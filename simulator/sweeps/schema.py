@@ -222,8 +222,20 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
         _check_finite(TIME, sweeps[TIME].values)
     for name in NAMES:
         _check_printable(name, sweeps[name].values)
+    _check_pixels(sweeps["row"].values, sweeps["column"].values)
     _checked_frequency(sweeps["frequency"].values)
     return sweeps
+
+
+def _check_pixels(row: NDArray, column: NDArray) -> None:
+    """Refuses rows and columns that count from 0."""
+    wrong = np.flatnonzero((np.minimum(row, column) == 0) & (np.maximum(row, column) > 0))
+    if wrong.size:
+        k = int(wrong[0])
+        raise InputError(
+            f"`row` {row[k]} with `column` {column[k]} in sweep {k} is no pixel: rows and columns "
+            "count from 1, and 0 with 0 is the unpressed skin"
+        )
 
 
 def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:

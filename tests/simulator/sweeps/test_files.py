@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import (
@@ -231,3 +232,53 @@ def test_a_folder_that_cannot_be_one_is_refused(tmp_path):
         checked_folder(tmp_path / "absent" / "folder")
     assert made_folder(tmp_path / "above" / "folder").is_dir()
     assert checked_folder(tmp_path / "new") == tmp_path / "new"
+
+
+def saved_again(sweeps, path, change):
+    """A file of sweeps that another program changed and wrote."""
+    write(sweeps, path)
+    changed = change(xr.load_dataset(path))
+    changed.to_netcdf(path)
+    return read(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "unit"),
+    [("Rs", 1e3, "kohm"), ("X", 1e-3, "mohm"), ("Cp", 1e-12, "pF"), ("frequency", 1e3, "kHz")],
+)
+def test_units_of_other_programs_are_converted(make_sweeps, tmp_path, name, factor, unit):
+    def change(sweeps):
+        return sweeps.assign({name: (sweeps[name] / factor).assign_attrs(units=unit)})
+
+    found = saved_again(make_sweeps(), tmp_path / "all.nc", change)
+    np.testing.assert_allclose(found[name], make_sweeps()[name], rtol=1e-14)
+    assert found[name].attrs["units"] == make_sweeps()[name].attrs["units"]
+
+
+@pytest.mark.parametrize("unit", ["m", "kilos", "ohm ohm", "1/0"])
+def test_units_of_other_quantities_are_refused(make_sweeps, tmp_path, unit):
+    with pytest.raises(InputError, match=r"all\.nc: `Rs` must be in ohm, got '"):
+        saved_again(
+            make_sweeps(),
+            tmp_path / "all.nc",
+            lambda sweeps: sweeps.assign(Rs=sweeps["Rs"].assign_attrs(units=unit)),
+        )
+
+
+def test_dimensions_may_have_another_order(make_sweeps, tmp_path):
+    found = saved_again(
+        make_sweeps(),
+        tmp_path / "all.nc",
+        lambda sweeps: sweeps.transpose("frequency", "sweep", "interface"),
+    )
+    xr.testing.assert_equal(found, make_sweeps())
+    assert found["Rs"].dims == ("sweep", "interface", "frequency")
+
+
+def test_rows_do_not_count_from_0(make_sweeps, tmp_path):
+    with pytest.raises(InputError, match="rows and columns count from 1"):
+        saved_again(
+            make_sweeps(),
+            tmp_path / "all.nc",
+            lambda sweeps: sweeps.assign_coords(row=0 * sweeps["row"], column=1 + sweeps["column"]),
+        )
