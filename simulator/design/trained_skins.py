@@ -70,7 +70,7 @@ class TrainedSkins:
             top=drawn.variation.top * (top.sheet_resistance / material.top),
             bottom=drawn.variation.bottom * (bottom.sheet_resistance / material.bottom),
             capacitance=drawn.variation.capacitance * material.foam,
-            beside=drawn.variation.beyond_pixels * material.foam,
+            beyond_pixels=drawn.variation.beyond_pixels * material.foam,
         )
         return SkinReadout(own, readings, DrawnSkin(variation, drawn.leads))
 
@@ -110,7 +110,7 @@ class TrainedSkins:
             top=drawn.top * top,
             bottom=drawn.bottom * bottom,
             capacitance=drawn.capacitance * math.exp(foam),
-            beside=drawn.beyond_pixels * math.exp(foam),
+            beyond_pixels=drawn.beyond_pixels * math.exp(foam),
         )
         return replace(press, variation=variation)
 

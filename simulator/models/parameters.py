@@ -31,8 +31,9 @@ class Variation:
     top, bottom: coefficients of `mode_values` in conductance over nominal, shape (mode,), 1 and
     zeros for the scene's own. films: conductance of each contact's film over nominal, shape
     (contact,); without effect at ideal contacts. capacitance: of the unpressed foam over nominal,
-    shape (rows, columns). loss: the loss itself, not a factor. beside: capacitance over nominal of
-    foam beyond all pixels. body, rim: capacitance of all bodies and along the outline over nominal.
+    shape (rows, columns). loss: the loss itself, not a factor. beyond_pixels: capacitance over
+    nominal of foam beyond all pixels. body, rim: capacitance of all bodies and along the outline
+    over nominal.
     """
 
     top: NDArray[np.float64]

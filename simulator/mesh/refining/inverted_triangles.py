@@ -27,7 +27,7 @@ MAX_UNTANGLING_ROUNDS = 10
 def finer(mesh: Domain, marked: ArrayLike) -> Domain:
     """Mesh with the marked triangles, by number, cut in four.
 
-    Raises what `untangled` raises.
+    Raises what `without_inversions` raises.
     """
     return without_inversions(refined(mesh, marked))
 

@@ -142,8 +142,8 @@ def spanned_readable(feed, rest, touched, s, rtol):
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.scene, 4)
-        for feed in own.feeds:
-            given = own.rest, feed, batch(cases), own.s
+        for feed in own.dense_excitations:
+            given = own.unpressed_mass, feed, batch(cases), own.s
             fused, plain = swept(*given, 1e-13), swept_readable(*given, 1e-13)
             np.testing.assert_allclose(fused, plain, rtol=1e-11)
 
@@ -153,9 +153,9 @@ def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
     """They differ by what either leaves of the potentials, Y by the square of that."""
     for reduced in families.values():
         own = reduced.skin(None)
-        for feed in own.feeds:
+        for feed in own.dense_excitations:
             for cells, rises in batch(drawn(reduced.scene, 4)).each():
-                given = feed, own.rest, (cells, rises), own.s
+                given = feed, own.unpressed_mass, (cells, rises), own.s
                 (u, Y), (twin, own_Y) = spanned(*given, 1e-12), spanned_readable(*given, 1e-14)
                 np.testing.assert_allclose(Y, own_Y, rtol=1e-10)
                 np.testing.assert_allclose(u, twin, atol=1e-5 * np.abs(twin).max())
@@ -171,8 +171,10 @@ def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touche
         factors = own.parts.pressed(cells, rises)[: len(reduced.factors)]
         M = np.einsum("k,krm,krn->mn", factors, reduced.factors, reduced.factors)
         M += sum(reduced.fixed)
-        for feed, (u, Y) in zip(own.feeds, own.solved(cells, rises, own.s), strict=True):
-            np.testing.assert_allclose(Y, swept(own.rest, feed, *given)[0], rtol=1e-9)
+        for feed, (u, Y) in zip(
+            own.dense_excitations, own.solved(cells, rises, own.s), strict=True
+        ):
+            np.testing.assert_allclose(Y, swept(own.unpressed_mass, feed, *given)[0], rtol=1e-9)
             inner = (own.stiffness @ u + own.s * (M @ u))[len(reduced.conductance) :]
             assert np.abs(inner).max() < 1e-9 * np.abs(Y).max()
 
@@ -187,7 +189,7 @@ def test_every_vector_is_orthonormal_in_K(families):
 def test_poles_are_negative_and_the_impedance_passive(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.scene, 20)
-        assert (own.rest.diagonal >= 0).all()
+        assert (own.unpressed_mass.diagonal >= 0).all()
         Z = own.sweeps(batch(cases))
         assert (Z.real > 0).all()
         Cp = parallel_capacitance(Z, reduced.scene.frequencies)

@@ -79,7 +79,12 @@ def by_python(paged, press, cast):
         own = followed.where(followed.cells < skin.parts.kind[3].start).one(0)
         followed = PressBatch.of([together(own, walls_of(scene, press, skin.parts, reduced.grid))])
     batch = followed.weighted(skin.unpressed_factors)
-    Q = np.stack([swept(skin.rest, feed, batch, s, ON_A_PAGE)[0] for feed in skin.feeds])
+    Q = np.stack(
+        [
+            swept(skin.unpressed_mass, feed, batch, s, ON_A_PAGE)[0]
+            for feed in skin.dense_excitations
+        ]
+    )
     Y = skin.combination.admittance(Q)
     return scene.leads.at_meter(common / Y, scene.frequencies)
 
