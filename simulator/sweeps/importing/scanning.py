@@ -84,18 +84,34 @@ def scanned(path: Path, lines: Lines, given: list[str] | None) -> tuple[Scan, st
     """
     scans = [] if given is None else [Scan(0, [given])]
     for number, text in lines:
-        current = scans[-1] if scans else None
-        if not text.strip():
-            continue
-        if current is not None and _add(path, current, number, text):
-            continue
-        readings = [] if given is not None else header_readings(text)
-        commented = is_comment(text)
-        if readings and not (commented and current and current.rows and not current.commented):
-            _open(scans, Scan(number, readings, commented))
-        elif current is not None:
-            _leave_out(path, current, number, text)
+        _take(path, scans, number, text, named=given is not None)
     return _only(path, lines, scans, given)
+
+
+def first_header(path: Path, lines: Lines) -> int:
+    """Number of the first header with readings below it; 0 if there is none."""
+    scans: list[Scan] = []
+    for number, text in lines:
+        try:
+            _take(path, scans, number, text, named=False)
+        except InputError:
+            return 0
+        if scans and scans[-1].rows:
+            return scans[-1].line
+    return 0
+
+
+def _take(path: Path, scans: list[Scan], number: int, text: str, *, named: bool) -> None:
+    """Takes one line; named: the user named the columns, so that no line is a header."""
+    current = scans[-1] if scans else None
+    if not text.strip() or (current is not None and _add(path, current, number, text)):
+        return
+    readings = [] if named else header_readings(text)
+    commented = is_comment(text)
+    if readings and not (commented and current and current.rows and not current.commented):
+        _open(scans, Scan(number, readings, commented))
+    elif current is not None:
+        _leave_out(path, current, number, text)
 
 
 def _open(scans: list[Scan], new: Scan) -> None:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .columns import Column
 from .number_format import POINT, NumberFormat, failed, possible_formats
-from .scanning import MAX_SHOWN, scanned
-from .text_lines import Lines, text_lines
+from .scanning import MAX_SHOWN, first_header, scanned
+from .sources import WORKBOOKS, sources
+from .text_lines import Lines
+from .written_layouts import rewritten
 
 Reals = NDArray[np.float64]
 
@@ -157,17 +159,29 @@ def read_table(path: Path, names: list[str] | None = None) -> ImportedTable:
     header, a line with another number of cells than the header.
     """
     problem: InputError | None = None
-    for lines in text_lines(path):
+    found: list[ImportedTable] = []
+    for number, lines in enumerate(sources(path), 1):
         try:
-            return _table(path, lines, names)
+            found.append(_table(path, lines, names))
         except InputError as error:
             problem = problem or error
-    assert problem is not None
-    raise problem
+        if found and path.suffix.lower() not in WORKBOOKS:
+            break
+        if len(found) > 1:
+            raise InputError(f"{path}: sheet {number} is not the only one with a table; keep one")
+    if not found:
+        raise problem or InputError(f"{path}: holds no text")
+    return found[0]
 
 
 def _table(path: Path, lines: Lines, names: list[str] | None) -> ImportedTable:
-    scan, preamble = scanned(path, lines, names)
+    layout, other = (None, None) if names else rewritten(path, lines)
+    if other is not None and (line := first_header(path, lines)):
+        raise InputError(
+            f"{path}: can be read as a table with the header in line {line} and as {layout}; "
+            "import a part of it"
+        )
+    scan, preamble = scanned(path, other or lines, names)
     last = scan.rows[-1][0]
     behind = [f"text from `{text[:MAX_SHOWN]}` on" for line, text in scan.left_out if line > last]
     left_out = [
