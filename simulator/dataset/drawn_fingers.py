@@ -95,10 +95,13 @@ def check_surroundings(scene: Scene) -> None:
         raise InputError(f"{named[0]} {NO_EARTH if fingers else 'needs the table [surroundings]'}")
     if press.finger is not None and around.no_finger_reason:
         raise InputError(f"{named[0]}: {around.no_finger_reason}")
-    if session.body is not None and (around.solved or not around.body):
+    if session.body is not None and around.solved:
         raise InputError(
-            f"{scene.name}: `dataset.session.body` needs a `surroundings.body`, not solved"
+            f"{scene.name}: `dataset.session.body` cannot vary the body of `surroundings.solved`, "
+            "whose charges are solved for once; leave one of both out"
         )
+    if session.body is not None and not around.body:
+        raise InputError(f"{scene.name}: `dataset.session.body` needs a `surroundings.body`")
     if session.rim is not None and not around.rim:
         raise InputError(f"{scene.name}: `dataset.session.rim` needs `surroundings.rim`")
     if press.without_press:

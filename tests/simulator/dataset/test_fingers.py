@@ -17,6 +17,7 @@ from rcskin.simulator.sweeps import InputError
 ROD = load_scene("sheet-3x3")
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
 EARTH = ROD.with_({"surroundings": {"rim": True, "cover": COVER, "body": {"distance": 5e-3}}})
+WALLED = EARTH.with_({"surroundings.thickness": True, "surroundings.edges": True})
 FINGERS = EARTH.with_({"dataset.press.finger": {"low": 0.0, "high": 1e-11}})
 ANYWHERE = {"dataset.press.place": "anywhere", "dataset.press.size": {"low": 0.01, "high": 0.05}}
 MISSED = {"dataset.press.offset": 0.1, "dataset.press.cells_per_pixel": 3}
@@ -120,6 +121,18 @@ WRONG = {
         {"dataset.session.body": 2.0},
         "needs a `surroundings.body`",
     ),
+    "a body that is solved for": (
+        EARTH.with_({"surroundings.rim": False, "surroundings.solved": True}),
+        {"dataset.session.body": 2.0},
+        "cannot vary the body of `surroundings.solved`",
+    ),
+    "walls of touches beside pixels": (
+        WALLED,
+        MISSED,
+        "(`dataset.press.offset`) cannot take `surroundings.edges`, which is for touches of whole "
+        "pixels; leave `edges` out",
+    ),
+    "walls of touches anywhere": (WALLED, ANYWHERE, "(`dataset.press.place`) cannot take"),
     "no rim": (
         EARTH.with_({"surroundings.rim": False}),
         {"dataset.session.rim": 2.0},
