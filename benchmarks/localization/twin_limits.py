@@ -19,7 +19,7 @@ from rcskin.benchmarks.localization.twin_parts.places import place_limits
 from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.bounds.touch_readings import hypotheses
-from rcskin.simulator.limits.random_presses import RandomPresses, accuracy_of_presses
+from rcskin.simulator.limits.random_press_limits import RandomPresses, accuracy_of_presses
 from rcskin.simulator.scene.randomisation import Normal
 
 SAMPLES, FEW_SAMPLES = (1000, 4000), (50, 100)

@@ -73,8 +73,10 @@ def _filled_up(values: NDArray, size: int) -> NDArray:
     missing = size - len(values)
     if not missing:
         return values
-    rest = np.full((missing, *values.shape[1:]), "" if values.dtype == object else 0, values.dtype)
-    return np.concatenate([values, rest])
+    padding = np.full(
+        (missing, *values.shape[1:]), "" if values.dtype == object else 0, values.dtype
+    )
+    return np.concatenate([values, padding])
 
 
 def _encoded(values: NDArray) -> bytes:
@@ -85,8 +87,8 @@ def _encoded(values: NDArray) -> bytes:
     if values.dtype == object:
         packed = _blosc("str").encode(VLenUTF8().encode(values))
     else:
-        plain = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
-        packed = _blosc(values.dtype.name).encode(plain)
+        numbers = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        packed = _blosc(values.dtype.name).encode(numbers)
     return bytes(CRC32C(location="end").encode(packed))
 
 

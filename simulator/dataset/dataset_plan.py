@@ -197,9 +197,9 @@ def _check_presses(scene: Scene) -> None:
 
 def check_cells(scene: Scene) -> None:
     """Raises InputError if presses need more cells than a model can be trained for."""
-    cells, most = scene.dataset.press.cells, max(scene.pixels.shape)
-    if cells * most > MAX_CELLS:
+    cells, longest = scene.dataset.press.cells, max(scene.pixels.shape)
+    if cells * longest > MAX_CELLS:
         raise InputError(
-            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
-            f"{MAX_CELLS} cells along each side in data sets, got {most} x {cells}"
+            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at longest "
+            f"{MAX_CELLS} cells along each side in data sets, got {longest} x {cells}"
         )

@@ -76,8 +76,10 @@ OWN_FINGERS = DrawnFingers(None, np.zeros((1, 1), dtype=bool))
 
 
 def check_surroundings(scene: Scene) -> None:
-    """Raises InputError if fingers, bodies or rims are drawn that the scene lacks, or if touches
-    with walls are no whole pixels."""
+    """Raises InputError if fingers, bodies or rims are drawn that the scene lacks.
+
+    Also raises it if touches with walls are not whole pixels.
+    """
     press, session, around = scene.dataset.press, scene.dataset.session, scene.surroundings
     drawn = {
         "press.finger": press.finger,
@@ -87,7 +89,7 @@ def check_surroundings(scene: Scene) -> None:
     }
     named = [f"{scene.name}: `dataset.{key}`" for key, each in drawn.items() if each is not None]
     if press.rasterized:
-        require_no_walls(scene, f"a data set of touches beside pixels (`{_beside(press)}`)")
+        require_no_walls(scene, f"a data set of touches next to pixels (`{_off_pixel_key(press)}`)")
     if not named:
         return
     if around is None:
@@ -108,7 +110,7 @@ def check_surroundings(scene: Scene) -> None:
         _check_touching(scene)
 
 
-def _beside(press: DrawnPress) -> str:
+def _off_pixel_key(press: DrawnPress) -> str:
     return "dataset.press.offset" if press.place == "pixel" else "dataset.press.place"
 
 

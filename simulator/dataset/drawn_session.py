@@ -115,8 +115,8 @@ def _interpolated(
 
 def _sample(random: np.random.Generator, count: int, session: int) -> list[int]:
     """Presses to certify: one in ONE_IN, more in the first sessions because sets may be small."""
-    least = FIRST_SESSION if session == 0 else int(session < FIRST_SESSIONS)
-    size = min(count, max(least, int(count / ONE_IN + random.random())))
+    smallest = FIRST_SESSION if session == 0 else int(session < FIRST_SESSIONS)
+    size = min(count, max(smallest, int(count / ONE_IN + random.random())))
     return random.choice(count, size, replace=False).tolist()
 
 

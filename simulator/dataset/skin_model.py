@@ -99,9 +99,9 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
         skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
         return Case(skin.variation, *_press(scene, random, grid))
 
-    alike, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
+    same_sheets, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
-    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=alike)
+    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=same_sheets)
 
 
 def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
@@ -122,8 +122,10 @@ def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
 
 
 def _divided(scene: Scene) -> Scene:
-    """The scene with cells for pixels; where touches are laid on them they rise evenly. Earth that
-    only a finger reaches is left out where no touch is by one."""
+    """The scene with cells for pixels; rasterized touches raise each cell uniformly.
+
+    Earth that only a finger reaches is left out if no touch is by a finger.
+    """
     if not (scene.dataset.press.finger or scene.dataset.press.without_press):
         scene = scene.for_rods
     pixels, cells = scene.pixels, scene.dataset.press.cells

@@ -12,7 +12,7 @@ from ..measure.symmetry import Pixel, representative
 from ..scene.scene import Scene
 from ..scene.skin import on_skin
 
-LOOKED_AT = 24
+SAMPLES = 24
 """Number of places along each side of a pixel at which the skin is sampled."""
 NAME_SHAPE = 1.8
 """Width of a pixel's label over its height."""
@@ -48,8 +48,8 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], flo
 
     found, within = _places(pixel, scene)
     on = within if within.any() else np.ones_like(within)
-    step = np.ptp(found, axis=1) / (LOOKED_AT - 1)
-    free = np.pad(on.reshape(LOOKED_AT, LOOKED_AT), 1)
+    step = np.ptp(found, axis=1) / (SAMPLES - 1)
+    free = np.pad(on.reshape(SAMPLES, SAMPLES), 1)
     far = distance_transform_edt(free, sampling=(NAME_SHAPE * step[1], step[0]))
     half = np.asarray(far)[1:-1, 1:-1].ravel()
     off = found - found[:, on].mean(axis=1, keepdims=True)
@@ -60,7 +60,7 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], flo
 def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Evenly spaced places in a pixel, m, shape (2, place), and a mask of those on the skin."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
-    (row, column), parts = pixel, (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+    (row, column), parts = pixel, (np.arange(SAMPLES) + 0.5) / SAMPLES
     x, y = (column - 1 + parts) * length / columns, (row - 1 + parts) * width / rows
     found = np.stack(np.meshgrid(x, y)).reshape(2, -1)
     meshed = scene.skin.mesh is not None
@@ -77,12 +77,12 @@ def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel
 
 def _lines(groups: Sequence[Sequence[Pixel]], axis: int) -> list[list[int]]:
     """Rows or columns with pixels of exactly the same groups, grouped."""
-    held = defaultdict(set)
+    groups_of = defaultdict(set)
     for number, group in enumerate(groups):
         for pixel in group:
-            held[pixel[axis]].add(number)
+            groups_of[pixel[axis]].add(number)
     same = defaultdict(list)
-    for line, numbers in sorted(held.items()):
+    for line, numbers in sorted(groups_of.items()):
         same[frozenset(numbers)].append(line)
     return [lines for lines in same.values() if len(lines) > 1]
 

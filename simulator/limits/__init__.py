@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from ..bounds.position_bound import PositionBounds
     from ..scene.randomisation import AnyDistribution
     from ..scene.scene import Scene
-    from .random_presses import LimitInterval
+    from .random_press_limits import LimitInterval
 from ..progress import ProgressCallback, silent
 
 
@@ -63,7 +63,7 @@ def off_centre_accuracy(
     from ..bounds.touch_readings import hypotheses
     from ..measure.experiment import own_presses
     from ..sweeps import InputError
-    from .random_presses import RandomPresses, accuracy_of_presses
+    from .random_press_limits import RandomPresses, accuracy_of_presses
 
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
@@ -95,7 +95,7 @@ def posterior_distance(
     """
     from ..bounds.position_bound import chosen_touch
     from ..measure.experiment import own_presses
-    from .random_presses import RandomPresses, distance_of_presses
+    from .random_press_limits import RandomPresses, distance_of_presses
 
     touch = chosen_touch(scene, size)
     random_presses = RandomPresses(

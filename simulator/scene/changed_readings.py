@@ -17,8 +17,8 @@ def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, 
 
     Raises InputError for an unknown name.
     """
-    asked = dict.fromkeys(names or interface_names(scene))
-    return tuple(checked_interface(each, scene) for each in asked)
+    chosen = dict.fromkeys(names or interface_names(scene))
+    return tuple(checked_interface(each, scene) for each in chosen)
 
 
 def with_frequencies(
@@ -29,10 +29,10 @@ def with_frequencies(
     taken: mask of the readings, shape (interface, frequency); None for all of them.
     """
     whole = np.array(frequency, dtype=np.float64)
-    told = np.ones((len(scene.interfaces), whole.size), dtype=bool) if taken is None else taken
+    mask = np.ones((len(scene.interfaces), whole.size), dtype=bool) if taken is None else taken
     interfaces = [
         _reading(each, None if row.all() else whole[row])
-        for each, row in zip(scene.interfaces, told, strict=True)
+        for each, row in zip(scene.interfaces, mask, strict=True)
     ]
     sweep = Sweep(frequencies=tuple(whole.tolist()))
     return scene.model_copy(update={"sweep": sweep, "interfaces": tuple(interfaces)})

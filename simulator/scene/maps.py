@@ -76,7 +76,7 @@ SHORTEST = 0.02
 MAX_NORMAL_DEVIATION, MIN_FACTOR = 0.3, 0.05
 """Largest deviation of a normally distributed factor, and its smallest allowed value."""
 
-LOOK = 4
+SAMPLES_PER_LENGTH = 4
 """Sample points per correlation length; between them the field falls by at most 0.02."""
 
 Factor = MapFactor
@@ -211,7 +211,7 @@ class Random(_Map):
 @lru_cache(maxsize=64)
 def _field_minimum(sides: Sides, correlation_length: float, seed: int) -> float:
     """Minimum of the field on a fine grid over the skin."""
-    counts = [int(np.ceil(LOOK * side / correlation_length)) + 1 for side in sides]
+    counts = [int(np.ceil(SAMPLES_PER_LENGTH * side / correlation_length)) + 1 for side in sides]
     lines = (np.linspace(0, side, count) for side, count in zip(sides, counts, strict=True))
     return float(random_field(np.stack(np.meshgrid(*lines)), sides, correlation_length, seed).min())
 

@@ -115,7 +115,7 @@ MAX_REPETITIONS = 10**6
 """Largest number of repetitions; with a press every second they take eleven days."""
 
 
-Wait = Annotated[Number, within(0.0, 1e7, "s", "a season of measuring")]
+Wait = Annotated[Number, within(0.0, 1e7, "s", "no measurement takes months")]
 
 
 class Timing(Table):

@@ -15,9 +15,11 @@ from .validation import Number, NumberRange, Table, Whole, one_line, within
 if TYPE_CHECKING:
     from .skin import Foam
 
-Finite = Annotated[Number, within(-1e15, 1e15, "", "no quantity that is drawn is larger")]
+Finite = Annotated[Number, within(-1e15, 1e15, "", "no drawn quantity is larger")]
 
-Cut = Annotated[Number, within(0.01, 8.0, "deviations", "beyond 8 nothing is ever drawn")]
+Cut = Annotated[
+    Number, within(0.01, 8.0, "deviations", "beyond 8 deviations no value is ever drawn")
+]
 
 Chances = NDArray[np.float64] | np.float64 | float
 
@@ -71,7 +73,7 @@ class Normal(_Drawn):
     distribution: Literal["normal"] = "normal"
     mean: Finite
     deviation: Annotated[
-        Number, within(0.0, 1e15, "(in the unit of mean)", "no quantity that is drawn is larger")
+        Number, within(0.0, 1e15, "(in the unit of mean)", "no drawn quantity is larger")
     ]
     cut: Cut = 3.0
 
@@ -96,7 +98,7 @@ class Lognormal(_Drawn):
 
     distribution: Literal["lognormal"] = "lognormal"
     median: Annotated[
-        Number, within(1e-15, 1e15, "(in its own unit)", "no quantity that is drawn is larger")
+        Number, within(1e-15, 1e15, "(in its own unit)", "no drawn quantity is larger")
     ]
     spread: Annotated[Number, within(0.0, 10.0, "(relative)", "e to the 10th is 22,000")]
     cut: Cut = 3.0
@@ -176,17 +178,20 @@ MAX_UNEVENNESS = 0.1
 """Conductance and capacitance stay positive: CUT * SLOW_MODES * MAX_UNEVENNESS < 1."""
 
 Factor = Annotated[
-    Distribution, drawn_within(1e-6, 1e6, "times that at rest", "foam cannot be pressed further")
+    Distribution,
+    drawn_within(
+        1e-6, 1e6, "times the unpressed value", "foam cannot be compressed or expanded further"
+    ),
 ]
 
 Relative = Annotated[
     Distribution, drawn_within(1e-3, 1e3, "times the scene's own", "no batch differs more")
 ]
 
-Length = Annotated[Distribution, drawn_within(1e-8, 1e3, "m", "no touch is larger, or as small")]
+Length = Annotated[Distribution, drawn_within(1e-8, 1e3, "m", "no touch is larger or smaller")]
 
 Finger = Annotated[
-    Distribution, drawn_within(0.0, 1e-9, "F", "a whole hand has tens of picofarad to a sheet")
+    Distribution, drawn_within(0.0, 1e-9, "F", "a whole hand has tens of picofarads to a sheet")
 ]
 
 Spread = Annotated[Number, Field(ge=0, le=MAX_UNEVENNESS)]
@@ -275,11 +280,11 @@ class Session(Table):
     foam_spread: Spread = 0.02
     foam_pattern: Literal["pixel", "smooth"] = "pixel"
     loss_tangent: Annotated[
-        Distribution, drawn_within(0.0, 1e3, "(tan d)", "a foam stores something")
+        Distribution, drawn_within(0.0, 1e3, "(tan d)", "a foam with larger losses stores nothing")
     ] = Uniform(low=0.0, high=0.02)
     contact_resistance: Relative = Lognormal(median=1.0, spread=0.04)
     stray_capacitance: Annotated[
-        Distribution, drawn_within(0.0, 10.0, "F", "leads have picofarad")
+        Distribution, drawn_within(0.0, 10.0, "F", "leads have picofarads")
     ] = Uniform(low=0.0, high=2e-12)
     lead_resistance: Annotated[
         Distribution, drawn_within(0.0, 1e12, "ohm", "no meter reads more")

@@ -29,7 +29,7 @@ def ideal_or_resolved(resistance: float) -> float:
 
 
 Length = Annotated[
-    Number, within(1e-5, 1e3, "m", "a cell of foam is as small, and no sheet is made as large")
+    Number, within(1e-5, 1e3, "m", "no skin is smaller than a cell of foam or larger than 1 km")
 ]
 Thickness = Annotated[
     Number,
@@ -38,25 +38,25 @@ Thickness = Annotated[
 Distance = Annotated[
     Number,
     within(
-        1e-8, 1e3, "m", "it counts from the sheet away from the foam: no body lies inside the foam"
+        1e-8, 1e3, "m", "measured from the sheet away from the foam; no body is inside the foam"
     ),
 ]
-Air = Annotated[Number, within(0.0, 10.0, "m", "a finger further off is none")]
+Air = Annotated[Number, within(0.0, 10.0, "m", "a finger farther away has no effect")]
 PerLength = Annotated[
-    Number, within(0.0, 1e-6, "F/m", "that of vacuum is 8.85e-12, and a rim has about as much")
+    Number, within(0.0, 1e-6, "F/m", "vacuum has 8.85e-12 F/m, and a rim has about as much")
 ]
 SheetResistance = Annotated[
-    Number, within(1e-6, 1e12, "ohm/sq", "from copper a centimetre thick to what insulates")
+    Number, within(1e-6, 1e12, "ohm/sq", "from copper 1 cm thick to insulators")
 ]
 Overlap = Annotated[
-    Number, within(0.0, 1e3, "m", "it counts from the edge inwards, and no sheet is made as large")
+    Number, within(0.0, 1e3, "m", "measured from the edge inwards; no sheet is larger")
 ]
 PerArea = Annotated[
     Number,
-    within(1e-15, 1e3, "F/m²", "a gap of 10 m holds more, layers of ions less"),
+    within(1e-15, 1e3, "F/m²", "a gap of 10 m has more, an ionic double layer has less"),
 ]
 Permittivity = Annotated[
-    Number, within(1.0, 1e6, "(relative)", "that of vacuum is 1, of giant dielectrics 1e6")
+    Number, within(1.0, 1e6, "(relative)", "vacuum has 1, the strongest dielectrics have 1e6")
 ]
 LossTangent = Annotated[
     Number, within(0.0, 1e3, "(tan d)", "a foam with larger losses conducts and stores nothing")
@@ -68,34 +68,35 @@ Piezoresistance = Annotated[
 Angle = Annotated[Number, within(-360.0, 360.0, "rad", "a turn is 6.283 rad")]
 Frequency = Annotated[
     Number,
-    within(1e-6, 1e12, "Hz", "a period of days at one end, light and no capacitance at the other"),
+    within(1e-6, 1e12, "Hz", "1e-6 Hz is a period of days, 1e12 Hz is infrared light"),
 ]
 Share = Annotated[Number, within(0.0, 1.0, "of |Z|", "1 is an error as large as |Z| itself")]
 Phase = Annotated[
-    Number, within(0.0, 1.5708, "rad", "a quarter turn makes a resistance of a capacitance")
+    Number, within(0.0, 1.5708, "rad", "an error of pi/2 turns a capacitance into a resistance")
 ]
 Resistance = Annotated[Number, within(0.0, 1e12, "ohm", "no meter reads more")]
 FilmResistance = Annotated[
     Number,
-    within(0.0, 1e10, "ohm m", "beyond it sheets bear no current that can be told"),
+    within(0.0, 1e10, "ohm m", "beyond it no measurable current enters a sheet"),
     AfterValidator(ideal_or_resolved),
 ]
 MAX_INDUCTANCE = 10.0
 Inductance = Annotated[
-    Number, within(0.0, MAX_INDUCTANCE, "H", "leads have microhenry, large coils a henry")
+    Number, within(0.0, MAX_INDUCTANCE, "H", "leads have microhenries, large coils have 1 H")
 ]
-Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarad")]
+Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarads")]
 CapacitanceFactor = Annotated[
-    Number, within(1e-6, 1e6, "times that at rest", "foam cannot be pressed or lifted further")
+    Number,
+    within(1e-6, 1e6, "times the unpressed value", "foam cannot be compressed or expanded further"),
 ]
 Force = Annotated[Number, within(1e-9, 1e6, "N", "from a mote of dust to a locomotive's weight")]
 Stress = Annotated[Number, within(1e-3, 1e13, "Pa", "diamond has 1e12 Pa")]
 Tension = Annotated[Number, within(0.0, 1e8, "N/m", "a metre of steel, 10 cm thick, tears")]
 MapFactor = Annotated[
-    Number, within(1e-6, 1e6, "times the nominal value", "further apart, a sheet is two materials")
+    Number, within(1e-6, 1e6, "times the nominal value", "a larger ratio means two materials")
 ]
 Slope = Annotated[Number, within(-2e6, 2e6, "(relative)", "the factor must stay positive")]
-Seconds = Annotated[Number, within(1e-6, 1e7, "s", "from a reading to a season of measuring")]
+Seconds = Annotated[Number, within(1e-6, 1e7, "s", "from the time of a reading to months")]
 
 FINGERS = ("earthed", "floating")
 
@@ -117,7 +118,7 @@ Finger = Literal["earthed", "floating"] | float
 AnyFinger = Annotated[
     Finger,
     BeforeValidator(
-        FingerOrWithin(0.0, 1e-6, "F", "a finger has picofarad, a hand on a film nanofarad")
+        FingerOrWithin(0.0, 1e-6, "F", "a finger has picofarads, a hand on a film has nanofarads")
     ),
 ]
 

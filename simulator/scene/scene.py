@@ -98,8 +98,8 @@ class Pressing(Table):
 
     @model_validator(mode="after")
     def _pressed_one_way(self) -> Self:
-        asked = [name for name in PRESSED_BY if name in self.model_fields_set]
-        given = [name for name in asked if getattr(self, name) is not None]
+        named = [name for name in PRESSED_BY if name in self.model_fields_set]
+        given = [name for name in named if getattr(self, name) is not None]
         if len(given) > 1:
             raise ValueError(f"takes one of {', '.join(PRESSED_BY)}, got {' and '.join(given)}")
         return self
@@ -110,7 +110,7 @@ class Pressing(Table):
         return kept if self.by_factor else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
 
 
-PLACEHOLDER_INTERFACE = {"name": "untold", "high": ["untold"], "low": ["untold"]}
+PLACEHOLDER_INTERFACE = {"name": "placeholder", "high": ["placeholder"], "low": ["placeholder"]}
 """Placeholder for the interfaces of invalid readings."""
 
 
@@ -238,10 +238,10 @@ class Scene(Table):
                 f"{self.name}: `press.force` presses pixels to different depths; give "
                 "`press.depth` here"
             )
-        most = self._mechanics.elastic.greatest_strain * self._thickness
-        if depth > most:
+        deepest = self._mechanics.elastic.greatest_strain * self._thickness
+        if depth > deepest:
             raise InputError(
-                f"{self.name}: `press.depth` must be <= {most:.4g} m, where the foam's cells are "
+                f"{self.name}: `press.depth` must be <= {deepest:.4g} m, where foam cells are "
                 f"closed, got {depth:g}"
             )
         return float(self.pressed_factors(np.array(depth)))
@@ -259,11 +259,11 @@ class Scene(Table):
 
         Raises InputError for a factor below 1 or beyond the foam's range.
         """
-        most = self.max_factor
-        if not 1 <= factor <= most:
+        highest = self.max_factor
+        if not 1 <= factor <= highest:
             raise InputError(
-                f"{self.name}: c under an applicator must be from 1 to {most:.4g} times that at "
-                f"rest, got {factor:g}"
+                f"{self.name}: c under an applicator must be from 1 to {highest:.4g} times the "
+                f"unpressed one, got {factor:g}"
             )
         return float(self.pressed_depths(np.array(factor)))
 

@@ -151,7 +151,7 @@ class Surroundings(Table):
         """Reason why no finger can touch the skin; None if one can."""
         if self.low == "floating" and not self.reaches_earth:
             return (
-                'finds no way back: `surroundings.low` = "floating" and nothing else reaches '
+                'has no return path: `surroundings.low` = "floating" and nothing else reaches '
                 "earth; give `surroundings.body` or `surroundings.rim`"
             )
         return self.shield_reason
@@ -226,9 +226,11 @@ class Surroundings(Table):
     def symmetric_sides(self) -> bool:
         """True if both sheets have equal surroundings."""
         one, other = (self.in_front_of(electrode) for electrode in ("top", "bottom"))
-        alike = one is None or other is None or one.model_copy(update={"side": other.side}) == other
+        same_body = (
+            one is None or other is None or one.model_copy(update={"side": other.side}) == other
+        )
         rim = not isinstance(self.rim, Rim) or self.rim.top == self.rim.bottom
-        return (one is None) == (other is None) and alike and rim
+        return (one is None) == (other is None) and same_body and rim
 
     @model_validator(mode="after")
     def _parts_go_together(self) -> Self:
@@ -237,9 +239,9 @@ class Surroundings(Table):
         if self.edges and not self.thickness:
             raise ValueError("takes edges with thickness = true only")
         if self.solved and self.rim is not False:
-            raise ValueError("takes solved or rim, got both: what is solved has the rim in it")
+            raise ValueError("takes solved or rim, got both: solved includes the rim")
         if self.cover is not None and self.shield_reason:
-            raise ValueError(f"has a cover where a finger {self.shield_reason}")
+            raise ValueError(f"has a cover, but a finger {self.shield_reason}")
         return self
 
     @model_serializer(mode="wrap")

@@ -78,8 +78,8 @@ def constraints_of(field: FieldInfo) -> list[Any]:
 
 def _metadata(annotation: Any) -> list[Any]:
     here = list(getattr(annotation, "__metadata__", ()))
-    said = [m for each in here for m in (each.metadata if isinstance(each, FieldInfo) else [each])]
-    return [m for part in get_args(annotation) for m in _metadata(part)] + said
+    own = [m for each in here for m in (each.metadata if isinstance(each, FieldInfo) else [each])]
+    return [m for part in get_args(annotation) for m in _metadata(part)] + own
 
 
 def unit_of(field: FieldInfo) -> str:
@@ -129,17 +129,17 @@ def one_line(error: ValidationError, table: type[BaseModel]) -> str:
     """
     problems = error.errors(include_url=False)
     missing = [found["loc"] for found in problems if found["type"] == "missing"]
-    told = []
+    texts = []
     for found in problems:
         if found["type"] == "extra_forbidden":
             suggestion = likely_keys(table, found["loc"], missing)
             missing = [location for location in missing if location not in suggestion]
-            told.append(f"{_key(found['loc'])}{_unknown(found['input'], suggestion)}")
-    told += _missing([key for location in missing for key in required(table, location)])
+            texts.append(f"{_key(found['loc'])}{_unknown(found['input'], suggestion)}")
+    texts += _missing([key for location in missing for key in required(table, location)])
     others = [f for f in problems if f["type"] not in ("missing", "extra_forbidden")]
-    told += [f"{_key(first['loc'])}{_requirement(first)}" for first in others[:1]]
+    texts += [f"{_key(first['loc'])}{_requirement(first)}" for first in others[:1]]
     more = f" (and {len(others) - 1} more)" if len(others) > 1 else ""
-    return "; ".join(told) + more
+    return "; ".join(texts) + more
 
 
 def _unknown(given: object, suggestions: Sequence[Location]) -> str:
@@ -149,10 +149,10 @@ def _unknown(given: object, suggestions: Sequence[Location]) -> str:
 
 
 def _missing(locations: Sequence[Location]) -> list[str]:
-    *most, last = [_key(location).strip() for location in locations] or [""]
-    if not most:
+    *others, last = [_key(location).strip() for location in locations] or [""]
+    if not others:
         return [f"{last} is missing"] if last else []
-    return [f"{', '.join(most)} and {last} are missing"]
+    return [f"{', '.join(others)} and {last} are missing"]
 
 
 def _key(location: Location) -> str:
@@ -184,12 +184,10 @@ def _slip(problem: Any) -> str:
     kind, given, key = problem["type"], problem["input"], problem["loc"][-1]
     if kind == "tuple_type" and isinstance(given, dict):
         return f", each part of it below [[{key}]], got one table; did you mean [[{key}]]?"
-    asked = (
-        suggestion(given) if isinstance(given, str) and kind.startswith(("float", "int")) else ""
-    )
+    hint = suggestion(given) if isinstance(given, str) and kind.startswith(("float", "int")) else ""
     if kind == "tuple_type" and isinstance(given, str):
-        asked = f"; did you mean [{given!r}]?"
-    return f", got {given!r}{asked}"
+        hint = f"; did you mean [{given!r}]?"
+    return f", got {given!r}{hint}"
 
 
 class Table(BaseModel):

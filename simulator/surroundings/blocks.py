@@ -22,7 +22,7 @@ PANELS = (6, 10)
 """Panels from the edge of a rectangle to its middle, of a coarse and of a fine block."""
 LAYERS = (2, 4)
 """Layers of triangles at an outline, coarse and fine."""
-LONGEST, MIN_EDGE_COUNT = 2.0, 100
+MAX_EDGE, MIN_EDGE_COUNT = 2.0, 100
 """Longest edge along outlines over the foam's thickness, and count of such edges.
 
 Edges may be longer than that, up to the length of all outlines over the count.
@@ -31,7 +31,7 @@ ACROSS = 4
 """Minimum count of triangles across the shorter side of a skin away from its outline."""
 SLICES = 3
 PAIRS = [0, 1], [1, 2], [2, 0]
-PLAIN_SHEET = Sheet(sheet_resistance=1.0)
+PLACEHOLDER_SHEET = Sheet(sheet_resistance=1.0)
 
 
 @dataclass(frozen=True)
@@ -85,15 +85,20 @@ def _outlined(scene: Scene) -> Scene:
     """
     foam = Foam(thickness=1e-3, relative_permittivity=1.0)
     skin = scene.skin.model_copy(
-        update={"top": PLAIN_SHEET, "bottom": PLAIN_SHEET, "foam": foam, "stretch": None}
+        update={
+            "top": PLACEHOLDER_SHEET,
+            "bottom": PLACEHOLDER_SHEET,
+            "foam": foam,
+            "stretch": None,
+        }
     )
     return scene.model_copy(update={"skin": skin, "surroundings": None, "press": Pressing()})
 
 
 def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:
-    """Block of a mesh, refined as LONGEST requires. layers: as for `layered`."""
+    """Block of a mesh, refined as MAX_EDGE requires. layers: as for `layered`."""
     scale = np.array(shape.ratios)[:, None]
-    longest = LONGEST * shape.thickness
+    longest = MAX_EDGE * shape.thickness
     while True:
         p = mesh.p * scale
         edges, of_triangle = edges_of(mesh.t)

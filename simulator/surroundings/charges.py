@@ -37,8 +37,8 @@ def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) ->
     """
     height = block.points[:, 2] / block.thickness
     psi = np.stack([1 - height, height], axis=1)
-    alike = influence(block, layer).sum(axis=1)
-    charge = block.areas[:, None] * sigma(block, alike, permittivity, psi)
+    both_sheets = influence(block, layer).sum(axis=1)
+    charge = block.areas[:, None] * sigma(block, both_sheets, permittivity, psi)
     local = block.area / block.thickness * np.array([[1.0, -1.0], [-1.0, 1.0]])
     whole = len(block.mirrors) * psi.T @ charge + (permittivity - 1) * local
     return VACUUM_PERMITTIVITY * (whole + whole.T) / 2

@@ -101,13 +101,13 @@ class PanelBlock:
 
 
 def quarter(
-    length: float, width: float, thickness: float, count: int, even: float = 0.0
+    length: float, width: float, thickness: float, count: int, equidistant: float = 0.0
 ) -> PanelBlock:
     """Quarter of a rectangular skin, all in m, and its mirrors.
 
-    count: panels along each side of the quarter. even: as for `lines`.
+    count: panels along each side of the quarter. equidistant: as for `lines`.
     """
-    x, y = (lines(side, thickness, count, even)[: count + 1] for side in (length, width))
+    x, y = (lines(side, thickness, count, equidistant)[: count + 1] for side in (length, width))
     left, bottom = (each.ravel() for each in np.meshgrid(x[:-1], y[:-1], indexing="ij"))
     right, top = (each.ravel() for each in np.meshgrid(x[1:], y[1:], indexing="ij"))
     corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
@@ -120,16 +120,19 @@ def quarter(
     )
 
 
-def lines(side: float, thickness: float, count: int, even: float = 0.0) -> NDArray[np.float64]:
+def lines(
+    side: float, thickness: float, count: int, equidistant: float = 0.0
+) -> NDArray[np.float64]:
     """Ends of the panels along a side, m, shape (2 * count + 1,), symmetric.
 
     Within the foam's thickness of an end they grow with the square of their number, to suit a
-    charge proportional to one over the root of the distance, and by a constant factor beyond. even:
-    fraction of them that is equidistant, which bounds the width of those in the middle.
+    charge proportional to one over the root of the distance, and by a constant factor beyond.
+    equidistant: fraction of them that is equidistant, which bounds the width of those in the
+    middle.
     """
     a = np.arcsinh(np.sqrt(side / (2 * thickness)))
     number = np.linspace(0, 1, 50 * count + 1)
     along = (np.sinh(a * number) / np.sinh(a)) ** 2
-    both = (1 - even) * number + even * along
+    both = (1 - equidistant) * number + equidistant * along
     half = side / 2 * np.interp(np.linspace(0, 1, count + 1), both, along)
     return np.concatenate([half, (side - half)[-2::-1]])

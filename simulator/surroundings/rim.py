@@ -22,7 +22,7 @@ from .charges import capacitances
 from .panels import PanelBlock
 from .reflections import Layer, layer
 
-KEPT = 64
+CACHED = 64
 MARGIN = 0.5
 """Estimated error over the change by extrapolation to panels of zero size.
 
@@ -81,7 +81,7 @@ def computed(scene: Scene) -> RimDensities:
     return RimDensities(mutual, top, bottom, error)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED)
 def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, float]:
     """Mutual density, of the sheet away from the plane and of the facing one; error.
 

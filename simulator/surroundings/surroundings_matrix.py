@@ -24,11 +24,11 @@ from .polynomials import Polynomials, polynomials
 from .reflections import Layer, layer
 
 Array = NDArray[np.float64]
-KEPT = 16
-PANELS, EVEN = (15, 22), 0.5
+CACHED = 16
+PANELS, EQUIDISTANT = (15, 22), 0.5
 """Panels from a skin's edge to its middle, of a coarse and of a fine block.
 
-EVEN is the fraction of them that is equidistant, for potentials that vary there.
+EQUIDISTANT is the fraction of them that is equidistant, for potentials that vary there.
 """
 MARGIN = 0.1
 """Estimated error of Rs and Cp over the change by extrapolation to no panel size.
@@ -87,16 +87,16 @@ def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
     return SurroundingsMatrix(replace(basis, sides=skin.sides), matrix, error)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED)
 def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Array, float]:
     """Matrix, F, sheet that faces a plane first, and its error; from disk if cached."""
-    key = repr((shape, plane, basis, PANELS, EVEN))
+    key = repr((shape, plane, basis, PANELS, EQUIDISTANT))
     found = array_cache.read(key)
     if found is None or found.shape != (len(PANELS), *2 * (2, basis.count)):
         sides = shape.length, shape.width, shape.thickness
         found = np.stack(
             [
-                excess(quarter(*sides, count, EVEN), plane, shape.permittivity, basis)
+                excess(quarter(*sides, count, EQUIDISTANT), plane, shape.permittivity, basis)
                 for count in PANELS
             ]
         )

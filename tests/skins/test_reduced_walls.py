@@ -10,7 +10,7 @@ from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.limits.random_presses import RandomPresses
+from rcskin.simulator.limits.random_press_limits import RandomPresses
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal, scene_with

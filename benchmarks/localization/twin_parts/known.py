@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.simulator.bounds.touch_readings import Hypothesis, hypotheses
-from rcskin.simulator.limits.random_presses import (
+from rcskin.simulator.limits.random_press_limits import (
     LimitInterval,
     RandomPresses,
     accuracy_of_presses,

@@ -241,7 +241,7 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
             "none",
             "rim = true` is computed towards a body at earth",
         ),
-        ({"low": "floating"}, "1,1:touch:2pF", "finds no way back"),
+        ({"low": "floating"}, "1,1:touch:2pF", "has no return path"),
     ],
 )
 def test_what_is_not_taken_is_refused(around, solve, given, press, wrong):

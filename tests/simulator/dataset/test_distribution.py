@@ -74,7 +74,7 @@ def test_a_plain_number_is_fixed_and_scenes_are_written_and_read_back():
         ("press]\ntouches = [0.5, 0.6]", r"`dataset.press.touches` must be >= 0 and sum to 1"),
         (
             "press]\nfactor = 0.0",
-            r"`dataset.press.factor` must be from 1e-6 to 1e6 times that at rest",
+            r"`dataset.press.factor` must be from 1e-6 to 1e6 times the unpressed value",
         ),
         (
             "press]\nsize = -0.01",

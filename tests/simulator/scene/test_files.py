@@ -181,7 +181,7 @@ def replaced(*pairs):
         (["columns = 3", "columns = 2.5"], "`pixels.columns` must be"),
         (
             ["capacitance_factor = 2.0", "capacitance_factor = 0"],
-            "`press.capacitance_factor` must be from 1e-6 to 1e6 times that at rest, got 0",
+            "`press.capacitance_factor` must be from 1e-6 to 1e6 times the unpressed value, got 0",
         ),
         (["factor_spread = 0.1", "factor_spread = 1.0"], "`press.factor_spread` must be < 1"),
         ([FREQUENCIES, "frequencies = []"], "`sweep.frequencies` must have at least 1 item"),

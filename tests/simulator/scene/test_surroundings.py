@@ -90,8 +90,8 @@ def test_a_key_of_one_body_is_changed_by_its_name():
             {"surroundings.body": {"capacitance_per_area": 1e-9, "relative_permittivity": 2.0}},
             "takes relative_permittivity with distance only",
         ),
-        ({"surroundings.body.distance": -2e-3}, "no body lies inside the foam"),
-        ({"surroundings.body.distance": 0.0}, "no body lies inside the foam"),
+        ({"surroundings.body.distance": -2e-3}, "no body is inside the foam"),
+        ({"surroundings.body.distance": 0.0}, "no body is inside the foam"),
         (
             {"surroundings.body": [BELOW, BELOW]},
             "takes one body on each side, got two on the bottom",

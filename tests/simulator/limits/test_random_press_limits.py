@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.limits import bayes_accuracy, off_centre_accuracy, posterior_distance
-from rcskin.simulator.limits.random_presses import CELLS, RandomPresses, _geometric_medians
+from rcskin.simulator.limits.random_press_limits import CELLS, RandomPresses, _geometric_medians
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
