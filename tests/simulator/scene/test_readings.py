@@ -114,7 +114,7 @@ def test_crossed_pairs_of_sheets_that_are_alike_repeat():
         ("bottom-left to bottom-bottom", "top-left to top-bottom"),
     ]
     told = [fact.text for fact in facts(scene) if fact.about in ("repeated", "one sheet")]
-    assert "it only adds averaging" in told[0]
+    assert "it only averages the meter" in told[0]
     assert sum("no capacitance" in each for each in told) == 2
 
 
