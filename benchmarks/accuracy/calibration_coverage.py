@@ -6,7 +6,8 @@ calibration begins at the scene, with the same prior. The presses are stronger o
 labels say. `--prior session` spreads what `[dataset.session]` does, `--prior wide` far more: leads
 by what the twin's skin reads. `--skin line` is a line of three pixels, whose meter errs as the
 scene's readout says; `--skin sheet` a sheet of 2x2 pixels with two interfaces, recorded through the
-virtual meter.
+virtual meter. `--outliers 2` replaces 2 % of the readings, drawn at random, by readings that are
+about 30 % and 0.3 rad off.
 """
 
 from __future__ import annotations
@@ -36,11 +37,14 @@ from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.meter import FrequencyGrid
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance
 
 NAME = "calibration_coverage"
 TWINS, FEWEST = 200, 6
 AT_REST = 4
 FREQUENCIES = 12
+FAR_OFF = 0.3
+"""Standard deviation of ln |Z| and phase of readings far off."""
 AGREES = 4.0
 """Standard errors of a share of twins within which all intervals together hold 95 % of truths."""
 
@@ -73,7 +77,8 @@ def main(run: Run) -> int:
     case, twins = CASES[asked.skin], asked.twins or run.sized(TWINS, FEWEST)
     scene = case.at_few_frequencies()
     known = model_of(scene, model_tolerance(scene.readout)) if asked.truth == "scene" else None
-    trials = [_trial(case, scene, asked.prior, known, number) for number in range(twins)]
+    share = asked.outliers / 100
+    trials = [_trial(case, scene, asked.prior, known, number, share) for number in range(twins)]
     held = pd.DataFrame(trials)
     error = np.sqrt(0.95 * 0.05 / twins)
     table = pd.DataFrame(
@@ -91,21 +96,23 @@ def main(run: Run) -> int:
 def _named(asked: argparse.Namespace, twins: int) -> tuple[str, str]:
     """Name and title of the table."""
     own = {"sheet": asked.skin, "wide": asked.prior, "scene": asked.truth}
-    name = "_".join([NAME, *(part for part, given in own.items() if part == given)])
+    off = [f"outliers_{asked.outliers:g}"] if asked.outliers else []
+    name = "_".join([NAME, *(part for part, given in own.items() if part == given), *off])
+    wrong = f", {asked.outliers:g} % of readings far off" if asked.outliers else ""
     skin = "" if asked.skin == "line" else f" of `{CASES[asked.skin].scene}`, 2x2 pixels"
     equal = " equal to the scene" if asked.truth == "scene" else ""
     return name, (
         f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins{skin}{equal}, "
-        f"{asked.prior} prior"
+        f"{asked.prior} prior{wrong}"
     )
 
 
 def _trial(
-    case: Case, scene: Scene, kind: Kind, known: Model | None, number: int
+    case: Case, scene: Scene, kind: Kind, known: Model | None, number: int, outliers: float
 ) -> dict[str, bool]:
     """Whether each interval holds the truth, of one twin. Drawn anew where no meter reads it.
 
-    known: model of the scene, where the twin is the scene itself.
+    known: model of the scene, where the twin is the scene itself. outliers: share of readings.
     """
     random = np.random.default_rng([1, number])
     while True:
@@ -114,8 +121,18 @@ def _trial(
             sweeps = _read(case, scene, true, random)
         except FailedReadingError:
             continue
+        if outliers:
+            sweeps = _with_outliers(sweeps, outliers, random)
         found = calibrate(scene, sweeps, Options(prior=kind), model=known)
         return dict(_held(scene, found, true))
+
+
+def _with_outliers(sweeps: xr.Dataset, share: float, random: np.random.Generator) -> xr.Dataset:
+    """Sweeps with a share of their readings far off in |Z| and phase."""
+    Z = impedance(sweeps)
+    off = FAR_OFF * (random.standard_normal(Z.shape) + 1j * random.standard_normal(Z.shape))
+    Z = np.where(random.random(Z.shape) < share, Z * np.exp(off), Z)
+    return sweeps.assign(Rs=(DIMENSIONS, Z.real), X=(DIMENSIONS, Z.imag))
 
 
 def _drawn_twin(
@@ -183,5 +200,6 @@ if __name__ == "__main__":
     parser.add_argument("--prior", choices=("session", "wide"), default="session")
     parser.add_argument("--skin", choices=tuple(CASES), default="line")
     parser.add_argument("--truth", choices=("prior", "scene"), default="prior")
+    parser.add_argument("--outliers", type=float, default=0.0, help="%% of the readings")
     parser.add_argument("--twins", type=int, help=f"in place of {TWINS}")
     launch(main, parser)

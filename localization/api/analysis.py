@@ -112,6 +112,7 @@ def calibrate(
     prior: Kind = "wide",
     uneven: bool = False,
     uneven_sheets: bool = False,
+    robust: bool | None = None,
     anyway: bool = False,
 ) -> Calibration:
     """Fit the scene to measured sweeps, with an estimate and its uncertainty for each parameter.
@@ -121,8 +122,9 @@ def calibrate(
     band: lowest and highest frequency to use, Hz. session: the only session to use. fixed_strength:
     True takes the strengths of presses as stated. prior: "wide" (within ten times), or "session"
     (as in the scene's dataset.session). uneven, uneven_sheets: fit cosine modes of the foam, of
-    each sheet. anyway: accepts sweeps of another skin too. Raises InputError if sweeps and scene do
-    not match, ToleranceError if no model reaches the tolerance.
+    each sheet. robust: True for Student's t errors of readings, False for normal ones, None for the
+    likelier of both. anyway: accepts sweeps of another skin too. Raises InputError if sweeps and
+    scene do not match, ToleranceError if no model reaches the tolerance.
     """
     from ...simulator.calibration.fit_options import Options
     from ...simulator.calibration.prior import checked_kind
@@ -143,5 +145,6 @@ def calibrate(
         checked_kind(prior),
         uneven,
         uneven_sheets,
+        robust=robust,
     )
     return calibrated(foldable(scene, "a calibration"), sweeps, options)

@@ -70,6 +70,14 @@ def calibrate(
             "it; may be repeated."
         ),
     ] = None,
+    robust: Annotated[
+        bool | None,
+        typer.Option(
+            "--robust/--no-robust",
+            help="Student's t errors of readings, so that a few far off do not move the fit, or "
+            "normal ones. Default: the likelier of both.",
+        ),
+    ] = None,
     charts: Charts = "png",
     force: Annotated[
         bool, typer.Option("--anyway", help="Use sweeps that were recorded for another skin.")
@@ -117,6 +125,7 @@ def calibrate(
         uneven,
         uneven_sheets,
         tuple(also or ()),
+        robust,
     )
     loaded, sweeps = requested_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)

@@ -71,7 +71,7 @@ class Fit:
     @property
     def cost(self) -> float:
         """The minimized sum: chi-squared and the priors of the parameters."""
-        residuals = self.problem.residuals(self.u)
+        residuals = self.problem.reduced_system(self.u)[0]
         return float(residuals @ residuals)
 
     @property
@@ -79,10 +79,12 @@ class Fit:
         """Chi-squared of all readings.
 
         It includes the priors of strengths and of the meter's fixed errors, not of parameters.
+        Student's t errors weight the readings.
         """
-        of_parameters = self.u[: len(self.spec.fitted)]
-        residuals = self.problem.residuals(self.u)
-        return float(residuals @ residuals - of_parameters @ of_parameters)
+        others, squares = self.u[len(self.spec.fitted) :], self.problem.squares(self.u)
+        if self.spec.tail is not None:
+            squares = self.spec.tail.weights(squares) * squares
+        return float(squares.sum() + others @ others)
 
     @property
     def rms_error(self) -> float:

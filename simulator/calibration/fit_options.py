@@ -72,7 +72,8 @@ class Options:
     used. strengths: True if the strengths of presses are unknown too, around the stated ones with
     the scene's spread. prior: see `prior`. uneven, uneven_sheets: True if cosine modes of the foam,
     or of both sheets, are parameters too. also: those of EFFECTS that are parameters although the
-    scene does not have them.
+    scene does not have them. robust: True for Student's t errors of readings, False for normal
+    ones, None for the likelier of both.
     """
 
     fit: tuple[str, ...] = ()
@@ -84,3 +85,4 @@ class Options:
     uneven: bool = False
     uneven_sheets: bool = False
     also: tuple[str, ...] = ()
+    robust: bool | None = None

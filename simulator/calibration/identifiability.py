@@ -163,8 +163,10 @@ def with_all_unknown(fit: Fit, not_fitted: Mapping[str, Prior]) -> Fit:
 
 def _of_data(fit: Fit) -> NDArray[np.float64]:
     """Information of the data on the parameters, in units of their priors' information."""
-    J = fit.problem.jacobian(fit.u)
+    J, tail = fit.problem.jacobian(fit.u), fit.spec.tail
     count, readings = len(fit.spec.fitted), len(J) - len(fit.u)
+    if tail is not None:
+        J[:readings] *= fit.problem.root_information(fit.u)[:, None]
     own, others = J[:readings, :count], J[:readings, count:]
     between = own.T @ others
     known = others.T @ others + np.eye(others.shape[1])

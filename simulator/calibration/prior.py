@@ -153,6 +153,11 @@ class Noise:
     freedom: float = np.inf
     guessed: bool = False
 
+    @property
+    def stated(self) -> bool:
+        """True if the scene states the noise."""
+        return math.isinf(self.freedom) and not self.guessed
+
 
 def noise_of(measured: Measurements) -> Noise:
     """Noise from the scene's readout, else from repeated baseline sweeps, else a first guess."""
@@ -173,10 +178,15 @@ def noise_of(measured: Measurements) -> Noise:
 
 def with_noise(readout: Readout, magnitude: float, phase: float) -> Readout:
     """The meter with this noise of |Z| (relative) and phase [rad]."""
-    lowest = 10.0 ** (1 - readout.display_digits)
+    lowest = display_step(readout)
     return readout.model_copy(
         update={"magnitude_noise": max(magnitude, lowest), "phase_noise": max(phase, lowest)}
     )
+
+
+def display_step(readout: Readout) -> float:
+    """Last displayed digit over the smallest first one: the least noise that is assumed."""
+    return 10.0 ** (1 - readout.display_digits)
 
 
 def _squares(deviation: np.ndarray | None) -> np.ndarray:

@@ -22,6 +22,7 @@ from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from .centered_model import CenteredModel
 from .likelihood.qr_reduction import ReducedSystem, ResidualBlock, reduced_system
+from .likelihood.student import StudentT
 from .measurements import Measurements, SessionSweep
 from .prior import Prior
 
@@ -33,7 +34,7 @@ class FitSpec:
     """The parameters to fit and the measurements they are fitted to.
 
     fitted: priors of the fitted parameters. fixed: values of the others. strengths: True if the
-    strengths of presses are unknown.
+    strengths of presses are unknown. tail: distribution of the errors of readings; None: normal.
     """
 
     measurements: Measurements
@@ -41,6 +42,7 @@ class FitSpec:
     fitted: Mapping[str, Prior]
     fixed: Mapping[str, float]
     strengths: bool = True
+    tail: StudentT | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -119,12 +121,35 @@ class LeastSquaresProblem:
         """Residuals and Jacobian rotated to few more rows than unknowns.
 
         Their products r'r, J'r and J'J stay the same. scale: divides chi-squared, but not the
-        priors of parameters.
+        priors of parameters. Student's t errors have a scale of their own: r'r is then the sum of
+        rho and the priors.
         """
         if self._turned is None or self._turned[:2] != (u.tobytes(), scale):
-            found = reduced_system(self._blocks(u), u, len(self.spec.fitted), scale)
+            tail, blocks = self.spec.tail, self._blocks(u)
+            if tail is None:
+                found = reduced_system(blocks, u, len(self.spec.fitted), scale)
+            else:
+                damped = [tail.damped(each) for each in blocks]
+                found = reduced_system(damped, u, len(self.spec.fitted), 1.0)
             self._turned = u.tobytes(), scale, found
         return self._turned[2]
+
+    def squares(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Squared distance of each used reading over the noise, shape (reading,)."""
+        squares = self._squares(u)
+        return squares[np.isfinite(self._deviation[:, : squares.shape[1]])]
+
+    def _squares(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Squared distance of every reading over the noise, shape (sweep, reading)."""
+        residuals = self.residuals(u)[: self._deviation.size].reshape(len(self._deviation), 2, -1)
+        return (residuals**2).sum(axis=1)
+
+    def root_information(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Root of the information of each number over that of a normal one; (sweep * number,)."""
+        tail = self.spec.tail
+        assert tail is not None
+        weights = tail.information * tail.weights(self._squares(u))
+        return np.sqrt(np.tile(weights, 2).ravel())
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lower and upper bounds of the unknowns: physical limits and the model's reach."""

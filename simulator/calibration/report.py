@@ -152,6 +152,7 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
             "magnitude": noise.readout.magnitude_noise,
             "phase_rad": noise.readout.phase_noise,
             "source": noise.source,
+            "degrees_of_freedom": None if fit.spec.tail is None else fit.spec.tail.freedom,
         },
         "certificate": fit.certificate,
         "held": list(calibration.not_fitted),

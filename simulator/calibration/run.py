@@ -28,10 +28,12 @@ from .fit_options import Options, candidates
 from .identifiability import Information, information, with_all_unknown
 from .initial_values import capacitance_offset
 from .likelihood.distributions import Distributions
+from .likelihood.student import StudentT
 from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import FitSpec
+from .robust import robust_fit, tail_remarks
 from .sheet_intervals import MISMATCH
 from .surroundings_trials import trial_remarks, with_effects
 
@@ -129,7 +131,7 @@ def calibrate(
         fit=fit,
         noise=noise,
         unclear=tuple(weakly_identified(scene, unknown, info)),
-        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *gained])),
+        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *tail_remarks(fit), *gained])),
         not_fitted=tuple(job.not_fitted),
         ideal=compare_with_ideal(fit, progress) if beaten else None,
     )
@@ -176,13 +178,24 @@ class _CalibrationRun:
         )
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None
+        self._tail: StudentT | None = None
 
     def run(self) -> tuple[Fit, Noise]:
         """The fit, and the noise it was made with."""
         if self.noise.guessed:
             for _ in range(NOISE_ROUNDS):
                 self.noise = self._from_residuals(self._fit())
-        return self._fit(), self.noise
+        fit, self.noise = robust_fit(self._fit(), self.noise, self.options.robust, self._refit)
+        return fit, self.noise
+
+    def _refit(self, noise: Noise, tail: StudentT | None) -> Fit:
+        """The fit with Student's t errors; the first begins anew, because a few readings far off
+        may have led the one with normal errors elsewhere."""
+        self.noise = noise
+        if self._tail is None:
+            self._begin = None
+        self._tail = tail
+        return self._fit()
 
     def _fit(self) -> Fit:
         own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
@@ -192,6 +205,7 @@ class _CalibrationRun:
             {name: self.priors[name] for name in self.names},
             {name: value for name, value in own.items() if name not in self.names},
             self.options.strengths,
+            self._tail,
         )
         fit = best_fit(asked, self._ready, self._begin, self._remark)
         self._ready, self._begin = fit.problem.model, fit.values
