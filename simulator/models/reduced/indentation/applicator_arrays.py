@@ -15,11 +15,20 @@ from .applicators import PixelApplicators
 from .indentation_model import IndentationModel
 
 OF_PIXELS = {name: f"applied_{name}" for name in ("of_pixel", "turn", "shift", "far")}
-OF_TABLES = {name: f"table_{name}" for name in ("bases", "parts", "matrices")} | {
-    "uncertainties": "table_doubts"
+OF_TABLES = {
+    "bases": "table_bases",
+    "parts": "table_parts",
+    "matrices": "table_matrices",
+    "uncertainties": "table_doubts",
 }
-OF_SERIES = {name: name for name in ("p", "nodes", "depth", "count", "w", "force")} | {
-    "uncertainty": "unsure"
+OF_SERIES = {
+    "p": "p",
+    "nodes": "nodes",
+    "depth": "depth",
+    "count": "count",
+    "w": "w",
+    "uncertainty": "unsure",
+    "force": "force",
 }
 """Name in the file of each attribute that is stored; those of series have a prefix, see `_name`."""
 
