@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ..measure.readout import ErrorModel
 from ..mesh.pixel_coverage import pixel_coverage
-from ..models.parameters import session_spreads
 from ..models.response import Response
+from ..models.session_spreads import session_spreads
 from ..press.batch import PressBatch
 from ..press.finger import finger_over
 from ..progress import ProgressCallback, silent, tracked

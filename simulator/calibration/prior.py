@@ -10,15 +10,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedModes
-from ..models.parameters import (
-    COSINE_MODES,
-    FACTORS,
-    FOAM_MODES,
-    SHEET_MODES,
-    SessionSpread,
-    own_values,
-    session_spreads,
-)
+from ..models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
+from ..models.session_spreads import SessionSpread, session_spreads
 from ..scene.meter import Readout
 from ..scene.ranges import MAX_INDUCTANCE
 from ..scene.scene import Scene

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.readout import errors_of, observed, observed_slope
-from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values, session_spreads
+from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values
 from ..models.reduced.families.family_meshes import family_on
 from ..models.reduced.forward import Forward
+from ..models.session_spreads import session_spreads
 from ..press.batch import NOTHING
 from ..press.pixels import cell_centres
 from ..scene.scene import Scene

@@ -11,7 +11,8 @@ from scipy.sparse import csc_matrix
 from ..fem.circuit import Circuit
 from ..fem.error_estimate import Swept
 from ..fem.factors import one_blas_thread
-from ..fem.galerkin import Galerkin, swept
+from ..fem.galerkin import Galerkin
+from ..fem.interface_sweep import swept
 from ..fem.system import build_system
 from ..fem.terminal_network import Network
 from ..mesh.quadrilaterals import Resolution, tile_lines

@@ -20,7 +20,8 @@ from ...fem.error_estimate import (
     frequencies_around,
 )
 from ...fem.factors import one_blas_thread
-from ...fem.galerkin import Galerkin, swept
+from ...fem.galerkin import Galerkin
+from ...fem.interface_sweep import swept
 from ...fem.lanczos import CachedSteps
 from ...fem.quadrature import interpolated
 from ...fem.safety_factors import VARIED

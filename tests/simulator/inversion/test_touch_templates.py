@@ -8,10 +8,11 @@ from rcskin.simulator.inversion.touch_templates import STRENGTHS, strength_prior
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import HALF_WAVES, scene_with, session_spreads
+from rcskin.simulator.models.parameters import HALF_WAVES, scene_with
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
+from rcskin.simulator.models.session_spreads import session_spreads
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press

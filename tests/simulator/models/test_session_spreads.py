@@ -10,8 +10,8 @@ from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import session_spreads
 from rcskin.simulator.models.reduced.forward import Forward
+from rcskin.simulator.models.session_spreads import session_spreads
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import session_spreads
+from rcskin.simulator.models.session_spreads import session_spreads
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text

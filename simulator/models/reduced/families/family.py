@@ -21,7 +21,8 @@ from ....fem.circuit import Circuit
 from ....fem.error_estimate import Swept
 from ....fem.excitation import Excitation, impedance_with_error
 from ....fem.factors import without_zeros
-from ....fem.galerkin import Galerkin, swept
+from ....fem.galerkin import Galerkin
+from ....fem.interface_sweep import swept
 from ....fem.low_rank import LowRankMass, Mass
 from ....fem.system import Films, System
 from ....mesh.domain import Domain
