@@ -1,4 +1,4 @@
-"""Bayes' decision with every strength and every draw read by the model, none interpolated."""
+"""Bayes' decision computed from every strength and draw, without interpolation."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The best accuracy: its limits, a closed form, mirror images, and bounds above it."""
+"""The best accuracy: limits, a closed form, mirror images, upper bounds."""
 
 import pytest
 from rcskin.simulator.bounds.bayes import bayes
@@ -16,7 +16,7 @@ def noise(size):
     return {"magnitude_noise": size, "phase_noise": size}
 
 
-def test_without_noise_everything_is_told_and_in_noise_nothing(noisy):
+def test_the_accuracy_is_1_without_noise_and_that_of_a_guess_in_noise(noisy):
     clear = noisy(readout=noise(1e-4), columns=3, **STRIP)
     assert bayes_accuracy(clear, "column", draws=200)[0] == pytest.approx(1, abs=1e-6)
     lost = noisy(readout=noise(1.0), columns=3, factor=1.0001, **STRIP)
@@ -25,7 +25,7 @@ def test_without_noise_everything_is_told_and_in_noise_nothing(noisy):
     assert bayes_accuracy(lost, "touches", draws=200)[0] == pytest.approx(1 / 3, abs=1e-3)
 
 
-def test_two_presses_of_known_strength_are_told_as_two_points_in_normal_noise(noisy):
+def test_two_presses_of_known_strength_equal_two_points_in_normal_noise(noisy):
     scene = noisy(readout=noise(0.03), spread=0.0, columns=2, **STRIP)
     presses, among = own_presses(scene), hypotheses(scene, "column")
     readings = TouchReadings(scene, presses)
@@ -56,7 +56,7 @@ def test_finer_steps_of_strength_change_nothing(noisy, monkeypatch):
     assert bayes_accuracy(scene, "pair", draws=300)[0] == pytest.approx(coarse[0], abs=3e-4)
 
 
-def test_the_same_seed_gives_the_same_bits_and_the_skin_at_rest_can_be_a_class(noisy):
+def test_a_seed_gives_the_same_bits_and_the_unpressed_skin_can_be_a_class(noisy):
     scene = noisy(readout=noise(0.02), columns=3, unpressed=True, **STRIP)
     assert bayes_accuracy(scene, seed=4, draws=100) == bayes_accuracy(scene, seed=4, draws=100)
     assert [each.answer for each in hypotheses(scene, "column")] == [(0,), (1,), (2,), (3,)]

@@ -1,4 +1,4 @@
-"""Common draws: the accuracy they give, what differences of them err by, and more readings."""
+"""Common draws: accuracies, errors of their differences, and more readings."""
 
 import numpy as np
 import pytest
@@ -46,31 +46,31 @@ def read_by(model, scene, count=None):
 
 
 @pytest.fixture(scope="module")
-def judged(scene, model):
+def scores(scene, model):
     """A function from a number of readings to what they tell."""
     draws = CommonDraws(scene, draws=3000)
     return lambda count: draws.score(*read_by(model, scene, count))
 
 
-def test_the_accuracy_is_that_of_the_best_classifier(scene, model, judged):
+def test_the_accuracy_is_that_of_the_best_classifier(scene, model, scores):
     readings = TouchReadings(scene, own_presses(scene))
     readings._reduced = read(model, scene.interfaces)
     asked = readings, hypotheses(scene, "pixel"), own_presses(scene)
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
-    for found in (judged(len(READINGS)).accuracy, bayes(*asked, seed=3, draws=3000)):
+    for found in (scores(len(READINGS)).accuracy, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 
 
-def test_more_readings_never_tell_less(judged):
-    each = [judged(count) for count in range(1, len(READINGS) + 1)]
+def test_more_readings_never_lower_the_accuracy(scores):
+    each = [scores(count) for count in range(1, len(READINGS) + 1)]
     for fewer, more in zip(each[:-1], each[1:], strict=True):
         gain = more.gain_over(fewer)
         assert gain.share > -4 * gain.error
     assert each[1].gain_over(each[0]).share > 0.05
 
 
-def test_a_difference_errs_far_less_than_each(scene, model):
+def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     """By as much as it says: other draws give it as well."""
     readings = read(model, scene.interfaces[:2])
     other = nominal(readings.scene)
@@ -88,12 +88,12 @@ def test_a_difference_errs_far_less_than_each(scene, model):
     assert 0.4 < np.mean([gain.error for gain in gains]) / spread < 2.5
 
 
-def test_readings_left_out_are_not_told(scene, model, judged):
+def test_readings_that_are_not_taken_have_no_effect(scene, model, scores):
     """At no frequency of the others, the first is alone."""
-    told = np.zeros((len(READINGS), 3), dtype=bool)
-    told[0] = True
-    found = CommonDraws(scene, draws=3000).score(*read_by(model, scene), told)
-    np.testing.assert_allclose(found.correct, judged(1).correct, atol=1e-3)
+    taken = np.zeros((len(READINGS), 3), dtype=bool)
+    taken[0] = True
+    found = CommonDraws(scene, draws=3000).score(*read_by(model, scene), taken)
+    np.testing.assert_allclose(found.correct, scores(1).correct, atol=1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def pair_scene(scene):
     return scene.with_({"interface": read_by, "press.factor_spread": 0.2, **clear})
 
 
-def test_two_touches_are_told_as_by_the_best_classifier(pair_scene, model):
+def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model):
     presses = own_presses(pair_scene)
     readings = TouchReadings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
@@ -139,7 +139,7 @@ def test_what_tiles_leave_out_is_negligible(pair_scene, model):
     np.testing.assert_allclose(found, posterior(known, measured), atol=bound + 1e-11)
 
 
-def test_other_targets_are_not_judged(scene):
+def test_other_targets_are_refused(scene):
     with pytest.raises(InputError, match="touches"):
         CommonDraws(scene, "touches")
 

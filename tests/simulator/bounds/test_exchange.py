@@ -1,4 +1,4 @@
-"""Exchange against every choice there is."""
+"""Exchanges compared with all choices."""
 
 import itertools
 

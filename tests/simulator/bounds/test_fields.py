@@ -116,7 +116,7 @@ def test_cells_are_covered_as_far_as_the_touch_moves():
     assert not covered_about(lines, 0.5, 1.0)[1].any()
 
 
-def test_earth_that_nothing_reaches_changes_no_slope(make_scene):
+def test_earth_without_capacitance_changes_no_slope(make_scene):
     """Two excitations a reading, of which what rounding leaves of one is not taken for a field."""
     scene = make_scene(columns=2, frequencies=[1e3, 1e5])
     factors, f = np.array([[1.0, 2.0]]), scene.frequencies
@@ -130,7 +130,7 @@ def test_earth_that_nothing_reaches_changes_no_slope(make_scene):
         np.testing.assert_allclose(earthed.by_parameter[name], alone.by_parameter[name], rtol=1e-3)
 
 
-def test_a_reduced_model_of_all_terminals_tells_the_same_near_earth():
+def test_a_reduced_model_of_all_terminals_agrees_near_earth():
     """Of a press by a finger: the capacitance of the foam alone is that of its map."""
     around = {
         "body": {"distance": 5e-3},

@@ -19,14 +19,14 @@ def test_bounds_are_the_inverse_of_the_information_whatever_the_units():
     np.testing.assert_allclose(covariances(information, 2), bound, rtol=1e-6, atol=1e-20)
 
 
-def test_what_no_reading_depends_on_is_infinite_and_leaves_the_others_alone():
+def test_an_unknown_without_effect_has_infinite_variance_and_no_influence():
     J = np.random.default_rng(1).standard_normal((30, 3)) * [1, 0, 1]
     alone = np.linalg.inv(J[:, [0, 2]].T @ J[:, [0, 2]])
     found = variances(J.T @ J, 3)
     np.testing.assert_allclose(found, [alone[0, 0], np.inf, alone[1, 1]], rtol=1e-9)
 
 
-def test_two_unknowns_with_one_effect_cannot_be_told():
+def test_two_unknowns_with_one_effect_are_not_resolved():
     J = np.repeat(np.random.default_rng(1).standard_normal((30, 1)), 2, axis=1)
     single = 1 / (J[:, 0] @ J[:, 0])
     assert (variances(J.T @ J, 2) > 1e6 * single).all()

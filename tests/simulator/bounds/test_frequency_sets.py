@@ -1,4 +1,4 @@
-"""Sets of frequencies that the best one is held against, and bands."""
+"""Reference sets of frequencies, and bands."""
 
 import numpy as np
 import pytest
@@ -12,12 +12,12 @@ def test_equation_6_gives_the_papers_frequencies():
         np.testing.assert_allclose(equation_6(load_scene("strip-1x5"), n), paper, atol=1)
 
 
-def test_one_frequency_by_even_spacing_is_the_middle_of_the_band():
+def test_one_frequency_by_log_spacing_is_the_middle_of_the_band():
     assert logarithmic((1e2, 1e4), 1).tolist() == [1000.0]
     np.testing.assert_allclose(logarithmic((1e2, 1e4), 3), [100, 1000, 10000])
 
 
-def test_an_end_of_a_band_that_is_absent_is_the_scenes(noisy_strip):
+def test_a_missing_end_of_a_band_is_that_of_the_scene(noisy_strip):
     low, high = noisy_strip.frequencies[[0, -1]]
     middle = float(low + high) / 2
     assert chosen_band(f"{middle!r}:", noisy_strip) == (middle, high)
@@ -26,6 +26,6 @@ def test_an_end_of_a_band_that_is_absent_is_the_scenes(noisy_strip):
 
 
 @pytest.mark.parametrize("text", ["1e3", "2e3:1e3", "0:1e3", "a:b", "1e3:nan"])
-def test_a_band_that_is_none_is_refused(noisy_strip, text):
+def test_an_invalid_band_is_refused(noisy_strip, text):
     with pytest.raises(InputError, match="--band must be LOW:HIGH"):
         chosen_band(text, noisy_strip)

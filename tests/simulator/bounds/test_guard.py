@@ -1,4 +1,4 @@
-"""A guard in whatever knows of leads: drawn skins, and limits of what a reading can tell."""
+"""A guard on the leads of drawn skins, and in limits."""
 
 import numpy as np
 import pytest
@@ -16,14 +16,14 @@ def behind(scene, leads):
     return scene.model_copy(update={"leads": leads})
 
 
-def test_drawn_skins_have_the_stray_capacitance_that_is_left(make_scene):
+def test_drawn_skins_have_the_unguarded_stray_capacitance(make_scene):
     one, other = (
         drawn_skin(behind(make_scene(), leads), 1, 0, (1, 1), 1).leads for leads in (GUARDED, SEEN)
     )
     assert one == other
 
 
-def test_limits_are_those_of_what_is_left(make_scene):
+def test_limits_are_those_of_the_unguarded_stray_capacitance(make_scene):
     guarded, seen = (behind(make_scene(columns=2), leads) for leads in (GUARDED, SEEN))
     frequency, at_rest = guarded.frequencies, np.ones(FullFields(guarded, 1e5).grid)
     one, other = (

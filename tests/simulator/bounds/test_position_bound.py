@@ -1,4 +1,4 @@
-"""The bound on position: how it adds up, its symmetries, and an estimate that reaches it."""
+"""The bound on position: additivity, symmetries, and an estimate that reaches it."""
 
 import numpy as np
 import pytest
@@ -18,11 +18,11 @@ TWO_PAIRS = (*LEFT, *BOTTOM)
 TRIALS = 150
 
 
-def slopes_of(scene, most=4, **question):
+def slopes_of(scene, most=4, **options):
     touch = chosen_touch(scene)
     fields = FullFields(scene, float(scene.frequencies[-1]))
     places = places_on(scene, touch, fields.cells, most)
-    return position_slopes(fields, places, touch, scene.frequencies, **question)
+    return position_slopes(fields, places, touch, scene.frequencies, **options)
 
 
 def square_of(noisy, **more):
@@ -49,7 +49,7 @@ def drifting(noisy):
     return square_of(noisy, accuracy=True)
 
 
-def test_n_readings_of_everything_divide_the_bound_by_root_n(square):
+def test_n_repeated_readings_divide_the_bound_by_root_n(square):
     once = slopes_of(square)
     four = Slopes(
         once.places, np.concatenate([once.by] * 4, axis=2), once.prior, once.frequency, once.room
@@ -70,7 +70,7 @@ def test_more_readings_are_never_worse(drifting):
     assert (fewer.x <= alone.x).all() and (fewer.y <= alone.y).all()
 
 
-def test_what_is_not_known_makes_the_bound_larger_and_the_skin_at_rest_helps(square, drifting):
+def test_unknowns_increase_the_bound_and_a_baseline_decreases_it(square, drifting):
     known, unsure = slopes_of(square).bounds(), slopes_of(square, unknown_skin=True).bounds()
     assert (unsure.x > known.x).all() and (unsure.strength > known.strength).all()
     alone = slopes_of(drifting, unknown_skin=True).bounds()
@@ -84,7 +84,7 @@ def test_interfaces_at_two_edges_swap_x_and_y(square):
     np.testing.assert_allclose(bounds.y, mirrored, rtol=1e-4)
 
 
-def test_one_edge_tells_mirrored_rows_alike_and_nothing_of_y_half_way(noisy):
+def test_one_edge_has_symmetric_bounds_and_does_not_resolve_y_in_the_middle(noisy):
     fine = {"magnitude_noise": 1e-5, "phase_noise": 1e-5}
     frequencies = np.geomspace(1e3, 1e5, 6).tolist()
     scene = noisy(readout=fine, rows=3, columns=3, frequencies=frequencies)
@@ -127,13 +127,13 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
     np.testing.assert_allclose(ratio, 1, atol=4 / np.sqrt(2 * TRIALS))
 
 
-def test_the_bound_is_one_call_and_says_where_the_touch_can_be(square):
+def test_the_bound_is_one_call_and_has_the_range_of_positions(square):
     bounds = position_bound(square, size=0.02, max_places=3)
     assert bounds.places.shape == (9, 2) and (bounds.places >= 0.01 - 1e-9).all()
     assert 0 < bounds.median_error() < 0.1
 
 
 @pytest.mark.parametrize("given", [{"size": 0.0}, {"size": 0.2}, {"factor": 1.0}, {"factor": -1}])
-def test_touches_that_are_none_are_refused(square, given):
+def test_invalid_touches_are_refused(square, given):
     with pytest.raises(InputError, match="must be"):
         chosen_touch(square, **given)

@@ -1,4 +1,4 @@
-"""A strip whose one pair of foils is all there is to read, and a meter that errs much."""
+"""A strip with one pair of foils, and a meter with large errors."""
 
 import pytest
 from rcskin.simulator.scene.meter import Readout

@@ -1,4 +1,4 @@
-"""`rcskin design`: its folder, a search that was killed, wishes out of reach, bad input."""
+"""The command `rcskin design`: its folder, interrupted searches, unreachable goals, bad input."""
 
 import csv
 
@@ -80,11 +80,11 @@ def _check_folder(run, folder):
         (("-o", "there/is/none"), "there/is/none: the folder there/is does not exist"),
     ],
 )
-def test_bad_wishes_are_told_in_one_line(refused, strip_file, given, told):
+def test_bad_constraints_are_refused_in_one_line(refused, strip_file, given, told):
     assert told in refused("design", strip_file, *given)
 
 
-def test_a_meter_without_noise_is_told(refused, strip, tmp_path):
+def test_a_meter_without_noise_is_refused(refused, strip, tmp_path):
     path = tmp_path / "exact.toml"
     path.write_text(scene_text(strip(readout={})), encoding="utf-8")
     assert "noise" in refused("design", path, *QUICK, "-o", tmp_path / "d")
@@ -95,7 +95,7 @@ def test_presses_that_a_tension_spreads_are_refused(refused, tmp_path):
     assert "press.capacitance_factor" in refused("design", "foam", "-o", tmp_path / "d")
 
 
-def test_sheets_unlike_each_other_stay_within_the_bounds(run, refused, strip, tmp_path):
+def test_different_sheets_stay_within_the_bounds(run, refused, strip, tmp_path):
     path = tmp_path / "unlike.toml"
     path.write_text(scene_text(strip(top=20e3, bottom=60e3)), encoding="utf-8")
     asked = ("design", path, *QUICK, "--sheet-resistance")

@@ -1,4 +1,4 @@
-"""Other places of foils and graded sheets: which there are, and what symmetry says of them."""
+"""Variants of foils and graded sheets, and their symmetries."""
 
 import pytest
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
@@ -15,13 +15,13 @@ FOILS = {"top-left": {"span": [0.0, 0.3]}, "bottom-left": {"span": [0.0, 0.3]}}
 NOISE = {"magnitude_noise": 0.04, "phase_noise": 0.04}
 
 
-def test_nothing_moves_unless_it_is_asked():
+def test_geometry_is_fixed_by_default():
     assert geometries(SHEET, Design()) == []
     named = [name for name, _ in geometries(SHEET, Design(foils=True, grading=4.0))]
     assert named == ["foils on the left edge", "foils on the bottom edge", "graded sheets"]
 
 
-def test_foils_stay_within_their_bounds_and_apart():
+def test_foils_stay_within_their_bounds_and_do_not_overlap():
     found = moved(("top-left", "bottom-left"), (0.2, 0.9), SHEET)
     assert len(found) >= 6
     for each in found:
@@ -31,7 +31,7 @@ def test_foils_stay_within_their_bounds_and_apart():
         assert len(terminals(each)) == 4
 
 
-def test_graded_sheets_rise_by_no_more_than_asked():
+def test_graded_sheets_stay_within_the_largest_ratio():
     found = graded(9.0, SHEET)
     assert len(found) == 8
     for each in found:
@@ -42,7 +42,7 @@ def test_graded_sheets_rise_by_no_more_than_asked():
         )
 
 
-def test_foils_mirrored_tell_as_much_and_the_best_for_columns_are_symmetric(strip):
+def test_mirrored_foils_have_equal_merit_and_the_best_for_columns_are_symmetric(strip):
     scene = strip(contacts=FOILS, rows=2, columns=2, width=0.1, frequencies=(1e4,), readout=NOISE)
     even = {"sheet_resistance": 1.0, "capacitance": 1.0, "foam_spread": 0.0, "loss_tangent": 0.0}
     scene = scene.with_(

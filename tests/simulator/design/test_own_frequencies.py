@@ -1,4 +1,4 @@
-"""Frequencies of each reading for itself, picked, judged and written."""
+"""Designs whose readings have their own frequencies."""
 
 import json
 
@@ -7,7 +7,7 @@ from rcskin.simulator.design.candidate_selection import exchanged_by_slope, sele
 from rcskin.simulator.scene.scene_files import load_scene
 
 
-def test_exchanges_come_near_the_best_of_all(seed=3):
+def test_exchanges_approach_the_best_choice(seed=3):
     random = np.random.default_rng(seed)
     worth = random.random((40, 12))
 
@@ -27,7 +27,7 @@ def test_exchanges_come_near_the_best_of_all(seed=3):
     assert most - value(found) < 0.1 * (most - value(begun))
 
 
-def test_a_design_of_them_is_a_scene_of_them(run, strip_file, tmp_path):
+def test_a_design_with_own_frequencies_is_a_scene_with_them(run, strip_file, tmp_path):
     options = ("--own-frequencies", "--casts", 1, "--draws", 200, "--readings", 3)
     code, out, err = run("design", strip_file, *options, "-o", tmp_path / "found")
     assert (code, err) == (0, ""), out

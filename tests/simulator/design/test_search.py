@@ -1,4 +1,4 @@
-"""Known optima of a line, and what holds of any search."""
+"""Known optima of a line, and properties of any search."""
 
 import itertools
 import math
@@ -42,7 +42,7 @@ def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(st
     assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
 
 
-def test_as_many_frequencies_are_read_as_are_asked_for(strip):
+def test_the_required_number_of_frequencies_is_read(strip):
     """Even those of a scene that has few, in a band that is narrow."""
     found = bench(strip(session=EVEN | BARE), frequencies=60, band=(5e3, 10e3))
     picked = found.picked(Material(50e3, 50e3), [0], [])
@@ -52,7 +52,7 @@ def test_as_many_frequencies_are_read_as_are_asked_for(strip):
     assert picked.share > fewer.share
 
 
-def test_twice_the_sheets_tell_as_much_at_half_the_frequencies(strip):
+def test_twice_the_sheet_resistance_has_the_same_merit_at_half_the_frequencies(strip):
     frequencies = (500.0, 1e3, 2e3, 4e3, 8e3, 16e3)
     clear = {"magnitude_noise": 0.005, "phase_noise": 0.005}
     scene = strip(clear, EVEN | BARE, frequencies=frequencies)
@@ -106,7 +106,7 @@ def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
     assert best_value(told, (1.0, 2.0), 5.0) == 2
 
 
-class CastReadings:
+class SampleReadings:
     """Readings like `TouchReadings`, of one known skin, compared with baseline sweeps."""
 
     def __init__(self, on, frequency, against_rest):
@@ -123,7 +123,7 @@ class CastReadings:
         return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
 
-def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(strip):
+def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
     judge = AccuracyScorer(scene, Design(casts=1), 4000, 1)
@@ -131,12 +131,12 @@ def test_common_draws_judge_a_lossy_cast_behind_leads_as_draws_of_its_own_do(str
     on = trained.readout(trained.sample(0), own.material, own.readings)
     told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
-    readings, presses = CastReadings(on, scene.frequencies, 6), own_presses(scene)
+    readings, presses = SampleReadings(on, scene.frequencies, 6), own_presses(scene)
     anew = exact(readings, hypotheses(scene, "pixel"), presses, seed=1, draws=4000)
     assert told == pytest.approx(anew.share, abs=4 * math.sqrt(0.5 / 4000))
 
 
-def test_the_nearest_pairs_are_those_at_the_strengths_that_bring_them_nearest():
+def test_the_nearest_pairs_are_those_at_the_nearest_strengths():
     random = np.random.default_rng(4)
     count, touches = 14, 2
     middle = 3 * random.standard_normal((count, 2, 3, 2)) + 500
@@ -161,7 +161,7 @@ def test_the_nearest_pairs_are_those_at_the_strengths_that_bring_them_nearest():
     assert (3, 8) not in expected and found.tolist() == sorted(found.tolist())
 
 
-def test_two_touches_are_searched_to_the_end(strip):
+def test_a_search_for_pairs_finishes(strip):
     """By shares that more readings never lessen."""
     scene = strip({"magnitude_noise": 4e-3, "phase_noise": 4e-3}, columns=3)
     asked = asking(target="pair", frequencies=2, sheet_resistance=(20e3, 100e3), draws=300)
@@ -169,7 +169,7 @@ def test_two_touches_are_searched_to_the_end(strip):
     assert 0.5 < found.before.tenth < found.best.tenth <= 1
 
 
-def test_model_and_exact_solution_agree_far_closer_than_the_meter_errs(strip):
+def test_model_and_exact_solution_agree_far_within_the_meters_error(strip):
     from rcskin.simulator.models.solver import Solver
     from rcskin.simulator.press.press import parse_press
 

@@ -1,4 +1,4 @@
-"""Tables of scenes whose interfaces have frequencies of their own are rows of those of all."""
+"""Tables of scenes whose interfaces have their own frequencies."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def scenes():
 @pytest.mark.parametrize(
     "target", ["pixel", "pair", pytest.param("position", marks=pytest.mark.slow)]
 )
-def test_they_are_rows_of_the_tables_of_all_readings(scenes, target):
+def test_tables_are_rows_of_those_of_all_readings(scenes, target):
     part, whole = (templates(scene, target) for scene in scenes)
     by_last = {"deviation", "single", "slope", "shift", "pair", "values"}
     by_last_but_one = {"skin"}
@@ -41,7 +41,7 @@ def test_they_are_rows_of_the_tables_of_all_readings(scenes, target):
             np.testing.assert_allclose(part[name], table, **CLOSE)
 
 
-def test_a_skin_is_told_by_the_readings_that_are_taken(scenes):
+def test_a_skin_is_estimated_from_the_readings_that_are_taken(scenes):
     """As by all readings of which those that are not taken err without bounds."""
     part, whole = (_unknown_skin(scene, False) for scene in scenes)
     curve = whole.baseline() + 0.05 * np.cos(np.arange(KEPT.size))

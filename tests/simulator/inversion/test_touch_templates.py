@@ -1,4 +1,4 @@
-"""Tables for inversion: what they hold is what the full solver and many drawn skins say."""
+"""Tables for inversion, compared with the full solver and with many drawn skins."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_slopes_are_differences_between_strengths(scene):
     np.testing.assert_allclose(tables["slope"][:, 1:-1], difference, atol=0.03 * scale)
 
 
-def test_pairs_are_both_touches_at_once(scene):
+def test_pairs_are_two_simultaneous_touches(scene):
     tables = templates(scene, "pair")
     assert len(tables["pairs"]) == 6
     pair = int(np.flatnonzero((tables["pairs"] == [0, 3]).all(axis=1))[0])
@@ -93,10 +93,10 @@ TOUCH = np.array([1]), np.array([1.0])
 
 
 def _change(scene, family, seed):
-    return _seen(scene, family, seed)[1]
+    return _observed(scene, family, seed)[1]
 
 
-def _seen(scene, family, seed):
+def _observed(scene, family, seed):
     """At rest, and what a touch changes."""
     skin = drawn_skin(scene, seed, 0, (2, 2), len(HALF_WAVES))
     s = laplace_variable(scene.frequencies, skin.variation.loss)
@@ -105,7 +105,7 @@ def _seen(scene, family, seed):
     return seen[0], seen[1] - seen[0]
 
 
-def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
+def test_a_skin_is_estimated_from_its_baseline(make_scene):
     """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
     drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
     unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(HALF_WAVES)
@@ -119,11 +119,11 @@ def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
     random = np.random.default_rng(0)
     z, before, after = [], [], []
     for seed in range(40):
-        rest, change = _seen(drawn, family, seed)
+        rest, change = _observed(drawn, family, seed)
         noise = random.multivariate_normal(np.zeros(rest.size), error.covariance)
         skin = unknown.conditioned_on_baseline(rest + noise, 20)
-        told, effect = _foretold(skin)
-        before.append(change - _foretold(unknown)[0])
+        told, effect = _predicted(skin)
+        before.append(change - _predicted(unknown)[0])
         after.append(change - told)
         left = effect @ effect.T + np.diag(error.deviation**2)
         z.append(after[-1] @ np.linalg.solve(left, after[-1]))
@@ -131,7 +131,7 @@ def test_a_skin_is_known_from_its_curve_at_rest(make_scene):
     assert np.mean(z) < rest.size
 
 
-def _foretold(skin):
+def _predicted(skin):
     cells, rises = TOUCH
     effect, moved = skin.of_touch(cells, rises)
     respond = skin.forward.respond
@@ -140,16 +140,16 @@ def _foretold(skin):
     return touched - rest + moved, effect
 
 
-def test_a_curve_at_rest_that_no_skin_has_leaves_unknowns_within_bounds(scene):
+def test_an_impossible_baseline_leaves_unknowns_within_bounds(scene):
     unknown = UnknownSkin(Forward(scene, rtol=1e-3))
     far = unknown.conditioned_on_baseline(unknown.baseline() + 5.0, 10**6)
     assert np.isfinite(far.baseline()).all()
 
 
 def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
-    tables = templates(scene, "pixel", "dataset", _resting(scene), 20, 1e-3)
+    tables = templates(scene, "pixel", "dataset", _baseline(scene), 20, 1e-3)
     forward = Forward(scene, rtol=1e-3)
-    values = UnknownSkin(forward).conditioned_on_baseline(_resting(scene), 20).values
+    values = UnknownSkin(forward).conditioned_on_baseline(_baseline(scene), 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
@@ -158,7 +158,7 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
     np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
 
 
-def _resting(scene):
+def _baseline(scene):
     return UnknownSkin(Forward(scene, rtol=1e-3)).baseline() + 0.01
 
 

@@ -1,4 +1,4 @@
-"""`rcskin limits` and `rcskin frequencies` as their user meets them."""
+"""The commands `rcskin limits` and `rcskin frequencies`."""
 
 import csv
 import json
@@ -41,7 +41,7 @@ def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
     assert imread(folder / "frequencies.png")[..., :3].std() > 0.05
 
 
-def test_a_terminal_shows_sets_of_frequencies_beside_each_other(run, scene_file, monkeypatch):
+def test_a_terminal_shows_a_table_of_frequency_sets(run, scene_file, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     code, out, err = run("frequencies", scene_file(), "-n", "2", "--grid", "8")
     assert (code, err) == (0, "")
@@ -78,7 +78,7 @@ def test_factor_and_size_reach_the_accuracies_too(run, tmp_path, scene_file):
     assert found["small"] < found["whole"] - 0.1
 
 
-def test_size_and_factor_hold_for_counts_of_pixels_too(run, coarse):
+def test_size_and_factor_apply_to_counts_of_pixels(run, coarse):
     asked = ("limits", "strip-1x3", "--accuracy", "0.99", "--draws", "50")
     whole, small, weak = (
         run(*asked, *more)[1] for more in ((), ("--size", "3"), ("--factor", "1.05"))
@@ -86,7 +86,7 @@ def test_size_and_factor_hold_for_counts_of_pixels_too(run, coarse):
     assert len({whole, small, weak}) == 3
 
 
-def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undrawn):
+def test_each_figure_states_its_assumptions(run, tmp_path, scene_file, undrawn):
     out = run("limits", scene_file(), *QUICK, "-o", tmp_path / "found")[1]
     position, accuracy = (
         out.index(f"for a {what}: known: the skin") for what in ("touch", "press")
@@ -99,7 +99,7 @@ def test_beside_each_figure_stands_what_is_known(run, tmp_path, scene_file, undr
     assert "unknown: x, y and strength, without prior, and the skin within dataset" in out
 
 
-def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, monkeypatch, undrawn):
+def test_long_tables_are_cut_on_the_terminal_only(run, tmp_path, scene_file, monkeypatch, undrawn):
     others, few = 24 - survey_results.MAX_ROWS, 4
     monkeypatch.setattr(survey_results, "MAX_ROWS", few)
     many = "1e4,2e4"
@@ -112,7 +112,7 @@ def test_a_screenful_is_printed_and_all_is_written(run, tmp_path, scene_file, mo
     assert f"{len(told['position']) - few} more rows in" in out
 
 
-def test_frequencies_come_one_a_line_in_a_pipe(run, scene_file):
+def test_a_pipe_gets_one_frequency_per_line(run, scene_file):
     path = scene_file()
     code, out, err = run("frequencies", path, "-n", "3", "--grid", "12")
     assert code == 0

@@ -1,4 +1,4 @@
-"""Limits of what fingers touch: their slopes, and the ways to touch that a sweep tells apart."""
+"""Limits of touches by fingers: their slopes, and the kinds of touch."""
 
 import numpy as np
 import pytest
@@ -31,14 +31,14 @@ def fields():
     return FullFields(FINGER, 5e4, cells=2)
 
 
-def laid(fields, place, touch):
+def rasterized(fields, place, touch):
     cells = AreaRasterizer.of(0.12, 0.12, fields.grid)
     return cells.with_finger(cells.rasterized(place, touch), place, touch)
 
 
-def test_a_touch_by_a_finger_reads_as_the_full_model_has_it(fields):
+def test_a_touch_by_a_finger_equals_that_of_the_full_model(fields):
     touch = chosen_touch(FINGER)
-    factors, _ = laid(fields, (0.06, 0.03), touch)
+    factors, _ = rasterized(fields, (0.06, 0.03), touch)
     found = fields.respond(factors, {}, FINGER.frequencies).Z
     press = Press((Rectangle(0.06, 0.03, 0.06, 0.06, 2.0, 5e-12),))
     np.testing.assert_allclose(found, Solver(FINGER, 1e-5).solve(press).Z, rtol=2e-3)
@@ -47,11 +47,11 @@ def test_a_touch_by_a_finger_reads_as_the_full_model_has_it(fields):
 @pytest.mark.parametrize("rise", [1.0, 0.0])
 def test_slopes_of_a_touch_by_a_finger_are_those_of_differences(fields, rise):
     touch, place = chosen_touch(FINGER)._replace(rise=rise), np.array([0.045, 0.07])
-    own = laid(fields, tuple(place), touch)
+    own = rasterized(fields, tuple(place), touch)
     slopes = fields.respond(own.factors, own.changes, FINGER.frequencies).by_parameter
 
     def Z(place, touch):
-        factors, _ = laid(fields, tuple(place), touch)
+        factors, _ = rasterized(fields, tuple(place), touch)
         return fields.respond(factors, {}, FINGER.frequencies).Z
 
     for name, step in (("x", [1e-5, 0]), ("y", [0, 1e-5])):
@@ -65,7 +65,7 @@ def test_slopes_of_a_touch_by_a_finger_are_those_of_differences(fields, rise):
         np.testing.assert_allclose(slopes[name], moved, rtol=1e-3)
 
 
-def test_a_finger_marks_its_touch_and_one_of_next_to_nothing_is_a_rod():
+def test_a_finger_changes_a_touch_and_a_tiny_one_equals_a_rod():
     own, none = (
         identity(FINGER.with_({"press.finger": C}), Sampling(1, 300, 6)) for C in (5e-12, 1e-18)
     )
@@ -80,7 +80,7 @@ def test_a_finger_marks_its_touch_and_one_of_next_to_nothing_is_a_rod():
     assert identity(EARTH, Sampling(1, 20, 6)).kinds is None
 
 
-def test_what_touches_is_said_as_presses_say_it():
+def test_fingers_are_given_as_in_texts_of_presses():
     assert with_finger(EARTH, "5.3pF").press.finger == pytest.approx(5.3e-12)
     assert with_finger(FINGER, "rod").press.finger is None
     assert with_finger(FINGER, None) is FINGER
@@ -95,13 +95,13 @@ def test_what_touches_is_said_as_presses_say_it():
         (EARTH, "thumb", "what touches must be"),
     ],
 )
-def test_a_finger_that_cannot_be_is_refused(scene, finger, told):
+def test_an_impossible_finger_is_refused(scene, finger, told):
     with pytest.raises(InputError) as error:
         with_finger(scene, finger)
     assert told in str(error.value) and "\n" not in str(error.value)
 
 
-def test_designs_for_positions_take_no_surroundings():
+def test_designs_for_positions_refuse_surroundings():
     with pytest.raises(InputError, match="a design for positions cannot take `surroundings`"):
         TouchPositions(FINGER)
 

@@ -1,4 +1,4 @@
-"""The best frequencies, beside the sets that they are held against."""
+"""The best frequencies, and the sets that they are compared with."""
 
 import numpy as np
 import pytest
@@ -50,14 +50,14 @@ def test_frequencies_are_chosen_among_those_given(noisy_strip):
 
 
 @pytest.mark.parametrize("n", [2, 10, 39, 40])
-def test_however_many_frequencies_find_room_on_their_grid(n):
+def test_any_number_of_frequencies_fits_on_its_grid(n):
     excludes = too_near(np.geomspace(1e3, 2e3, 40), n)
     found = best_choice(lambda choices: choices.sum(axis=1), 40, n, excludes=excludes)
     assert len(set(found.tolist())) == n and allowed(found, excludes)
 
 
 @pytest.mark.parametrize("text", ["0,1e3", "many", "1e3,inf", "", "-5"])
-def test_what_is_no_list_of_frequencies_is_refused(noisy_strip, text):
+def test_an_invalid_list_of_frequencies_is_refused(noisy_strip, text):
     with pytest.raises(InputError, match="--among must be `scene` or F,F"):
         frequencies_among(text, noisy_strip)
 

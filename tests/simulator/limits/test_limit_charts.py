@@ -1,4 +1,4 @@
-"""The sheet below a map of limits: its rim, its pixels and its foils."""
+"""Maps of limits: outline, pixels and foils of the sheet."""
 
 from contextlib import contextmanager
 from itertools import combinations
@@ -43,10 +43,8 @@ def test_an_outline_is_drawn_with_its_pixels_and_foils(drawn):
 
 
 @pytest.mark.parametrize("sides", [(0.18, 0.07), (0.07, 0.18), (0.12, 0.12)])
-@pytest.mark.parametrize("untold", [False, True])
-def test_maps_of_any_skin_stand_in_rows_and_columns_with_their_labels_apart(
-    sides, untold, monkeypatch, tmp_path
-):
+@pytest.mark.parametrize("unresolved", [False, True])
+def test_labels_of_maps_do_not_overlap_on_any_skin(sides, unresolved, monkeypatch, tmp_path):
     drawn = Figure(layout="constrained")
 
     @contextmanager
@@ -58,7 +56,7 @@ def test_maps_of_any_skin_stand_in_rows_and_columns_with_their_labels_apart(
     scene = load_scene("sheet-3x3").with_({"skin.length": sides[0], "skin.width": sides[1]})
     places = np.array(sides) * [[0.3, 0.3], [0.3, 0.7], [0.7, 0.3], [0.7, 0.7]]
     x = np.array([1e-3, 3e-3, 1e-2, 0.1])
-    y = np.full(4, np.inf) if untold else x
+    y = np.full(4, np.inf) if unresolved else x
     bounds = PositionBounds(places, x, y, x, np.zeros(4), sides)
     draw_maps(scene, [Variant("", str(k), bounds, x) for k in range(3)], "title", tmp_path)
     drawn.draw_without_rendering()

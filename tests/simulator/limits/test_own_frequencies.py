@@ -1,4 +1,4 @@
-"""Limits of scenes whose interfaces have frequencies of their own, and what is told of them."""
+"""Limits of scenes whose interfaces have their own frequencies."""
 
 import json
 
@@ -38,7 +38,7 @@ def slopes_of(scene, against_rest):
 
 
 @pytest.mark.parametrize("against_rest", [0, 4])
-def test_an_interface_alone_tells_as_a_scene_of_it_alone(shared, against_rest):
+def test_bounds_of_one_interface_equal_those_of_a_scene_with_it_alone(shared, against_rest):
     own = shared.with_(OWN)
     alone = with_interfaces(own, ["bottom"])
     assert alone.frequencies.tolist() == [1e4, 1e5] and alone.taken is None
@@ -61,7 +61,7 @@ def test_information_of_readings_adds_up(shared):
     assert (slopes.bounds().strength < expected.strength).all()
 
 
-def test_a_survey_holds_the_scenes_own_beside_sets_that_all_share(shared):
+def test_a_survey_has_the_scenes_own_frequencies_and_common_sets(shared):
     own = shared.with_(OWN)
     question = SurveyOptions(chosen_touch(own), against_rest=4)
     part, whole = (survey(scene, question, [3e4]) for scene in (own, shared))
@@ -75,7 +75,7 @@ def test_a_survey_holds_the_scenes_own_beside_sets_that_all_share(shared):
 
 
 @pytest.mark.usefixtures("undrawn", "coarse")
-def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared, tmp_path):
+def test_all_frequencies_at_an_interface_equal_no_own_frequencies(run, written, shared, tmp_path):
     every = {f"interface.{k}.frequencies": FREQUENCIES for k in (1, 2)}
     outs = []
     for name, scene in (("every", shared.with_(every)), ("none", shared)):
@@ -86,7 +86,7 @@ def test_frequencies_that_are_all_of_them_are_as_none_told(run, written, shared,
 
 
 @pytest.mark.usefixtures("undrawn", "coarse")
-def test_limits_are_written_of_them(run, written, shared, tmp_path):
+def test_limits_of_own_frequencies_are_written(run, written, shared, tmp_path):
     path = written(shared.with_(OWN))
     asked = ("--draws", "50", "-n", "2", "--unknown-skin", "--accuracy", "0.9")
     code, out, err = run("limits", path, "-o", tmp_path / "out", *asked)
@@ -97,7 +97,7 @@ def test_limits_are_written_of_them(run, written, shared, tmp_path):
     assert by_name["interfaces", "bottom"]["frequencies_Hz"] == [1e4, 1e5]
 
 
-def test_frequencies_are_found_for_all_or_for_one(run, written, shared):
+def test_frequencies_are_chosen_for_all_interfaces_or_for_one(run, written, shared):
     path = written(shared.with_(OWN))
     code, out, err = run("frequencies", path, "-n", "2", "--grid", "8")
     assert code == 0 and len(out.split()) == 2 and "of the best" in err

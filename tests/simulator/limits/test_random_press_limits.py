@@ -1,4 +1,4 @@
-"""What a hand beside its pixel leaves of the best accuracy, and the best middle of a posterior."""
+"""Limits for presses off the centre of their pixel, and the median of a posterior."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def strip(noisy):
     return noisy(readout=noise, spread=0.2, columns=4, **STRIP)
 
 
-def test_without_offset_it_is_the_limit_of_whole_pixels(strip):
+def test_without_offset_the_accuracy_is_that_of_whole_pixels(strip):
     share, error = bayes_accuracy(strip, "column", draws=3000)
     found = off_centre_accuracy(strip, "column", offset=0.0, draws=3000, samples=600)
     assert 0.5 < share < 0.98
@@ -32,7 +32,7 @@ def test_without_offset_it_is_the_limit_of_whole_pixels(strip):
     assert found.upper == pytest.approx(share, abs=both)
 
 
-def test_it_falls_with_the_offset_and_the_estimates_close_in_with_samples(strip):
+def test_the_accuracy_falls_with_the_offset_and_samples_narrow_its_interval(strip):
     near, far = (
         off_centre_accuracy(strip, "column", offset=offset, draws=2000, samples=1000)
         for offset in (0.05, 0.4)
@@ -71,7 +71,7 @@ def test_readings_of_a_touch_on_cells_are_those_of_the_solver(strip):
     np.testing.assert_allclose(read, exact, atol=0.1)
 
 
-def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_told(noisy):
+def test_the_distance_falls_with_the_noise_to_that_of_a_guess(noisy):
     def median(size):
         scene = noisy(readout={"magnitude_noise": size, "phase_noise": size}, **STRIP)
         spread = Normal(mean=2.0, deviation=0.1)
@@ -82,7 +82,7 @@ def test_the_distance_shrinks_with_noise_and_is_the_rooms_own_where_nothing_is_t
     assert lost == pytest.approx(0.02, rel=0.2)
 
 
-def test_the_middle_has_the_least_mean_distance():
+def test_the_geometric_median_has_the_smallest_mean_distance():
     places = np.random.default_rng(0).normal(size=(50, 2))
     found = _geometric_medians(np.full((1, 50), 1 / 50), places)
 

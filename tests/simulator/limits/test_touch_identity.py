@@ -1,4 +1,4 @@
-"""Pixels told apart: the bound by pairs, how many are told, and how far readings lie apart."""
+"""Identity of touches: the pairwise bound, counts of pixels, distances between sweeps."""
 
 import numpy as np
 from rcskin.simulator.bounds.bayes import bayes
@@ -20,7 +20,7 @@ def noise(size):
     return {"magnitude_noise": size, "phase_noise": size}
 
 
-def test_the_pairwise_bound_is_one(noisy):
+def test_the_pairwise_bound_exceeds_the_accuracy(noisy):
     scene = noisy(readout=noise(0.02), spread=0.2, columns=4, **STRIP)
     presses = own_presses(scene)
     readings, among = TouchReadings(scene, presses), hypotheses(scene, "column")
@@ -28,7 +28,7 @@ def test_the_pairwise_bound_is_one(noisy):
     assert 0.3 < found.share - 4 * found.error <= upper_bound(readings, among, presses) < 1
 
 
-def test_pixels_are_counted_until_they_are_not_told(noisy):
+def test_pixels_are_counted_up_to_the_required_accuracy(noisy):
     scene = noisy(readout=noise(0.01), columns=3, **STRIP)
     found = list(counts(scene, "column", 0.9, Sampling(seed=1, draws=300)))
     assert [each.n for each in found] == list(range(2, 2 + len(found)))
@@ -46,7 +46,7 @@ def test_pixels_are_counted_in_the_proportion_of_the_scene(noisy):
     assert grid_text(noisy(length=0.1, width=0.1, rows=3, columns=3), 5) == "5x5"
 
 
-def test_distances_grow_with_what_is_known_of_strengths(noisy):
+def test_distances_grow_with_the_knowledge_of_strengths(noisy):
     scene = noisy(readout=noise(0.01), spread=0.1, columns=3, **STRIP)
     presses, among = own_presses(scene), hypotheses(scene, "column")
     readings = TouchReadings(scene, presses)

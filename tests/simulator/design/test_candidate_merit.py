@@ -1,4 +1,4 @@
-"""The share by pairs: its slopes, its concavity, and the bounds that follow from it."""
+"""Merits of candidates: slopes, concavity, and the bounds that follow from them."""
 
 import itertools
 import math
@@ -25,9 +25,9 @@ def some_pairs(seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
 
 
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
-@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
-def test_slopes_are_those_of_differences(told, ties):
-    share, random = told(some_pairs(), ties), np.random.default_rng(2)
+@pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
+def test_slopes_are_those_of_differences(told, session):
+    share, random = told(some_pairs(), session), np.random.default_rng(2)
     weights = random.random(share.candidates)
     _, slope = share.slope(weights)
     h = 1e-5
@@ -37,28 +37,28 @@ def test_slopes_are_those_of_differences(told, ties):
 
 
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
-@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
-def test_the_share_lies_below_all_its_tangents(told, ties):
-    share, random = told(some_pairs(), ties), np.random.default_rng(3)
+@pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
+def test_the_share_lies_below_all_its_tangents(told, session):
+    share, random = told(some_pairs(), session), np.random.default_rng(3)
     for _ in range(20):
         at, other = random.random((2, share.candidates))
         value, slope = share.slope(at)
         assert share.slope(other)[0] <= value + slope @ (other - at) + 1e-12
 
 
-@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
-def test_errors_of_a_session_hide_what_all_frequencies_share(ties):
+@pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
+def test_errors_of_a_session_hide_what_all_frequencies_share(session):
     common = np.repeat(some_pairs(frequencies=1).separation, 5, axis=2)
     pairs = Pairs(common, some_pairs().weight)
     known = by_frequency(pairs, KNOWN).slope(np.ones(5))[0]
-    assert by_frequency(pairs, ties).slope(np.ones(5))[0] <= known
-    joint = by_reading(pairs, ties).slope(np.ones(7))[0]
-    assert joint == pytest.approx(by_frequency(pairs, ties).slope(np.ones(5))[0], rel=1e-12)
+    assert by_frequency(pairs, session).slope(np.ones(5))[0] <= known
+    joint = by_reading(pairs, session).slope(np.ones(7))[0]
+    assert joint == pytest.approx(by_frequency(pairs, session).slope(np.ones(5))[0], rel=1e-12)
 
 
-@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
-def test_a_score_is_what_the_slope_tells_of_a_choice(ties):
-    share = by_frequency(some_pairs(), ties)
+@pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
+def test_a_score_is_1_minus_the_merit_of_a_choice(session):
+    share = by_frequency(some_pairs(), session)
     choices = np.array([[0, 3, 5], [1, 2, 8]])
     for choice, score in zip(choices, share.score(choices), strict=True):
         weights = np.zeros(share.candidates)
@@ -66,7 +66,7 @@ def test_a_score_is_what_the_slope_tells_of_a_choice(ties):
         assert 1 - score == pytest.approx(share.slope(weights)[0], abs=3e-6)
 
 
-def test_every_choice_is_looked_at_where_there_are_few_and_none_exceeds_the_bound():
+def test_few_choices_are_all_evaluated_and_none_exceeds_the_bound():
     share = by_reading(some_pairs(), KNOWN)
     best = max(
         share.slope(np.isin(range(7), choice).astype(float))[0]
@@ -105,9 +105,12 @@ def some_places(seed=1, places=12):
 
 
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
-@pytest.mark.parametrize("ties", [KNOWN, UNKNOWN])
-def test_how_near_places_are_told_is_concave_and_its_slopes_are_those_of_differences(told, ties):
-    share, random = told(some_places(), ties, PositionMerit((0.1, 0.05))), np.random.default_rng(2)
+@pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
+def test_the_merit_of_positions_is_concave_with_exact_slopes(told, session):
+    share, random = (
+        told(some_places(), session, PositionMerit((0.1, 0.05))),
+        np.random.default_rng(2),
+    )
     h = 1e-5
     for _ in range(10):
         weights, other = 0.2 + random.random((2, share.candidates))
@@ -118,7 +121,7 @@ def test_how_near_places_are_told_is_concave_and_its_slopes_are_those_of_differe
         assert slope @ other == pytest.approx((ahead - behind) / (2 * h), rel=1e-5)
 
 
-def test_nothing_read_leaves_the_distance_of_a_guess():
+def test_without_readings_the_distance_is_that_of_a_guess():
     near = PositionMerit((0.1, 0.05))
     told = near(np.zeros((1, 3, 3)), np.ones(1))
     assert float(told.value) == pytest.approx(0, abs=1e-12)
@@ -144,7 +147,7 @@ def test_frequencies_of_each_reading_bound_those_of_all():
 @pytest.mark.parametrize(
     "merit", [AccuracyMerit(), PositionMerit((0.12, 0.08))], ids=["right", "near"]
 )
-def test_a_merit_alone_is_that_which_tells_how_it_changes(merit):
+def test_a_merit_without_slopes_equals_that_with_slopes(merit):
     ways = 20 * np.random.default_rng(5).standard_normal((6, 11, 5, 3))
     found = np.einsum("...ka,...kb->...ab", ways, ways)
     weight = np.full(11, 1 / 11)

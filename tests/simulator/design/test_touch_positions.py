@@ -44,13 +44,13 @@ def test_bounds_are_those_of_the_full_solver(scene):
         np.testing.assert_allclose(one, other, rtol=0.05)
 
 
-def test_a_share_is_no_wish_of_positions(run, refused, strip_file):
+def test_a_share_is_refused_for_positions(run, refused, strip_file):
     code, _, err = run("design", strip_file, "--target", "position", "--want", 0.9)
     assert code == 2 and "use `within`" in err and err.count("\n") == 1
     assert "within belongs to the target position" in refused("design", strip_file, "--within", 3)
 
 
-def test_a_search_for_positions_tells_millimetres(run, strip_file, tmp_path):
+def test_a_search_for_positions_reports_millimetres(run, strip_file, tmp_path):
     quick = ("--casts", 1, "--sheet-ratio", 1, "--target", "position")
     code, out, err = run("design", strip_file, *quick, "--within", 1e-2, "-o", tmp_path / "d")
     assert (code, err) == (0, "")

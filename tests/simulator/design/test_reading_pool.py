@@ -1,4 +1,4 @@
-"""Which readings wires allow, and what a sweep of them takes."""
+"""Readings between given wires, and the time of a sweep."""
 
 import itertools
 
@@ -28,11 +28,11 @@ def test_the_scenes_own_readings_keep_their_names():
     assert own_readings(SHEET, pool(SHEET, ["top-left", "bottom-left"])) == [0]
 
 
-def test_fewer_wires_are_tried_in_all_ways():
+def test_fewer_wires_are_tried_in_all_combinations():
     assert len(wirings(SHEET, 3)) == 4 and len(wirings(SHEET, 8)) == 1
 
 
-def test_foils_that_touch_take_one_wire():
+def test_touching_foils_need_one_wire():
     corner = SHEET.with_(
         {"contact.top-left.span": [0.0, 1.0], "contact.top-bottom.span": [0.0, 1.0]}
     )
