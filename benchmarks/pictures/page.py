@@ -18,7 +18,7 @@ from PIL import Image
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.page.document import document
-from rcskin.simulator.page.packed import packed, reduced_for_page
+from rcskin.simulator.page.packed import page_data, reduced_for_page
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -72,7 +72,7 @@ class Page:
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
     start, plain = time.perf_counter(), folded(scene, "a page")
-    text = document(packed(plain, reduced_for_page(plain, RTOL, CELLS)))
+    text = document(page_data(plain, reduced_for_page(plain, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")
     return Page(path, len(text) / 1e6, time.perf_counter() - start)

@@ -10,7 +10,7 @@ from ..record.measured_sweep import MeasuredSweep
 from .touch_answer import NOTHING_PRESSED, TouchAnswer
 
 MIN_PROBABILITY = 0.95
-RENEWED_AFTER = 5
+RENEWAL_COUNT = 5
 OPENING_COUNT = 8
 """Number of first unpressed sweeps that identify the skin, as in recordings."""
 
@@ -41,7 +41,7 @@ class LiveBaseline:
     @property
     def due(self) -> bool:
         """True if the next sweep may renew the baseline and must be measured whole."""
-        return self._unpressed_count == RENEWED_AFTER - 2
+        return self._unpressed_count == RENEWAL_COUNT - 2
 
     @property
     def opening(self) -> list[MeasuredSweep]:
@@ -79,7 +79,7 @@ class LiveBaseline:
             return False
         self.first = self.first or sweep
         self._unpressed_count += 1
-        if self._unpressed_count < RENEWED_AFTER:
+        if self._unpressed_count < RENEWAL_COUNT:
             self._candidate = sweep or self._candidate
             return False
         taken, self._unpressed_count, self._candidate = self._candidate, 0, None

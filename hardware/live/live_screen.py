@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from ..meter.meter_reading import MeterReading
-from .live_session import END_KEY, REST_KEY, TimedAnswer
+from .live_session import BASELINE_KEY, END_KEY, TimedAnswer
 from .pixel_grid import fitted_grid
 from .touch_answer import reading_count
 
@@ -114,7 +114,7 @@ class LiveScreen:
         from rich.text import Text
 
         keys = f"{END_KEY}: end" + (
-            f" {REST_KEY}: measure the unpressed skin again"
+            f" {BASELINE_KEY}: measure the unpressed skin again"
             if self._localizer.uses_baseline
             else ""
         )

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 RATE_ANSWERS = 10
 MAX_BASELINE_TRIALS = 5
-END_KEY, REST_KEY = "q", "r"
+END_KEY, BASELINE_KEY = "q", "r"
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class LiveSession:
             key = self.key()
             if key == END_KEY:
                 return
-            if key == REST_KEY and self.rest.wanted:
+            if key == BASELINE_KEY and self.rest.wanted:
                 self.rest.forget()
                 self._request_baseline()
             self.step()

@@ -14,7 +14,7 @@ from ...simulator.sweeps import InputError
 from ..event_counter import Report
 from ..page.request_head import WORD
 
-LONGEST_LINE = 2048
+MAX_LINE = 2048
 END = re.compile(rb"[\r\n]")
 METHODS = rb"GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH"
 WEB = re.compile(
@@ -37,7 +37,7 @@ class WebError(Exception):
 class LineReader:
     """Turns received bytes into whole lines; a line that is too long becomes None."""
 
-    def __init__(self, longest: int = LONGEST_LINE) -> None:
+    def __init__(self, longest: int = MAX_LINE) -> None:
         self._longest, self._kept, self._overlong = longest, b"", False
 
     def is_web(self, received: bytes) -> bool:

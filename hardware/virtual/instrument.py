@@ -14,16 +14,16 @@ from ..meter.meter_identity import VIRTUAL_SERIAL
 from .faults import Faults
 from .language.parser import ExecutionError
 from .measurement import (
-    NOTHING,
+    NO_RESULT,
     OVERFLOW,
     UNDERFLOW,
     MeasurementResult,
     MeasurementSetup,
     conditions,
-    written,
+    measurement_text,
 )
 from .meter_state import Measuring, Registers, Settings, Standard
-from .virtual_corrections import Corrections
+from .virtual_corrections import CorrectionRuns
 from .worker import Worker
 
 if TYPE_CHECKING:
@@ -61,8 +61,8 @@ class Instrument:
     settings: Settings = field(default_factory=Settings)
     registers: Registers = field(default_factory=Registers)
     faults: Faults = field(default_factory=Faults)
-    corrections: Corrections = field(default_factory=Corrections)
-    latest: MeasurementResult = NOTHING
+    corrections: CorrectionRuns = field(default_factory=CorrectionRuns)
+    latest: MeasurementResult = NO_RESULT
     pending: PendingMeasurement | None = None
     fresh_from: float = 0.0
     waiting: bool = False
@@ -88,7 +88,7 @@ class Instrument:
         if self.settings.trigger == "INTERNAL" and self.now >= self.fresh_from:
             self.pending = self._begun(self.now)
         await self.settle()
-        return written(self.latest, self.settings)
+        return measurement_text(self.latest, self.settings)
 
     async def wait(self) -> None:
         """`*WAI`: wait for running actions; with internal trigger, for a new reading."""
@@ -113,7 +113,7 @@ class Instrument:
         except Exception as failure:
             self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
             self.registers.note(Standard.DDE)
-            result = NOTHING
+            result = NO_RESULT
         self._keep(replace(result, status=fault.status) if fault else result)
         if self.pending is pending:
             self.pending = None
@@ -130,8 +130,8 @@ class Instrument:
     def reset(self) -> None:
         """`*RST`: factory settings, without corrections and readings."""
         self.corrections.stop()
-        self.settings, self.corrections = Settings(), Corrections()
-        self.latest, self.pending = NOTHING, None
+        self.settings, self.corrections = Settings(), CorrectionRuns()
+        self.latest, self.pending = NO_RESULT, None
         self.changed()
 
     def restart(self) -> None:

@@ -7,7 +7,7 @@ import inspect
 from .instrument import Instrument
 from .language.meter_command import MeterCommand
 from .language.parser import CommandError, ExecutionError, Message, messages
-from .language.vocabulary import find
+from .language.vocabulary import find_command
 from .meter_state import Standard
 
 
@@ -26,7 +26,7 @@ async def answer(meter: Instrument, line: str) -> str:
 
 
 async def _execute(meter: Instrument, message: Message) -> list[str]:
-    command = find(message.words, meter.model, meter.settings.compatible)
+    command = find_command(message.words, meter.model, meter.settings.compatible)
     act = command and (command.ask if message.query else command.tell)
     if command is None or act is None:
         raise CommandError(message.words)

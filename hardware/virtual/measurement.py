@@ -39,7 +39,7 @@ class MeasurementResult:
     conditions: ReadingConditions
 
 
-NOTHING = MeasurementResult(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
+NO_RESULT = MeasurementResult(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingCond
     )
 
 
-def written(result: MeasurementResult, settings: Settings) -> str:
+def measurement_text(result: MeasurementResult, settings: Settings) -> str:
     """Answer to `:MEASure?` in the form that `:MEASure:VALid` and `:MEASure:ITEM` set."""
     parts = [str(result.status)] if settings.valid & 16 else []
     if settings.valid & 2:
@@ -116,7 +116,7 @@ def _value(result: MeasurementResult, name: str) -> str:
         return numbers.UNDER
     if result.status in WITHOUT_NUMBERS:
         return numbers.OVER
-    return numbers.measured(
+    return numbers.measured_text(
         quantity(name, result.Z, result.conditions.frequency), DECIMALS.get(name)
     )
 

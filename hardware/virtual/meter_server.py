@@ -35,7 +35,7 @@ class Ports:
 
 
 @asynccontextmanager
-async def listening(
+async def open_ports(
     instrument: Instrument, control: ControlPort, host: str, port: int, control_port: int
 ) -> AsyncIterator[Ports]:
     """Open both ports while the block runs. Port 0 takes any free port.
@@ -63,17 +63,17 @@ async def listening(
 
 
 @contextmanager
-def running(
+def run_in_thread(
     instrument: Instrument,
     control: ControlPort | None = None,
     host: str = LOOPBACK,
     port: int = 0,
     control_port: int = 0,
 ) -> Iterator[Ports]:
-    """Run the virtual meter in a thread while the block runs. Raises the errors of `listening`."""
+    """Run the virtual meter in a thread while the block runs. Raises the errors of `open_ports`."""
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     entered = stack.enter_async_context(
-        listening(instrument, control or ControlPort(instrument), host, port, control_port)
+        open_ports(instrument, control or ControlPort(instrument), host, port, control_port)
     )
     thread = threading.Thread(target=loop.run_forever, name="virtual meter", daemon=True)
     thread.start()

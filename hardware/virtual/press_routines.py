@@ -42,7 +42,7 @@ def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
     return steps
 
 
-def scripted(steps: list[tuple[float, str]]) -> Routine:
+def press_by_script(steps: list[tuple[float, str]]) -> Routine:
     """Press at these times; the last press stays."""
 
     async def routine(control: ControlPort) -> None:
@@ -54,7 +54,7 @@ def scripted(steps: list[tuple[float, str]]) -> Routine:
     return routine
 
 
-def at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator) -> Routine:
+def press_at_random(pixels: Sequence[str], seconds: float, random: np.random.Generator) -> Routine:
     """Press a random one of these pixels, or none, every `seconds`."""
     if not 0 < seconds <= 3600:
         raise InputError(f"`random` must be in (0, 3600] s, got {seconds:g}")

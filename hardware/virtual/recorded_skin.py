@@ -80,6 +80,6 @@ class RecordedSkin:
         return ""
 
 
-def exact(Z: complex, conditions: ReadingConditions) -> complex:
+def exact_readout(Z: complex, conditions: ReadingConditions) -> complex:
     """Readout without further errors: the recording contains the meter's."""
     return Z

@@ -18,9 +18,9 @@ from ..page.page_address import LOOPBACK
 from .control import ControlPort
 from .instrument import Instrument
 from .measurement import MeasurementSetup, Readout
-from .meter_server import Ports, listening
-from .press_routines import Routine, at_random, read_script, scripted
-from .recorded_skin import RecordedSkin, exact
+from .meter_server import Ports, open_ports
+from .press_routines import Routine, press_at_random, press_by_script, read_script
+from .recorded_skin import RecordedSkin, exact_readout
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,7 +94,7 @@ def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin
     first = float(sweeps["frequency"][0])
     names = interfaces or [str(name) for name in sweeps["interface"].values]
     skins = {name: RecordedSkin(sweeps, name) for name in names}
-    return ServedSkin(skins, exact, rows, columns, first)
+    return ServedSkin(skins, exact_readout, rows, columns, first)
 
 
 def instrument(served: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE) -> Instrument:
@@ -122,12 +122,12 @@ def routines(
     if script and random is not None:
         raise InputError("`script` and `random` cannot both press the skin")
     if script:
-        return (scripted(read_script(script, served.skin)),)
+        return (press_by_script(read_script(script, served.skin)),)
     if random is not None:
         import numpy as np
 
         generator = np.random.default_rng(seed)
-        return (at_random(served.pixels, random, generator),)
+        return (press_at_random(served.pixels, random, generator),)
     return ()
 
 
@@ -157,7 +157,7 @@ def serve(
     async def open_(stack: AsyncExitStack) -> None:
         control = ControlPort(meter, press_routines)
         on_listening(
-            await stack.enter_async_context(listening(meter, control, host, port, control_port))
+            await stack.enter_async_context(open_ports(meter, control, host, port, control_port))
         )
         if page_options:
             page_options.tell(await stack.enter_async_context(serve_page(control, page_options)))

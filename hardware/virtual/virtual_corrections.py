@@ -24,7 +24,7 @@ class CorrectedMeter(Protocol):
 
 
 @dataclass
-class Corrections:
+class CorrectionRuns:
     """Running acquisitions, and the error code of the last one of each kind (0: success)."""
 
     under_way: dict[str, asyncio.Task] = field(default_factory=dict)

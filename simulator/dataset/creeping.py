@@ -12,7 +12,7 @@ import numpy as np
 from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
-from ..press.foam_creep import Array, Creep, let_off
+from ..press.foam_creep import Array, Creep, unloading_strain
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -67,7 +67,7 @@ def _strain_histories(scene: Scene, strain: Array) -> tuple[Array, Array]:
     while_pressed, between = creep.decay(whole), creep.decay(pause)[:, None]
     for press, x in enumerate(strain):
         largest = x if pause else np.where(x > 0, np.maximum(x, largest), 0.0)
-        y[:, press], at_once[press] = now, let_off(x, largest, foam.hysteresis or 0.0)
+        y[:, press], at_once[press] = now, unloading_strain(x, largest, foam.hysteresis or 0.0)
         now = creep.loaded(now, at_once[press], while_pressed) * between
     return at_once, y
 

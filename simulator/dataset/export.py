@@ -130,7 +130,7 @@ def _write_netcdf(sweeps: xr.Dataset, path: Path, data: Path) -> None:
 
 def _copy(file: Any, name: str, variable: xr.Variable, labels: str, data: Path) -> None:
     text = variable.dtype.kind in "OUT"
-    target = netcdf.created(file, name, variable.dtype, variable.dims)
+    target = netcdf.create_variable(file, name, variable.dtype, variable.dims)
     target.setncatts(_plain(variable.attrs) | ({"coordinates": labels} if labels else {}))
     rows = max(1, VALUES_AT_ONCE * variable.shape[0] // max(1, variable.size))
     for first in range(0, variable.shape[0], rows):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sweeps.digests import OF_STORE, check_store, seal_store
+from ..sweeps.digests import STORE_DIGEST, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
 from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
 from .dataset_plan import Plan
@@ -66,7 +66,7 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
     """Writes the attributes and consolidates the metadata, which lets readers open faster."""
     import zarr
 
-    (folder / OF_STORE).unlink(missing_ok=True)  # left by a killed process
+    (folder / STORE_DIGEST).unlink(missing_ok=True)  # left by a killed process
     _open(folder, "r+").attrs.put(dict(attributes))
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")

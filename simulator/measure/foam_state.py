@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ..models.mechanics.force_depths import press_by_depths
-from ..press.foam_creep import Array, Creep, let_off
+from ..press.foam_creep import Array, Creep, unloading_strain
 from ..press.press import Press, order
 from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
 from ..scene.scene import Scene
@@ -127,7 +127,7 @@ class FoamState:
     def _at_once(self, spot: Spot) -> float:
         """Strain that the load of a spot causes at once."""
         hysteresis = self.scene.skin.foam.hysteresis or 0.0
-        return float(let_off(np.array(spot.x), np.array(spot.most), hysteresis))
+        return float(unloading_strain(np.array(spot.x), np.array(spot.most), hysteresis))
 
     def _now(self, spot: Spot, decay: Array) -> AnyTouch | None:
         """Touch that compresses the foam as the spot does; None if no trace is left."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ..press.walls import of_step
+from ..press.walls import step_capacitance
 from ..scene.contacts import Contact
 from ..scene.extent import perimeter, surface
 from ..scene.scene import Scene
@@ -62,7 +62,7 @@ def wall_share(scene: Scene, factor: float) -> float:
     """
     skin, (rows, columns) = scene.skin, scene.pixels.shape
     x, y = skin.stretched_sides[0] / columns, skin.stretched_sides[1] / rows
-    step = float(of_step(1 / factor)) * skin.foam.thickness_or_assumed
+    step = float(step_capacitance(1 / factor)) * skin.foam.thickness_or_assumed
     return step * 2 * (x + y) / (x * y * (factor - 1))
 
 

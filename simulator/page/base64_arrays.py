@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def exactly(values: NDArray[np.float64]) -> dict[str, Any]:
+def exact_array(values: NDArray[np.float64]) -> dict[str, Any]:
     """Array as text, exact to 1.5e-11.
 
     It is little-endian, row after row: the upper six of eight bytes, rounded.
@@ -18,7 +18,7 @@ def exactly(values: NDArray[np.float64]) -> dict[str, Any]:
     return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
 
 
-def pictured(values: NDArray[np.float64]) -> dict[str, Any]:
+def single_precision_array(values: NDArray[np.float64]) -> dict[str, Any]:
     """Array as text in single precision, little-endian, row after row."""
     return _text(np.ascontiguousarray(values, "<f4").view("u1"), "float32")
 

@@ -35,7 +35,7 @@ def page(
     from ..requests.requested_scene import note_if_noise_free, requested_scene
     from ..sweeps import checked_output, whole_file
     from .document import document
-    from .packed import packed, reduced_for_page
+    from .packed import page_data, reduced_for_page
 
     checked_output(output, (".html",))
     asked = requested_scene(scene)
@@ -47,7 +47,7 @@ def page(
         note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")
     with on_terminal() as progress:
         reduced = reduced_for_page(skin, rtol, cells, progress)
-    text = document(packed(skin, reduced))
+    text = document(page_data(skin, reduced))
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")
     report_written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)

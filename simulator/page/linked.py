@@ -7,7 +7,7 @@ from ..progress import on_terminal
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .document import PageLink, document
-from .packed import packed, reduced_for_page
+from .packed import page_data, reduced_for_page
 
 RTOL, CELLS = 1e-3, 2
 
@@ -22,4 +22,4 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
     asked = uniformly_pressed(scene, "a page")
     with on_terminal() as progress:
         reduced = reduced_for_page(asked, RTOL, CELLS, progress)
-    return document(packed(asked, reduced), PageLink(kind, nonce))
+    return document(page_data(asked, reduced), PageLink(kind, nonce))

@@ -28,7 +28,7 @@ class LocatedPoints(NamedTuple):
     on_skin: NDArray[np.bool_]
 
 
-def located(domain: Domain, points: NDArray[np.float64]) -> LocatedPoints:
+def locate_points(domain: Domain, points: NDArray[np.float64]) -> LocatedPoints:
     """Places on the mesh of points as seen along z, m, shape (2, point)."""
     each = [_nearest(domain, x) for x in points.T]
     triangle = np.array([number for number, _ in each])

@@ -28,7 +28,7 @@ from ..sweeps import InputError
 from . import base64_arrays
 from .page_model import packed_model
 from .plan import plan
-from .raster import Raster, pictured
+from .raster import Raster, raster_fields
 
 RESISTANCE, CAPACITANCE = (0.4, 2.5), (0.5, 2.0)
 """Factors by which a page changes each sheet's resistance, and all capacitance."""
@@ -123,14 +123,14 @@ def reduced_for_page(
     return reduce(divided, rtol, draw, progress=progress, frequency=band)
 
 
-def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
+def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
     """Data of a page, for JSON: numbers, names, and arrays as base64.
 
     scene: as users press it; reduced: from `reduced_for_page`. points: approximate number of those
     at which the field is shown.
     """
     skin, raster = reduced.skin(None), Raster.over(scene, points)
-    picture = pictured(skin, raster)
+    picture = raster_fields(skin, raster)
     presses = own_presses(scene)
     return {
         "name": scene.name,
@@ -161,11 +161,11 @@ def packed(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, An
             "rows": raster.rows,
             "columns": raster.columns,
             "beside": np.flatnonzero(~picture.on_skin).tolist(),
-            "conductance": base64_arrays.pictured(picture.conductance),
+            "conductance": base64_arrays.single_precision_array(picture.conductance),
         },
         "sheets": list(scene.skin.sheet_resistances),
         "model": packed_model(skin),
-        "basis": base64_arrays.pictured(picture.potential.transpose(0, 2, 1)),
+        "basis": base64_arrays.single_precision_array(picture.potential.transpose(0, 2, 1)),
         "scene": _scene_tables(scene),
         **({"finger": _finger(scene)} if scene.surroundings else {}),
     }

@@ -16,7 +16,7 @@ from ..models.reduced.families.family import resistive
 from ..models.reduced.projection import Projection
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.parts import Parts
-from .base64_arrays import exactly
+from .base64_arrays import exact_array
 
 KRYLOV_RTOL = 1e-12
 """Relative error of Rs and of Cp that Lanczos' method leaves on a page."""
@@ -36,10 +36,10 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         "steps": {"fewest": MIN_LANCZOS_STEPS, "most": MAX_LANCZOS_STEPS, "rtol": KRYLOV_RTOL},
         "terminals": len(rest.rows),
         "size": rest.rows.shape[1],
-        "rows": exactly(rest.rows),
-        "diagonal": exactly(rest.diagonal),
+        "rows": exact_array(rest.rows),
+        "diagonal": exact_array(rest.diagonal),
         "ranks": full.sum(axis=1).tolist(),
-        "factors": exactly(rest.factors[full]),
+        "factors": exact_array(rest.factors[full]),
         "feeds": [
             {
                 "conductance": feed.conductance,
@@ -54,7 +54,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         ],
         "fields": reduced.terminal_field.tolist(),
         "conductance": _conductance(skin).tolist(),
-        "top": exactly(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
+        "top": exact_array(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
         "gauges": _gauge_data(skin) if gauged(reduced.scene.skin) else None,
         **_surroundings_data(skin),
     }
@@ -78,7 +78,7 @@ def _surroundings_data(skin: ReducedSkin) -> dict[str, Any]:
         "parts": {"fingers": parts.kind[1].start, "thickness": parts.kind[2].start},
         "across": bool(parts.thickness),
         **({"walls": _walls(parts)} if parts.walls.count else {}),
-        "fixed": None if whole is None else exactly(whole),
+        "fixed": None if whole is None else exact_array(whole),
     }
 
 
@@ -120,7 +120,7 @@ def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     return {
         "piezoresistance": [scene.skin.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
         "ranks": [len(each) for each in factors],
-        "factors": exactly(np.concatenate(factors)),
+        "factors": exact_array(np.concatenate(factors)),
     }
 
 

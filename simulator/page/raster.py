@@ -18,7 +18,7 @@ from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.families.uniform_family import UniformFamily
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..scene.scene import Scene
-from .locating import located
+from .locating import locate_points
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class RasterFields:
     conductance: NDArray[np.float64]
 
 
-def pictured(skin: ReducedSkin, raster: Raster) -> RasterFields:
+def raster_fields(skin: ReducedSkin, raster: Raster) -> RasterFields:
     """Fields of a skin at the raster's points."""
     family = skin.reduced.family
     if isinstance(family, UniformFamily):
@@ -91,7 +91,7 @@ def _triangle_probes(family: Family, raster: Raster) -> tuple[csr_matrix, NDArra
     mesh = family.mesh
     assert isinstance(mesh, Triangulation)
     elements, points = triangles(mesh.domain, mesh.order), raster.points
-    found = located(mesh.domain, points)
+    found = locate_points(mesh.domain, points)
     values = rule_at(elements.element, found.places, np.ones(points.shape[1])).values
     dofs = elements.trial.dofs.element_dofs[:, found.triangle]
     every = np.broadcast_to(np.arange(points.shape[1]), dofs.shape)

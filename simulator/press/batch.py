@@ -20,7 +20,7 @@ class TouchedCells(NamedTuple):
 NOTHING = TouchedCells(np.zeros(0, dtype=np.int64), np.zeros(0))
 
 
-def together(*touched: TouchedCells) -> TouchedCells:
+def joined_cells(*touched: TouchedCells) -> TouchedCells:
     """Join touched cells to one press."""
     cells = np.concatenate([each.cells for each in touched])
     return TouchedCells(cells, np.concatenate([each.rises for each in touched]))

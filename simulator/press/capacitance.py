@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .batch import NOTHING, TouchedCells, together
+from .batch import NOTHING, TouchedCells, joined_cells
 from .parts import parts_of
 from .pixels import pixel_lines
 from .press import Press, check_fingers, pressed_factor, require_plain
@@ -105,7 +105,7 @@ def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = Non
     )
     if not press.fingers:
         return raised
-    return together(raised, fingers(scene, press, shape))
+    return joined_cells(raised, fingers(scene, press, shape))
 
 
 def _check_walls(scene: Scene, press: Press, grid: tuple[int, int]) -> None:
@@ -123,7 +123,7 @@ def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> 
     """Fingers of a press on such a grid, numbered as in `Parts`, F."""
     shape = grid or scene.pixels.shape
     each = [_finger(scene, touch, shape) for touch in press.touches if touch.finger]
-    return together(NOTHING, *each)
+    return joined_cells(NOTHING, *each)
 
 
 def _cells_under_factors(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:

@@ -84,7 +84,7 @@ class Creep:
         return power, turn, root
 
 
-def let_off(x: Array, most: Array, hysteresis: float) -> Array:
+def unloading_strain(x: Array, most: Array, hysteresis: float) -> Array:
     """Strain on unloading, where loading would cause x, after a larger load caused `most`.
 
     x + 3 h x (1 - x / most): where stress is proportional to x, the area between both paths is the

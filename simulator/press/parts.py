@@ -18,7 +18,7 @@ from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
 from .batch import NOTHING, PressBatch, TouchedCells
-from .walls import NO_WALL, NO_WALLS, Walls, of_step, of_step_slope, walls_of
+from .walls import NO_WALL, NO_WALLS, Walls, step_capacitance, step_capacitance_slope, walls_of
 
 SOLVED = "solved"
 """Marks a part without a factor: solved surroundings are valid for one geometry."""
@@ -132,9 +132,9 @@ class Parts:
     def wall(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
         """Amount of a wall between foam with these factors of c, both of shape (...).
 
-        `of_step` of the ratio of the thicknesses; 0 if they are equal.
+        `step_capacitance` of the ratio of the thicknesses; 0 if they are equal.
         """
-        return of_step(_ratio(self.thinned(one), self.thinned(other)))
+        return step_capacitance(_ratio(self.thinned(one), self.thinned(other)))
 
     def wall_slope(
         self, own: NDArray[np.float64], other: NDArray[np.float64]
@@ -144,7 +144,7 @@ class Parts:
         by_factor = (self.thinned(own + step) - self.thinned(own - step)) / (2 * step)
         thinner = thinned < beside
         by_thickness = np.where(thinner, 1 / beside, -beside / thinned**2)
-        return of_step_slope(_ratio(thinned, beside)) * by_thickness * by_factor
+        return step_capacitance_slope(_ratio(thinned, beside)) * by_thickness * by_factor
 
     def wall_slopes(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
         """Derivatives of all walls by the factors of their first and second part, shape (wall, 2).

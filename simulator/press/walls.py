@@ -95,7 +95,7 @@ def require_no_walls(scene: Scene, what: str) -> None:
         )
 
 
-def of_step(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def step_capacitance(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
     """Capacitance of a step in the gap between two plates beyond straight fields, over eps, per
     metre.
 
@@ -110,8 +110,8 @@ def of_step(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
     return (2 * np.log1p(b**2 / (4 * a)) + walls) / np.pi
 
 
-def of_step_slope(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Derivative of `of_step` by the ratio: -(1 - a²)/(pi a²) ln((1 + a)/(1 - a))."""
+def step_capacitance_slope(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Derivative of `step_capacitance` by the ratio: -(1 - a²)/(pi a²) ln((1 + a)/(1 - a))."""
     a = np.asarray(ratio, dtype=np.float64)
     there = a < 1
     own = np.where(there, a, 0.5)

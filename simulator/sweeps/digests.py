@@ -25,7 +25,7 @@ DIGEST_PREFIX = b"\nsha256 of the bytes above: "
 """Text before the digest at the end of a binary file; HDF5 ignores bytes behind its end."""
 MEMBER = "sha256"
 """Member of a ZIP archive with the digest of the names and contents of all other members."""
-OF_STORE = "zarr.json.sha256"
+STORE_DIGEST = "zarr.json.sha256"
 """Digest file of a Zarr folder in the format of `sha256sum`; chunks have their own crc32c."""
 LINES_WIDTH = 15
 """Width of the line count: enough digits for any disk."""
@@ -112,20 +112,20 @@ def check_archive(path: Path, file: IO[bytes]) -> None:
 def seal_store(folder: Path) -> None:
     """Writes the digest of a Zarr folder's consolidated metadata beside the metadata."""
     digest = hashlib.sha256((folder / "zarr.json").read_bytes()).hexdigest()
-    (folder / OF_STORE).write_bytes(f"{digest}  zarr.json\n".encode())
+    (folder / STORE_DIGEST).write_bytes(f"{digest}  zarr.json\n".encode())
 
 
 def check_store(folder: Path) -> bool:
     """True if a Zarr folder has a digest; raises InputError if the metadata do not match it."""
     try:
-        stored = (folder / OF_STORE).read_bytes()
+        stored = (folder / STORE_DIGEST).read_bytes()
     except FileNotFoundError:
         return False
     digest = hashlib.sha256((folder / "zarr.json").read_bytes()).hexdigest()
     if stored.split() != [digest.encode(), b"zarr.json"]:
         raise InputError(
-            f"{folder}: spoilt or changed: zarr.json is not what {OF_STORE} in it says; use "
-            f"another copy, or remove {OF_STORE} if you changed it"
+            f"{folder}: spoilt or changed: zarr.json is not what {STORE_DIGEST} in it says; use "
+            f"another copy, or remove {STORE_DIGEST} if you changed it"
         )
     return True
 

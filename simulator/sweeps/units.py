@@ -13,7 +13,7 @@ NUMBER_WITH_UNIT = re.compile(
     r"(?P<number>[-+]?[\d._]+(?:,\d+)?(?:[eE][-+]?\d+)?)\s*(?P<unit>[^\d\s,][^,]*)?"
 )
 
-PLAIN = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
+PLAIN_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 
 
 def plain_number(text: str) -> float:
@@ -21,7 +21,7 @@ def plain_number(text: str) -> float:
 
     Python would also read `1_0`, `nan`, `inf` and the digits of other scripts.
     """
-    return float(text) if PLAIN.fullmatch(text) else math.nan
+    return float(text) if PLAIN_NUMBER.fullmatch(text) else math.nan
 
 
 def in_si(text: str) -> str | None:

@@ -77,7 +77,7 @@ def view(
 
     every = every and animate != "phase"
     with on_terminal() as progress:
-        stage = _stage(scene, press, frequency, interface, rtol, every, progress)
+        stage = _viewed_press(scene, press, frequency, interface, rtol, every, progress)
     stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
     if output is not None:
         with on_terminal() as progress:
@@ -118,7 +118,7 @@ def _check(
         raise InputError(f"--exaggerate must be finite and >= 0, got {exaggerate:g}")
 
 
-def _stage(
+def _viewed_press(
     name: str,
     press: str,
     frequency: list[float] | None,

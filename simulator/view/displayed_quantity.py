@@ -120,7 +120,7 @@ def _displayed(
     return shown
 
 
-def over_the_phase(
+def over_one_period(
     quantity: ViewedQuantity, fields: SolutionFields, skin: SkinSurface, at: int, count: int
 ) -> list[DisplayedQuantity]:
     """Potential or current at `count` moments of one period."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..chart_style import ENDINGS as STILLS
 from ..progress import ProgressCallback, silent, tracked
 from ..sweeps import InputError, require_packages
-from .displayed_quantity import at_frequencies, over_the_phase
+from .displayed_quantity import at_frequencies, over_one_period
 from .quantities import ViewedQuantity, chosen
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _period_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     rows = []
     for quantity in chosen(what, stage.fields):
         skin = stage.skin(quantity)
-        shown = over_the_phase(quantity, stage.fields, skin, 0, PHASES)
+        shown = over_one_period(quantity, stage.fields, skin, 0, PHASES)
         rows.append(stage.panels(skin, shown))
     return [list(panels) for panels in zip(*rows, strict=True)]
 

@@ -13,7 +13,7 @@ from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks
 from .painting import Scenery
-from .skin_surface import SkinSurface, curved, polygons, readable_exaggeration, surface
+from .skin_surface import SkinSurface, is_curved, polygons, readable_exaggeration, surface
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -74,7 +74,7 @@ class ViewedPress:
 
     @property
     def _in_space(self) -> bool:
-        return curved(self.fields) if self.wrapped is None else self.wrapped
+        return is_curved(self.fields) if self.wrapped is None else self.wrapped
 
     def laid(self, x: Real) -> Real:
         """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""

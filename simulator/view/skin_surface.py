@@ -163,7 +163,7 @@ def _first_at_place(places: Real) -> NDArray[np.int64]:
     return first[back.ravel()]
 
 
-def curved(fields: SolutionFields) -> bool:
+def is_curved(fields: SolutionFields) -> bool:
     """True if the skin lies anywhere but in the plane of its flat places."""
     flat = np.vstack([fields.x, np.zeros_like(fields.x[:1])])
     return not np.allclose(fields.position, flat, atol=1e-9 * np.ptp(fields.x), rtol=0.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin import __main__ as front
-from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.localization.model.model_file import save
 from rcskin.simulator.measure.readout import read_out
@@ -53,7 +53,7 @@ def scene(request, folder):
 def ports(scene):
     """A virtual meter on that sheet."""
     exhibit = simulated(rcskin.load(str(scene)), seed=7)
-    with running(instrument(exhibit, pace=0)) as ports:
+    with run_in_thread(instrument(exhibit, pace=0)) as ports:
         yield ports
 
 

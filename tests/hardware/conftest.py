@@ -16,9 +16,9 @@ from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
-from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.meter_state import PerRange, Settings
-from rcskin.hardware.virtual.recorded_skin import exact
+from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.scene_files import load_scene
 from typer.testing import CliRunner
 from websockets.sync.client import connect
@@ -109,7 +109,7 @@ def pillow():
 def make_instrument():
     """A virtual meter that takes no time, on the pillow unless told otherwise."""
 
-    def make_instrument(skin=None, readout=exact, **more):
+    def make_instrument(skin=None, readout=exact_readout, **more):
         return Instrument(
             MeasurementSetup(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more}
         )
@@ -148,7 +148,7 @@ def instrument(make_instrument):
 @pytest.fixture
 def ports(instrument):
     """Where the virtual meter listens."""
-    with running(instrument) as ports:
+    with run_in_thread(instrument) as ports:
         yield ports
 
 
@@ -162,7 +162,9 @@ def meter(ports):
 @pytest.fixture
 def serve():
     """A context with any instrument served."""
-    return lambda instrument, *routines: running(instrument, ControlPort(instrument, routines))
+    return lambda instrument, *routines: run_in_thread(
+        instrument, ControlPort(instrument, routines)
+    )
 
 
 @pytest.fixture

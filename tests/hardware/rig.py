@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rcskin.__main__ import meter as app
 from rcskin.hardware.virtual import serving
-from rcskin.hardware.virtual.recorded_skin import exact
+from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
 from rcskin.simulator.sweeps import InputError
 
@@ -57,7 +57,7 @@ def simulated(scene, interfaces=None, seed=1):
     names = checked_interfaces(interfaces, scene)
     skins = {name: SKINS[name] for name in names}
     return serving.ServedSkin(
-        skins, exact, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
+        skins, exact_readout, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.touch_factors import factors_under
@@ -81,7 +81,7 @@ def test_live_tells_columns_of_a_skin_pressed_by_depth(swept):
     write(concatenate(several), swept.with_name("several.nc"))
     run("train", swept.with_name("several.nc"), "--features", "dlnZ,dphase", "-o", model)
     meter = instrument(simulated(strip(), seed=7), pace=0)
-    with running(meter, ControlPort(meter, ())) as ports:
+    with run_in_thread(meter, ControlPort(meter, ())) as ports:
         where = ["--resource", ports.resource, "--model", model, "--sweeps", 2]
         rest = swept.with_name("rest.nc")
         run("live", *where, "--log", rest)
@@ -139,7 +139,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     ).groups()
     assert float(low) <= float(depth) <= float(high)
     meter = instrument(simulated(scene, seed=7), pace=0)
-    with running(meter, ControlPort(meter, ())) as ports:
+    with run_in_thread(meter, ControlPort(meter, ())) as ports:
         control = f"127.0.0.1:{ports.control}"
         assert f"{depth} mm deep" in run("meter", "press", "1,2", "--control", control).stderr
         assert run("meter", "press", "1,2:1mm", "--control", control).stderr == ""

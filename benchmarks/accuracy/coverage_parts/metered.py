@@ -11,7 +11,7 @@ from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
-from rcskin.hardware.virtual.measurement import MeasurementSetup, written
+from rcskin.hardware.virtual.measurement import MeasurementSetup, measurement_text
 from rcskin.hardware.virtual.meter_state import Settings
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.scene.scene import Scene, interface_names
@@ -56,5 +56,5 @@ def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReadi
     found = []
     for frequency in scene.frequencies:
         settings = Settings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
-        found.append(parse_reading(written(bench.measure(press, settings), settings)))
+        found.append(parse_reading(measurement_text(bench.measure(press, settings), settings)))
     return found

@@ -19,7 +19,7 @@ from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
 
@@ -102,7 +102,7 @@ class Stage:
         first = scene.sweep.frequencies[0]
         exhibit = ServedSkin(seats, self.read, *scene.pixels.shape, first)
         meter = instrument(exhibit, pace=0.0)
-        with running(meter, ControlPort(meter)) as ports:
+        with run_in_thread(meter, ControlPort(meter)) as ports:
             switch = Relays(self, f"{ports.host}:{ports.control}")
             link = LiveMeter(
                 localizer,

@@ -17,7 +17,7 @@ from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.record.recording_terminal import RecordingScreen
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.meter_server import running
+from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.sweeps import side_by_side
@@ -43,7 +43,7 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     readout = lambda Z, at_hand: errors.read(Z, at_hand.range)  # noqa: E731
     meter = instrument(ServedSkin(skins, readout, *scene.pixels.shape, first), pace=0.0)
     steps = [parse_step(press, *scene.pixels.shape) for press in presses]
-    with running(meter, ControlPort(meter)) as ports, tempfile.TemporaryDirectory() as folder:
+    with run_in_thread(meter, ControlPort(meter)) as ports, tempfile.TemporaryDirectory() as folder:
         hand = press_virtual_skin(f"{ports.host}:{ports.control}")
         task = RecordingTask(
             header_of(scene, [interface], steps),

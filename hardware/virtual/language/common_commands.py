@@ -5,11 +5,11 @@ from __future__ import annotations
 from ..instrument import Instrument
 from ..meter_state import Standard
 from .meter_command import MeterCommand
-from .values import whole
+from .values import integer
 
 
 def _set_mask(name: str, text: str, meter: Instrument) -> None:
-    setattr(meter.registers, name, whole(text, 0, 255))
+    setattr(meter.registers, name, integer(text, 0, 255))
 
 
 async def _complete(meter: Instrument) -> int:
@@ -31,7 +31,7 @@ def _mask(header: str, name: str) -> MeterCommand:
     )
 
 
-COMMON = (
+COMMON_COMMANDS = (
     MeterCommand("*IDN", ask=lambda meter: meter.identity, named=False),
     MeterCommand("*RST", tell=lambda meter: meter.reset(), takes=0),
     MeterCommand(":PRESet", tell=lambda meter: meter.reset(), takes=0),

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from ..instrument import Instrument
 from ..virtual_corrections import SETTINGS
-from .meter_command import MeterCommand, chosen
+from .meter_command import MeterCommand, matched_word
 from .parser import CommandError
-from .values import whole
+from .values import integer
 
 
 def _set_items(meter: Instrument, first: str, second: str) -> None:
-    meter.settings.items = (whole(first, 0, 255), whole(second, 0, 127))
+    meter.settings.items = (integer(first, 0, 255), integer(second, 0, 127))
 
 
 def _set_valid(meter: Instrument, text: str) -> None:
-    meter.settings.valid = whole(text, 1, 31)
+    meter.settings.valid = integer(text, 1, 31)
 
 
 def _correct(meter: Instrument, kind: str, text: str) -> None:
-    asked = chosen(text, ("OFF", "ALL", "SPOT", "CANCel"))
+    asked = matched_word(text, ("OFF", "ALL", "SPOT", "CANCel"))
     if asked is None:
         raise CommandError(text)
     if asked == "CANCEL":
@@ -40,7 +40,7 @@ def _correction(header: str, kind: str) -> tuple[MeterCommand, MeterCommand]:
     )
 
 
-MEASURING = (
+MEASURING_COMMANDS = (
     MeterCommand(":MEASure", ask=lambda meter: meter.measure(), named=False),
     MeterCommand(
         ":MEASure:ITEM",

@@ -10,21 +10,21 @@ from typing import Any
 from .parser import Message
 
 
-def short(word: str) -> str:
+def short_form(word: str) -> str:
     """`FREQuency` -> `FREQ`."""
     return "".join(letter for letter in word if not letter.islower())
 
 
-def forms(header: str) -> set[tuple[str, ...]]:
+def all_forms(header: str) -> set[tuple[str, ...]]:
     """All forms of a header such as `:RANGe:AUTO`, in capitals, word by word."""
     words = header.lstrip(":").split(":")
-    return set(product(*({short(word), word.upper()} for word in words)))
+    return set(product(*({short_form(word), word.upper()} for word in words)))
 
 
-def chosen(text: str, words: Iterable[str]) -> str | None:
+def matched_word(text: str, words: Iterable[str]) -> str | None:
     """Word that the text writes in short or long form, in its long form; None if there is none."""
     given = text.upper()
-    return next((word.upper() for word in words if given in (short(word), word.upper())), None)
+    return next((word.upper() for word in words if given in (short_form(word), word.upper())), None)
 
 
 Act = Callable[..., Any]

@@ -11,9 +11,9 @@ from ...meter.accuracy_table import RANGES
 from ..instrument import Instrument
 from ..measurement import PARAMETERS
 from ..meter_state import SPEEDS
-from .meter_command import MeterCommand, chosen
+from .meter_command import MeterCommand, matched_word
 from .parser import CommandError
-from .values import engineering, number, whole
+from .values import engineering, integer, number
 
 Read = Callable[[str], Any]
 Format = Callable[[Any], str]
@@ -21,7 +21,7 @@ Format = Callable[[Any], str]
 
 def _one_of(*words: str) -> Read:
     def read(text: str) -> str:
-        found = chosen(text, words)
+        found = matched_word(text, words)
         if found is None:
             raise CommandError(text)
         return found
@@ -42,7 +42,7 @@ def _rounded_number(low: float, high: float, digits: int) -> Read:
 
 
 def _parse_averaging(text: str) -> int:
-    return 1 if text.upper() == "OFF" else whole(text, 1, 256)
+    return 1 if text.upper() == "OFF" else integer(text, 1, 256)
 
 
 def _averaging_text(value: int) -> str:
@@ -58,7 +58,7 @@ def _setting_command(header: str, name: str, read: Read, show: Format = str) -> 
 
 
 def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
-    ranges = RANGES if which.upper() == "ALL" else [whole(which, 1, 10)]
+    ranges = RANGES if which.upper() == "ALL" else [integer(which, 1, 10)]
     for n in ranges:
         meter.settings.each_range[n] = replace(meter.settings.each_range[n], **{name: value})
     meter.changed()
@@ -76,7 +76,7 @@ def _each_range(
         MeterCommand(
             header,
             lambda meter, which, text: _set_each(meter, which, name, read(text)),
-            lambda meter, which: kept(meter, whole(which, 1, 10)),
+            lambda meter, which: kept(meter, integer(which, 1, 10)),
             takes=2,
             asks=1,
         ),
@@ -90,7 +90,7 @@ def _each_range(
 
 
 def _set_range(meter: Instrument, text: str) -> None:
-    meter.settings.range, meter.settings.auto_range = whole(text, 1, 10), False
+    meter.settings.range, meter.settings.auto_range = integer(text, 1, 10), False
     meter.changed()
 
 
@@ -112,7 +112,7 @@ def _volts_text(value: float) -> str:
     return f"{value:.3f}"
 
 
-STORED = (
+SETTING_COMMANDS = (
     _setting_command(":HEADer", "header", _parse_on_off, _on_off_text),
     _setting_command(":MODE", "mode", _one_of("LCR", "CONTinuous")),
     _setting_command(":COMMand:COMPatible", "compatible", _parse_on_off, _on_off_text),
@@ -140,12 +140,12 @@ STORED = (
     _parameter(":PARameter3", 1, siblings_only=True),
     _parameter(":PARameter4", 1, siblings_only=True),
     _setting_command(":TRIGger", "trigger", _one_of("INTernal", "EXTernal")),
-    _setting_command(":CORRection:CABLe", "cable", lambda text: whole(text, 0, 1)),
+    _setting_command(":CORRection:CABLe", "cable", lambda text: integer(text, 0, 1)),
     _setting_command(":CORRection:LOAD", "load_correction", _parse_on_off, _on_off_text),
     _setting_command(
         ":TRANsmit:TERMinator",
         "carriage_return_only",
-        lambda text: bool(whole(text, 0, 1)),
+        lambda text: bool(integer(text, 0, 1)),
         lambda value: str(int(value)),
     ),
     *_each_range(":RANGe:SYNC:SPEEd", ":SPEEd", "speed", _one_of(*SPEEDS), str),

@@ -20,7 +20,7 @@ def engineering(value: float, digits: int) -> str:
     return f"{moved:.{max(digits - 1 - shift, 0)}f}E{int(exponent) - shift:+03d}"
 
 
-def measured(value: float, decimals: int | None = None) -> str:
+def measured_text(value: float, decimals: int | None = None) -> str:
     """A measured value after a space or a minus: six digits, or `decimals` (phase, Q, D).
 
     A value beyond any display is written as overflow.
@@ -45,7 +45,7 @@ def number(text: str, low: float, high: float) -> float:
     return float(text)
 
 
-def whole(text: str, low: int, high: int) -> int:
+def integer(text: str, low: int, high: int) -> int:
     """Number in an argument, rounded to a whole one as a meter does. Raises as `number`."""
     value = number(text, -math.inf, math.inf)
     if not low - 0.5 <= value < high + 0.5:

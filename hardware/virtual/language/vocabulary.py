@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 from ....simulator.sweeps.meter_bands import VIRTUAL_MODEL
-from .meter_command import MeterCommand, forms
+from .meter_command import MeterCommand, all_forms
 
 
-def find(words: tuple[str, ...], model: str, compatible: bool) -> MeterCommand | None:
+def find_command(words: tuple[str, ...], model: str, compatible: bool) -> MeterCommand | None:
     """Command that these words write in long or short form, on this model; None if unknown."""
     command = _commands().get(words)
     if command and command.siblings_only and model == VIRTUAL_MODEL and not compatible:
@@ -18,12 +18,12 @@ def find(words: tuple[str, ...], model: str, compatible: bool) -> MeterCommand |
 
 @cache
 def _commands() -> dict[tuple[str, ...], MeterCommand]:
-    from .common_commands import COMMON
-    from .measuring_commands import MEASURING
-    from .setting_commands import STORED
+    from .common_commands import COMMON_COMMANDS
+    from .measuring_commands import MEASURING_COMMANDS
+    from .setting_commands import SETTING_COMMANDS
 
     return {
         form: command
-        for command in (*COMMON, *STORED, *MEASURING)
-        for form in forms(command.header)
+        for command in (*COMMON_COMMANDS, *SETTING_COMMANDS, *MEASURING_COMMANDS)
+        for form in all_forms(command.header)
     }

@@ -6,7 +6,8 @@ u_t and u_b:
     body       c_e (u - U)², u of the sheet that faces it, U its potential
     finger     (C / A) u² of the touched sheet, over the patch of area A
     rim        line integrals of m (u_t - u_b)² + t u_t² + b u_b² along the outline and all holes
-    edges      line integrals of eps E (u_t - u_b)² around touches of a factor, see `of_step`
+    edges      line integrals of eps E (u_t - u_b)² around touches of a factor, with E by
+               `step_capacitance`
     thickness  eps d [[1/3, 1/6], [1/6, 1/3]] x grad u . grad v, with the local eps and d: the
                potential in the foam is linear from sheet to sheet, so it has a gradient along them
 """
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
-from ...press.walls import of_step
+from ...press.walls import step_capacitance
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
@@ -180,7 +181,7 @@ def add_edges(
     facets, one, other = elements.across(thinned)
     ratio = np.minimum(one, other) / np.maximum(one, other)
     for each in np.unique(ratio).tolist():
-        excess = float(of_step(each))
+        excess = float(step_capacitance(each))
         add_wall(values, facets[ratio == each], excess, elements, unknowns, materials)
 
 

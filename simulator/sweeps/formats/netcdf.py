@@ -44,7 +44,7 @@ def write_table(sweeps: SweepTable, path: Path) -> None:
         for name, size in sweeps.sizes.items():
             file.createDimension(name, size)
         for name, each in sweeps.variables.items():
-            variable = created(file, name, each.values.dtype, each.dims)
+            variable = create_variable(file, name, each.values.dtype, each.dims)
             attributes = {
                 **each.attrs,
                 **({"coordinates": named} if name in sweeps.quantities else {}),
@@ -54,7 +54,7 @@ def write_table(sweeps: SweepTable, path: Path) -> None:
     seal_binary(path)
 
 
-def created(file: Any, name: str, dtype: np.dtype, dims: tuple[Hashable, ...]) -> Any:
+def create_variable(file: Any, name: str, dtype: np.dtype, dims: tuple[Hashable, ...]) -> Any:
     """Creates a variable in an open file; numbers get a checksum of each chunk."""
     text = dtype.kind in "OUT"
     fill = np.nan if dtype.kind == "f" else None

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..units import PLAIN
+from ..units import PLAIN_NUMBER
 
 FAILED = 1e30
 """Numbers of at least this size are a meter's code for "no reading" (9.9E+37, 999999E+28)."""
@@ -106,5 +106,5 @@ def _integer(text: str) -> bool:
 def failed(text: str) -> bool:
     """True if a cell says that a reading failed, by a word or by a huge number."""
     return bool(NO_READING.fullmatch(text)) or (
-        bool(PLAIN.fullmatch(text)) and abs(float(text)) >= FAILED
+        bool(PLAIN_NUMBER.fullmatch(text)) and abs(float(text)) >= FAILED
     )

@@ -18,7 +18,7 @@ DAY = 86400.0
 log = logging.getLogger(__name__)
 
 
-def own_mark() -> str:
+def own_prefix() -> str:
     """Prefix of this process's unfinished files: names the machine and the process."""
     return f"{PREFIX}{_machine()}-{os.getpid()}-"
 

@@ -8,7 +8,7 @@ from ..input_files import ENDINGS, open_zarr, read, sizes_text
 from ..schema import MEASURED, VIRTUAL
 
 
-def measured(path: Path, known: bool) -> str | None:
+def measured_description(path: Path, known: bool) -> str | None:
     """Describes a file of measured sweeps in words; None for any other file.
 
     Sweeps count as measured if a meter recorded them, or if they state no tolerance of a

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
-from .measured_files import measured
+from .measured_files import measured_description
 from .register import made_by
 
 PYTHON = "Python"
@@ -71,7 +71,7 @@ def check_replaceable(path: Path) -> None:
     if now.overwrite_measured or not path.exists():
         return
     maker = made_by(path)
-    if readings := measured(path, maker == now.command):
+    if readings := measured_description(path, maker == now.command):
         raise InputError(
             f"{path}: already exists with {readings}; {now.option('overwrite_measured')} "
             "replaces it, or give another name"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..errors import OutputError
 from .failures import named_failures
-from .left_overs import PREFIX, clear_left_overs, own_mark
+from .left_overs import PREFIX, clear_left_overs, own_prefix
 
 FOLDERS = (".zarr",)
 """Endings of outputs that are folders."""
@@ -125,7 +125,7 @@ def delete(path: Path) -> None:
 
 
 def _new(place: Path) -> Path:
-    unfinished = place.with_name(f"{own_mark()}{secrets.token_hex(8)}{place.suffix}")
+    unfinished = place.with_name(f"{own_prefix()}{secrets.token_hex(8)}{place.suffix}")
     if place.suffix in FOLDERS:
         unfinished.mkdir()
     else:

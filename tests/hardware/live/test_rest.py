@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.live_baseline import RENEWED_AFTER, LiveBaseline
+from rcskin.hardware.live.live_baseline import RENEWAL_COUNT, LiveBaseline
 from rcskin.hardware.live.session_log import baseline_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
@@ -58,7 +58,7 @@ def test_no_sweep_of_a_steady_touch_ever_becomes_rest_however_long_it_lasts():
     for _ in range(3):
         rest.add(sweep(0.0))
     for answer in (TOUCHED, TouchAnswer("cannot tell"), TouchAnswer(NOTHING_PRESSED, 0.9)):
-        for _ in range(50 * RENEWED_AFTER):
+        for _ in range(50 * RENEWAL_COUNT):
             assert not rest.follow(sweep(0.02), answer)
     assert all(each.traces[0].Z == pytest.approx(AT_REST) for each in rest.sweeps)
 
@@ -69,7 +69,7 @@ def test_a_sweep_in_which_a_touch_begins_is_not_taken_though_it_looks_like_rest(
     for _ in range(3):
         rest.add(sweep(0.0))
     for _ in range(20):
-        for _ in range(RENEWED_AFTER - 1):
+        for _ in range(RENEWAL_COUNT - 1):
             rest.follow(sweep(0.0), QUIET)
         rest.follow(sweep(0.01), QUIET)
         rest.follow(sweep(0.02), TOUCHED)
@@ -81,9 +81,9 @@ def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_ti
     rest, due = LiveBaseline(2), []
     rest.add(sweep(0.0))
     rest.add(sweep(0.0))
-    for _ in range(4 * RENEWED_AFTER):
+    for _ in range(4 * RENEWAL_COUNT):
         due.append(rest.due)
         rest.follow(sweep(0.001) if rest.due else None, QUIET)
     assert sum(due) == 4 and len(rest.opening) == 2 and len(rest._firsts) == 6
-    for _ in range(2 * RENEWED_AFTER):
+    for _ in range(2 * RENEWAL_COUNT):
         assert not rest.follow(None, QUIET)

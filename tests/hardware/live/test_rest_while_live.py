@@ -4,7 +4,7 @@ import runpy
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.live.live_baseline import RENEWED_AFTER
+from rcskin.hardware.live.live_baseline import RENEWAL_COUNT
 from rcskin.hardware.live.live_session import END_KEY
 from rcskin.hardware.meter.errors import MeterError
 
@@ -71,6 +71,6 @@ def test_drift_since_the_beginning_is_told(session, instrument):
 
 def test_rest_is_not_renewed_under_a_press(session, press):
     live = session({1: press("1,1")}, rest=2)
-    live.run(2 + RENEWED_AFTER)
+    live.run(2 + RENEWAL_COUNT)
     assert live.show.notes == []
     assert live.show.labels[-1] == "column 1"

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.live_baseline import RENEWED_AFTER
-from rcskin.hardware.live.live_session import END_KEY, REST_KEY
+from rcskin.hardware.live.live_baseline import RENEWAL_COUNT
+from rcskin.hardware.live.live_session import BASELINE_KEY, END_KEY
 from rcskin.hardware.meter.errors import FailedReadingError, MeterError, NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance
@@ -155,7 +155,7 @@ def test_a_sweep_that_breaks_a_law_has_no_answer(session, instrument):
 
 def test_keys_take_the_rest_anew_and_end_the_session(session, press):
     """What is pressed while the rest is taken belongs to it."""
-    typed = iter(["", "", "", "", REST_KEY, "", "", "", END_KEY])
+    typed = iter(["", "", "", "", BASELINE_KEY, "", "", "", END_KEY])
     live = session({1: press("1,1")}, rest=2, key=lambda: next(typed))
     live.run()
     assert live.show.labels == ["nothing pressed", "column 1", *["nothing pressed"] * 2]
@@ -207,14 +207,14 @@ class Two:
 def test_single_frequencies_are_measured_in_any_order_and_answered(session, press):
     """Once in RENEWED_AFTER answers at rest a whole sweep is measured, which follows drift."""
     asked = []
-    live = session({RENEWED_AFTER + 1: press("1,3")}, localizer=Asking(), rest=2)
+    live = session({RENEWAL_COUNT + 1: press("1,3")}, localizer=Asking(), rest=2)
     live.show.reading = lambda frequency, reading: asked.append(frequency)
     live._pace.show = live.show.reading
-    live.run(RENEWED_AFTER + 3)
+    live.run(RENEWAL_COUNT + 3)
     whole, part = list(live.localizer.model.frequencies), [16e3, 1e3]
-    renewing = part * (RENEWED_AFTER - 2) + whole + part
+    renewing = part * (RENEWAL_COUNT - 2) + whole + part
     assert asked == [*whole, *whole, *renewing, *part * 3]
-    assert live.show.labels == [*["nothing pressed"] * (RENEWED_AFTER + 1), *["column 3"] * 2]
+    assert live.show.labels == [*["nothing pressed"] * (RENEWAL_COUNT + 1), *["column 3"] * 2]
     assert any("follow slow drift" in note for note in live.show.notes)
 
 

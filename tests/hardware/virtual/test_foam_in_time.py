@@ -9,8 +9,8 @@ from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.instrument import Instrument
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
-from rcskin.hardware.virtual.press_routines import scripted
-from rcskin.hardware.virtual.recorded_skin import exact
+from rcskin.hardware.virtual.press_routines import press_by_script
+from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
@@ -39,7 +39,9 @@ def creeping():
 @pytest.fixture
 def clocked(creeping):
     """A meter at the left of a strip that creeps, and a control of it."""
-    meter = Clocked(MeasurementSetup(Specimen(creeping, "left"), exact, read_table()), pace=0.0)
+    meter = Clocked(
+        MeasurementSetup(Specimen(creeping, "left"), exact_readout, read_table()), pace=0.0
+    )
     yield meter, ControlPort(meter)
     meter.worker.shutdown()
 
@@ -102,7 +104,7 @@ def test_a_script_goes_on_after_a_press_that_creeps_too_far(clocked):
     meter, control = clocked
     told = []
     meter.tell = told.append
-    asyncio.run(scripted([(0.0, "1,2:2.0"), (0.0, "1,3:80"), (0.0, "1,1:1.5")])(control))
+    asyncio.run(press_by_script([(0.0, "1,2:2.0"), (0.0, "1,3:80"), (0.0, "1,1:1.5")])(control))
     assert meter.press == "1,1:1.5"
     assert len(told) == 1 and "press 1,3:80.0: the foam would creep to" in told[0]
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.interpreter import answer
-from rcskin.hardware.virtual.language.meter_command import chosen, forms, short
+from rcskin.hardware.virtual.language.meter_command import all_forms, matched_word, short_form
 from rcskin.hardware.virtual.language.parser import CommandError, messages
 from rcskin.hardware.virtual.language.vocabulary import _commands
 
@@ -37,8 +37,8 @@ def test_every_command_has_exactly_its_two_forms_of_each_word(header, data):
     word = words[number]
     length = data.draw(st.integers(1, len(word)))
     cut = (*(w.upper() for w in words[:number]), word[:length].upper())
-    known = {form[: number + 1] for form in forms(header)}
-    assert (cut in known) == (cut[-1] in (short(word), word.upper()))
+    known = {form[: number + 1] for form in all_forms(header)}
+    assert (cut in known) == (cut[-1] in (short_form(word), word.upper()))
 
 
 def test_a_path_is_kept_by_semicolons_and_reset_by_a_colon(say):
@@ -198,7 +198,7 @@ def test_no_line_harms_the_meter(make_instrument, line):
     ("text", "word"), [("med", "MEDIUM"), ("MEDIUM", "MEDIUM"), ("medi", None)]
 )
 def test_words_of_arguments_have_two_forms_too(text, word):
-    assert chosen(text, ("FAST", "MEDium")) == word
+    assert matched_word(text, ("FAST", "MEDium")) == word
 
 
 ODD = (

@@ -6,7 +6,7 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.virtual.language.values import OVER, engineering, measured
+from rcskin.hardware.virtual.language.values import OVER, engineering, measured_text
 from rcskin.hardware.virtual.measurement import quantity
 from rcskin.simulator.sweeps import parallel_capacitance, series_capacitance
 
@@ -16,7 +16,7 @@ magnitudes = st.floats(1e-18, 1e18)
 
 @given(magnitudes, st.booleans())
 def test_six_digits_and_an_exponent_in_threes(value, negative):
-    text = measured(-value if negative else value)
+    text = measured_text(-value if negative else value)
     assert SIX_DIGITS.fullmatch(text)
     assert sum(letter.isdigit() for letter in text.split("E")[0]) == 6
     assert int(text.split("E")[1]) % 3 == 0
@@ -40,7 +40,7 @@ def test_as_the_meter_writes_them(value, digits, text):
 
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan, 1e31])
 def test_what_no_display_holds_is_overflow(value):
-    assert measured(value) == OVER == " 999999E+28"
+    assert measured_text(value) == OVER == " 999999E+28"
 
 
 @given(st.floats(1, 1e6), st.floats(-1e6, -1), st.floats(40, 2e5))

@@ -16,9 +16,9 @@ from rcskin.hardware.event_counter import counted_events
 from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.tokens import read_token, token_file
-from rcskin.hardware.virtual.clients import LONGEST_LINE, MAX_CLIENTS, LineReader
-from rcskin.hardware.virtual.meter_server import running
-from rcskin.hardware.virtual.press_routines import at_random, read_script, scripted
+from rcskin.hardware.virtual.clients import MAX_CLIENTS, MAX_LINE, LineReader
+from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.press_routines import press_at_random, press_by_script, read_script
 from rcskin.simulator.sweeps import InputError
 
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)
@@ -101,7 +101,7 @@ def test_a_request_without_the_token_is_refused_and_hung_up(ports, instrument, r
 
 
 def test_the_token_is_in_a_file_that_only_the_user_reads_while_it_is_served(instrument):
-    with running(instrument) as ports:
+    with run_in_thread(instrument) as ports:
         path = token_file(ports.control)
         assert os.name == "nt" or path.stat().st_mode & 0o077 == 0
         named = f"{path.read_text()}@{control(ports)}"
@@ -119,7 +119,7 @@ def test_a_token_that_cannot_be_kept_is_told_to_the_operator(
     for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
         monkeypatch.setenv(name, str(tmp_path))
     said = []
-    with running(make_instrument(report=lambda kind, text: said.append(text))):
+    with run_in_thread(make_instrument(report=lambda kind, text: said.append(text))):
         told = said[0].split("need --control ")[1]
         assert send_request(told, "state")["press"] == "none"
 
@@ -177,7 +177,7 @@ def test_what_is_kept_of_a_line_is_bounded(pieces):
     lines = LineReader()
     for piece in pieces:
         lines.feed(piece)
-        assert len(lines._kept) <= LONGEST_LINE
+        assert len(lines._kept) <= MAX_LINE
 
 
 def _hostile(port, kind, noise):
@@ -263,7 +263,7 @@ def test_a_script_presses_at_its_times(tmp_path, make_instrument, serve, pillow)
     path = tmp_path / "presses.txt"
     path.write_text("0 none  # at rest\n\n0.02 3,1\n0.04 8,2\n")
     meter = make_instrument()
-    with serve(meter, scripted(read_script(path, pillow))) as ports:
+    with serve(meter, press_by_script(read_script(path, pillow))) as ports:
         seen = _states_until(ports, lambda seen: "8,2" in seen)
     assert [press for press in dict.fromkeys(seen) if press != "none"][-1] == "8,2"
 
@@ -287,7 +287,7 @@ def test_a_bad_script_is_told_by_line(tmp_path, pillow, text, told):
 
 
 def test_random_presses_are_drawn_from_all_pixels(make_instrument, serve):
-    pressing = at_random(["1,1", "1,2", "2,1", "2,2"], 0.001, np.random.default_rng(1))
+    pressing = press_at_random(["1,1", "1,2", "2,1", "2,2"], 0.001, np.random.default_rng(1))
     every = {"none", "1,1", "1,2", "2,1", "2,2"}
     with serve(make_instrument(), pressing) as ports:
         seen = _states_until(ports, lambda seen: set(seen) == every)
@@ -305,7 +305,7 @@ def _states_until(ports, enough):
 
 def test_a_port_that_is_taken_is_told(instrument, ports, make_instrument):
     with pytest.raises(InputError, match=f"port {ports.meter} of 127.0.0.1 is not available"):
-        with running(make_instrument(), port=ports.meter):
+        with run_in_thread(make_instrument(), port=ports.meter):
             pass
 
 

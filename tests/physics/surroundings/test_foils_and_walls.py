@@ -8,7 +8,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.press.walls import of_step
+from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
 LOW = 1e-2
@@ -48,7 +48,7 @@ def test_foils_with_a_width_on_triangles(around, solve, on_triangles, contacts):
 @pytest.mark.parametrize(("ratio", "excess"), [(0.5, 0.2498), (0.999999, 0.0)])
 def test_a_step_of_the_gap(ratio, excess):
     """From 4 to 2 mm, and no step at all."""
-    assert of_step(ratio) == pytest.approx(excess, abs=5e-5)
+    assert step_capacitance(ratio) == pytest.approx(excess, abs=5e-5)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,10 @@ def test_walls_around_a_touch(around, solve, press):
     scene = around(given, {"thickness": 4e-3}, frequencies=[LOW], columns=5)
     disc = press.startswith("disc")
     wall, touched = (0.04 * math.pi, 4e-4 * math.pi) if disc else (0.08, 0.04 * 0.08)
-    exact = 5e-9 * (0.008 + touched * (-0.5 if disc else 1.0)) + 5e-9 * 4e-3 * of_step(0.5) * wall
+    exact = (
+        5e-9 * (0.008 + touched * (-0.5 if disc else 1.0))
+        + 5e-9 * 4e-3 * step_capacitance(0.5) * wall
+    )
     Cp = parallel_capacitance(solve(scene, press, 1e-4).Z, scene.frequencies).item()
     assert Cp == pytest.approx(exact, rel=1e-6)
 

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models import stray
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.press.walls import of_step
+from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.scene.extent import perimeter, surface
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
@@ -44,7 +44,7 @@ def test_the_share_of_the_rim_is_that_of_the_paper_sheet():
 def test_the_walls_of_a_press_are_those_of_a_solve_in_three_dimensions():
     """2 mm into 4 mm over 24 x 24 mm: 17 %; a step from 4 to 2 mm has 0.2498 eps a metre."""
     scene = load_scene("sheet-5x5").with_({"skin.foam.thickness": 4e-3})
-    assert of_step(0.5) == pytest.approx(0.2498, abs=1e-4)
+    assert step_capacitance(0.5) == pytest.approx(0.2498, abs=1e-4)
     assert stray.wall_share(scene, 2.0) == pytest.approx(0.17, abs=5e-3)
 
 

@@ -11,7 +11,7 @@ import pytest
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import SITE
-from rcskin.simulator.page.packed import packed, reduced_for_page
+from rcskin.simulator.page.packed import page_data, reduced_for_page
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 
@@ -76,7 +76,7 @@ class Paged:
 def paged(scene, rtol=1e-3, cells=2):
     skin = uniformly_pressed(scene, "a page")
     reduced = reduced_for_page(skin, rtol, cells)
-    return Paged(skin, reduced, packed(skin, reduced, points=300))
+    return Paged(skin, reduced, page_data(skin, reduced, points=300))
 
 
 @pytest.fixture(scope="session")

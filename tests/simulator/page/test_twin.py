@@ -7,8 +7,8 @@ from rcskin.simulator.models.reduced.kernel import swept
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
-from rcskin.simulator.page.raster import Raster, pictured
-from rcskin.simulator.press.batch import PressBatch, TouchedCells, together
+from rcskin.simulator.page.raster import Raster, raster_fields
+from rcskin.simulator.press.batch import PressBatch, TouchedCells, joined_cells
 from rcskin.simulator.press.capacitance import patch, touched_cells
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.touch import Rectangle, Touch
@@ -77,7 +77,9 @@ def by_python(paged, press, cast):
     followed = skin.parts.followed(PressBatch.of([(cells, rises)]))
     if skin.parts.walls.count:
         own = followed.where(followed.cells < skin.parts.kind[3].start).one(0)
-        followed = PressBatch.of([together(own, walls_of(scene, press, skin.parts, reduced.grid))])
+        followed = PressBatch.of(
+            [joined_cells(own, walls_of(scene, press, skin.parts, reduced.grid))]
+        )
     batch = followed.weighted(skin.unpressed_factors)
     Q = np.stack(
         [
@@ -218,7 +220,7 @@ def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(
     raster = Raster(
         *scene.skin.sides, **{k: earthed.data["raster"][k] for k in ("rows", "columns")}
     )
-    top, bottom = pictured(skin, raster).potential
+    top, bottom = raster_fields(skin, raster).potential
     shown = np.array(found["across"]["re"]) + 1j * np.array(found["across"]["im"])
     assert np.abs(shown - (top - bottom) @ own).max() < 1e-4
     assert np.abs(shown).max() == pytest.approx(1.0, abs=0.1)
@@ -240,6 +242,6 @@ def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):
     skin = glove.reduced.skin(None)
     none = np.empty(0, dtype=np.int64), np.empty(0)
     ((u, _),) = skin.solved(*none, np.array([1e-2j]))
-    at_points = pictured(skin, Raster.over(glove.scene, 200)).potential
+    at_points = raster_fields(skin, Raster.over(glove.scene, 200)).potential
     own = np.linalg.solve(skin.turn, u[:, 0])
     assert at_points[0] @ own == pytest.approx(1.0, abs=1e-6)

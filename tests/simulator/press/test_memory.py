@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.press.foam_creep import Creep, let_off
+from rcskin.simulator.press.foam_creep import Creep, unloading_strain
 from scipy.integrate import quad, solve_ivp
 
 ONE = Creep(np.array([0.1]), np.array([1.0]))
@@ -86,9 +86,9 @@ def test_two_spans_are_one(creep):
 def test_unloading_does_not_give_back_its_share_of_the_work(h):
     """Of a foam whose stress is proportional to x: the area between both ways, over M² / 2."""
     most = np.array(0.6)
-    between, _ = quad(lambda x: float(let_off(np.array(x), most, h)) - x, 0, 0.6)
+    between, _ = quad(lambda x: float(unloading_strain(np.array(x), most, h)) - x, 0, 0.6)
     assert between == pytest.approx(h * 0.6**2 / 2, rel=1e-12, abs=1e-16)
     x = np.linspace(0, 0.6, 50)
-    assert (np.diff(let_off(x, most, h)) >= -1e-15).all()
-    assert let_off(most, most, h) == most and let_off(np.array(0.0), most, h) == 0
-    assert let_off(np.array(0.0), np.array(0.0), h) == 0
+    assert (np.diff(unloading_strain(x, most, h)) >= -1e-15).all()
+    assert unloading_strain(most, most, h) == most and unloading_strain(np.array(0.0), most, h) == 0
+    assert unloading_strain(np.array(0.0), np.array(0.0), h) == 0

@@ -9,7 +9,7 @@ from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.press.walls import of_step
+from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.sweeps import InputError
 
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
@@ -108,7 +108,7 @@ def test_walls_stand_between_pixels_that_are_pressed_to_different_thickness(wall
         there = parts.pressed(*own)
         for (one, other), wall in zip(parts.walls.pairs, there[parts.kind[3]], strict=True):
             thin = sorted(1 / there[[one, other]])
-            assert wall == pytest.approx(of_step(thin[0] / thin[1]), abs=1e-15)
+            assert wall == pytest.approx(step_capacitance(thin[0] / thin[1]), abs=1e-15)
         summed = parts.resting.copy()
         np.add.at(summed, *found)
         np.testing.assert_allclose(summed, there, atol=1e-15)

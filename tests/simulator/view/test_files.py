@@ -80,12 +80,12 @@ def test_an_mp4_has_a_frame_for_each_frequency(fields, stage, tmp_path, small_mo
 
 
 def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, small_movies):
-    from rcskin.simulator.view.displayed_quantity import over_the_phase
+    from rcskin.simulator.view.displayed_quantity import over_one_period
     from rcskin.simulator.view.quantities import chosen
 
     set_up = stage(fields())
     (quantity,) = chosen("potential", set_up.fields)
-    frames = over_the_phase(quantity, set_up.fields, set_up.skin(quantity), 1, 4)
+    frames = over_one_period(quantity, set_up.fields, set_up.skin(quantity), 1, 4)
     assert frames[0].values == pytest.approx(-frames[2].values)
     assert frames[0].limits == (pytest.approx(-1), pytest.approx(1))
 

@@ -10,6 +10,6 @@ def test_fields_are_those_at_the_moment_of_the_press(tmp_path, capsys, monkeypat
     path = str(tmp_path / "mine.toml")
     write_scene(path, load_scene("strip-1x3").with_({"skin.foam.relaxation": creep}))
     for scene, told in ((path, 1), ("strip-1x3", 0)):
-        command._stage(scene, "1,2", [1e3], None, 1e-2, False, None)
+        command._viewed_press(scene, "1,2", [1e3], None, 1e-2, False, None)
         said = "fields are those at the moment of the press, before `skin.foam.relaxation` counts"
         assert capsys.readouterr().err.count(said) == told

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.view.foils import foils
 from rcskin.simulator.view.marks import arrows, marks
 from rcskin.simulator.view.painting import lifted
-from rcskin.simulator.view.skin_surface import curved, readable_exaggeration, surface
+from rcskin.simulator.view.skin_surface import is_curved, readable_exaggeration, surface
 
 
 @pytest.mark.parametrize("corners", [3, 4])
@@ -36,7 +36,7 @@ def test_exaggeration_is_a_round_number(fields, depth, times):
 
 
 def test_wrapped_skins_are_told_from_flat_ones(fields):
-    assert curved(fields(radius=0.04)) and not curved(fields())
+    assert is_curved(fields(radius=0.04)) and not is_curved(fields())
 
 
 def test_foils_lie_off_the_edge_the_bottom_sheets_farther(fields, stage):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.measure.foam_state import FoamState
-from rcskin.simulator.press.foam_creep import Creep, let_off
+from rcskin.simulator.press.foam_creep import Creep, unloading_strain
 from rcskin.simulator.press.press import Press, press_on
 from scipy.integrate import solve_ivp
 
@@ -69,7 +69,7 @@ def test_unloading(rng):
     x, more, h = rng.uniform(0.0, 0.3, (3, 8))
     x_max = x + more
     np.testing.assert_allclose(
-        [let_off(*each) for each in zip(x, x_max, h, strict=True)],
+        [unloading_strain(*each) for each in zip(x, x_max, h, strict=True)],
         x + 3 * h * x * (1 - x / x_max),
         rtol=1e-14,
     )
