@@ -15,7 +15,8 @@ from ..models.heterogeneous.mesh_choice import single_field
 from ..models.line_slopes import LineModel
 from ..models.network.terminals import reduced_for
 from ..models.parameters import FACTORS, own_values, scene_with
-from ..models.reduced.forward import REACH, Forward
+from ..models.reduced.forward import Forward
+from ..models.reduced.forward_training import REACH
 from ..models.response import Response
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene

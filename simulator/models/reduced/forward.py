@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -15,13 +14,11 @@ from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
-from ...press.random_presses import random_presses
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.meter import FrequencyGrid
 from ...scene.scene import Scene
 from ..cosine_modes.amplitudes import amplitudes
-from ..cosine_modes.sheet_modes import StiffnessTerms, random_amplitudes, variation_with_modes
+from ..cosine_modes.sheet_modes import StiffnessTerms
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
 from ..heterogeneous.mesh_choice import single_field
 from ..parameters import (
@@ -33,20 +30,16 @@ from ..parameters import (
     leads_of,
     loss_of,
     own_values,
-    variation_of,
 )
 from ..response import Response, at_meter
-from .cases import Case, Draw, pixel_touches, strongest_finger, touched
+from .cases import touched
 from .cosine_modes.model_with_modes import FoamModeTerms
+from .forward_training import training_band, training_draw, uniform_variation
 from .greedy import reduce
 from .indentation.indentation_draws import require_whole_pixels
 from .reduced_model import Reduced
 from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
-
-REACH = 3.0
-PIXEL_FACTORS = (0.5, 3.0)
-BAND_POINTS = 20
 
 
 class Forward:
@@ -196,16 +189,15 @@ class Forward:
     @cached_property
     def reduced(self) -> Reduced:
         """Reduced model, trained at first use."""
-        low, high = self.scene.frequencies[0], self.scene.frequencies[-1]
-        band = FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
+        varied = self._resistive or self._two_fields
         return self._train(
             self.divided,
             self.rtol,
-            self._draw(),
+            training_draw(self.scene, self.cells_per_pixel, self.modes, varied),
             modes=self.modes,
             same_sheets=not self._two_fields,
             progress=self._progress,
-            frequency=np.array(band),
+            frequency=training_band(self.scene),
         )
 
     @cached_property
@@ -215,38 +207,6 @@ class Forward:
     @cached_property
     def _resistive(self) -> bool:
         return any(not contact.ideal for contact in self.scene.contacts)
-
-    def _draw(self) -> Draw:
-        """Draw of presses on skins of any parameters.
-
-        Presses are on pixels, or anywhere if the pixels are divided.
-        """
-        on_pixels, own = pixel_touches(self.divided, PIXEL_FACTORS), own_values(self.scene)
-
-        def draw(random: np.random.Generator) -> Case:
-            mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
-            drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
-            drawn |= random_amplitudes(random) if self.modes > 1 else {}
-            around = [name for name in dict.fromkeys(self._parts.fixed) if name in own]
-            factors = random.uniform(-1, 1, len(around)) * math.log(REACH)
-            drawn |= dict(zip(around, factors.tolist(), strict=True))
-            varied = self._resistive or self._two_fields
-            variation = self._variation(drawn) if varied else None
-            if self.cells_per_pixel == 1:
-                return replace(on_pixels(random), variation=variation)
-            press = random_presses(self.divided, random, 2)[int(random.integers(2))]
-            return Case(variation, *self.cells(self._by_fingers(press, random)))
-
-        return draw
-
-    def _by_fingers(self, press: Press, random: np.random.Generator) -> Press:
-        """Press with the same touches by fingers, if the scene has an earth that they reach."""
-        if not self._parts.fingers:
-            return press
-        strongest = strongest_finger(self.scene)
-        fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()
-        touches = zip(press.touches, fingers, strict=True)
-        return Press(tuple(replace(touch, finger=finger) for touch, finger in touches))
 
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """Skin of these parameters; the last one is cached, as many presses of one skin follow."""
@@ -307,7 +267,7 @@ class Forward:
 
     def _variation(self, values: Mapping[str, float]) -> Variation:
         """Variation of these parameters without the foam's cosine modes."""
-        return variation_with_modes(variation_of(self.divided, values), values, self.modes)
+        return uniform_variation(self.divided, values, self.modes)
 
     def unpressed_factors(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Units of the rises of each cell over the scene's own, shape (cell,).
