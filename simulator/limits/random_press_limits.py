@@ -22,8 +22,9 @@ from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
+from ..scene.distributions import AnyDistribution, truncated_normal
 from ..scene.frequency import laplace_variable
-from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
+from ..scene.randomisation import CUT
 from ..scene.scene import Scene
 from ..sweeps import InputError
 

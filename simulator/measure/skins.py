@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
+from ..scene.distributions import AnyDistribution, truncated_normal
 from ..scene.foam_in_time import AMBIENT, ambient_factors
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
-from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
+from ..scene.randomisation import CUT
 from ..scene.scene import Scene
 from .streams import SKIN, stream
 

@@ -7,15 +7,8 @@ scene knows nothing of; with two interfaces the pair that is not driven floats, 
 from __future__ import annotations
 
 from rcskin.simulator.scene.contacts import Contact
-from rcskin.simulator.scene.randomisation import (
-    DrawnPress,
-    Fixed,
-    Lognormal,
-    Normal,
-    Randomisation,
-    Session,
-    Uniform,
-)
+from rcskin.simulator.scene.distributions import Fixed, Lognormal, Normal, Uniform
+from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene import Pixels, Scene
 from rcskin.simulator.scene.scene_files import load_scene
 
