@@ -9,8 +9,8 @@ from types import MappingProxyType
 from ..models.effects import EFFECTS, NEEDED, effects_of
 from ..models.parameters import scene_with
 from ..progress import ProgressCallback, silent
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..measure.symmetry import Pixel, representative
 from ..scene.scene import Scene
-from ..scene.skin import on_skin
+from ..scene.skin_region import on_skin
 
 SAMPLES = 24
 """Number of places along each side of a pixel at which the skin is sampled."""

@@ -12,7 +12,7 @@ from ..press.batch import NOTHING, PressBatch
 from ..press.press import Press
 from ..press.touch import Rectangle
 from ..scene.scene import Scene
-from ..scene.skin import covers
+from ..scene.skin_region import covers
 from .unknown_skin import UnknownSkin
 
 NODES, STRENGTH_NODES = 15, 4

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from ..scene.contacts import Contact, path
 from ..scene.maps import AnyMap
 from ..scene.scene import Scene
-from ..scene.skin import Electrode, Sheet, Skin, curves
+from ..scene.skin import Electrode, Sheet, Skin
+from ..scene.skin_region import curves
 from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]

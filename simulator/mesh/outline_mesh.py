@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..scene.contacts import Contact, curve_section
 from ..scene.form.outline import Curve
 from ..scene.planar import Circle
-from ..scene.skin import curves
+from ..scene.skin_region import curves
 from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords
 from .domain import Domain, Numbers, Points, labelled, unlabelled

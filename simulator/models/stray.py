@@ -12,8 +12,9 @@ import math
 from ..press.walls import step_capacitance
 from ..scene.contacts import Contact
 from ..scene.extent import perimeter, surface
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY, Electrode
+from ..scene.skin import Electrode
 from ..scene.surroundings import Body
 
 NEARBY = Body(distance=5e-3)

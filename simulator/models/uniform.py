@@ -17,8 +17,9 @@ from typing import NoReturn, TypeVar
 
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
+from ..scene.foam import Foam
 from ..scene.scene import Pressing, Scene
-from ..scene.skin import Foam, Sheet, Skin
+from ..scene.skin import Sheet, Skin
 from ..sweeps import InputError
 
 Part = TypeVar("Part", Sheet, Foam)

@@ -9,9 +9,9 @@ takes a part of the current. `stray` has the sizes.
 
 from __future__ import annotations
 
+from ..scene.foam import ASSUMED_PERMITTIVITY
 from ..scene.frequency import LOSSLESS
 from ..scene.scene import Scene
-from ..scene.skin import ASSUMED_PERMITTIVITY
 from ..sweeps.units import prefixed
 from .stray import FINGER, NEARBY, body_share, finger_share, rim_share, straight_share
 

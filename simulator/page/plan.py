@@ -14,7 +14,8 @@ from ..models.reduced.families.family import Family, Triangulation
 from ..scene.contacts import Contact, curve_section, path
 from ..scene.planar import Circle
 from ..scene.scene import Scene
-from ..scene.skin import Skin, curves
+from ..scene.skin import Skin
+from ..scene.skin_region import curves
 
 CIRCLE_SIDES = 96
 """Number of sides that a circle is drawn with."""

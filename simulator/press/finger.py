@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..scene.planar import Circle, area, inside
 from ..scene.ranges import Finger
 from ..scene.scene import Scene
-from ..scene.skin import covers
+from ..scene.skin_region import covers
 from ..scene.surroundings import NO_COVER, NO_EARTH
 from ..sweeps import InputError
 from ..sweeps.press_text import EARTHED, FREE_TOUCH, WrittenFinger

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.skin import Foam
+from ..scene.foam import Foam
 
 Array = NDArray[np.float64]
 

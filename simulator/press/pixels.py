@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.scene import Scene
-from ..scene.skin import reaches_into
+from ..scene.skin_region import reaches_into
 
 SAME = 1e-8
 """Overlap of skin and pixel over the skin's longer side below which the pixel counts as empty."""

@@ -13,7 +13,7 @@ from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.contacts import Contact, outwards, path
 from ..scene.scene import Scene
-from ..scene.skin import curves, on_skin
+from ..scene.skin_region import curves, on_skin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

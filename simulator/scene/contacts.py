@@ -21,7 +21,8 @@ from pydantic import (
 from .form.outline import Outline
 from .meter import ascending
 from .ranges import FilmResistance, Frequency, Overlap
-from .skin import Electrode, Name, Skin, curves, on_skin
+from .skin import Electrode, Name, Skin
+from .skin_region import curves, on_skin
 from .validation import Number, Table, whole_within_rounding
 
 MAX_CONTACTS = 200

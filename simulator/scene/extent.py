@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from .planar import Circle, area
-from .skin import Skin, curves
+from .skin import Skin
+from .skin_region import curves
 
 
 def surface(skin: Skin) -> float:

@@ -10,8 +10,9 @@ from .ranges import Seconds
 from .validation import Number, Table, short, within
 
 if TYPE_CHECKING:
+    from .foam import Foam
     from .meter import Experiment
-    from .skin import Foam, Skin
+    from .skin import Skin
 
 Creep = Annotated[
     Number, within(1e-6, 10.0, "of the strain at once", "a foam that creeps more is a liquid")

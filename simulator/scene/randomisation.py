@@ -12,7 +12,7 @@ from .foam_in_time import AMBIENT, ambient_factors
 from .validation import Number, Table, Whole
 
 if TYPE_CHECKING:
-    from .skin import Foam
+    from .foam import Foam
 
 
 CUT = 3.0

@@ -17,9 +17,10 @@ from pydantic import (
     model_validator,
 )
 
+from .foam import VACUUM_PERMITTIVITY
 from .keys.key_paths import OrTable, OrText
 from .ranges import Air, Distance, PerArea, PerLength, Permittivity, Thickness
-from .skin import VACUUM_PERMITTIVITY, Electrode
+from .skin import Electrode
 from .validation import Table, one_line
 
 SOLVED = {"low": "virtual earth", "solved": True}

@@ -13,8 +13,9 @@ from ..mesh.edge_numbering import edges_of
 from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
+from ..scene.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.scene import Pressing, Scene
-from ..scene.skin import VACUUM_PERMITTIVITY, Foam, Sheet
+from ..scene.skin import Sheet
 from ..sweeps import InputError
 from .panels import PanelBlock, Points, quarter
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve
 
-from ..scene.skin import VACUUM_PERMITTIVITY
+from ..scene.foam import VACUUM_PERMITTIVITY
 from .influence_kernel import fill_influence
 from .panels import PanelBlock
 from .reflections import Layer, images

@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Rim
 from ..sweeps import InputError
 from .blocks import Shape, blocks, shape_of

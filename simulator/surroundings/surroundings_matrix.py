@@ -13,8 +13,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
-from ..scene.skin import VACUUM_PERMITTIVITY
 from ..sweeps import InputError
 from . import array_cache
 from .blocks import Shape, shape_of

@@ -10,7 +10,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.mesh.pixel_coverage import pixel_coverage
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.skin import on_skin
+from rcskin.simulator.scene.skin_region import on_skin
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
 
 RTOL = 1e-3

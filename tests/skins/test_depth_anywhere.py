@@ -24,7 +24,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints
 from rcskin.simulator.scene.scene_files import scene_text
-from rcskin.simulator.scene.skin import on_skin
+from rcskin.simulator.scene.skin_region import on_skin
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 

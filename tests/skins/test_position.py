@@ -1,7 +1,7 @@
 """Where there is skin for a touch to be."""
 
 import numpy as np
-from rcskin.simulator.scene.skin import covers
+from rcskin.simulator.scene.skin_region import covers
 
 
 def test_a_mesh_covers_what_its_triangles_do(kinds):

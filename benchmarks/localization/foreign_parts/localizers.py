@@ -23,8 +23,8 @@ from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training, reduced
 from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.reduced.reduced_model import Reduced
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene import Scene
-from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 
 WAS, TERMS, WIDER = "as it was", "with terms", "drawn wider"
 """Training sweeps: without surroundings; with them; with all distributions wider."""

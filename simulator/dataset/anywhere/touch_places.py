@@ -9,7 +9,7 @@ from ...mesh.pixel_coverage import pixel_coverage
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.rasterized import Footprints
 from ...scene.scene import Scene
-from ...scene.skin import covers
+from ...scene.skin_region import covers
 from ..drawn_fingers import DrawnFingers
 from ..strengths import finger_texts, joined_texts
 

@@ -13,8 +13,8 @@ from rcskin.simulator.press.press import (
     press_on,
 )
 from rcskin.simulator.press.touch import Disc, Indentation, Rectangle, Touch
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY
 from rcskin.simulator.sweeps import InputError
 
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}

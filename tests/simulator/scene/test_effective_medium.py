@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY, Foam
 from rcskin.simulator.scene.foam_mechanics import (
     LAWS,
     Mechanics,
@@ -8,7 +9,6 @@ from rcskin.simulator.scene.foam_mechanics import (
     looyenga,
     maxwell_garnett,
 )
-from rcskin.simulator.scene.skin import VACUUM_PERMITTIVITY, Foam
 
 POROSITY = np.linspace(0, 1, 41)
 SOLIDS = (1.0, 2.79, 12.0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....scene.foam_mechanics import Mechanics
 from ....scene.scene import Scene
-from ....scene.skin import covers
+from ....scene.skin_region import covers
 
 FINE, OF_TOUCH = 4, 16
 """Minimum number of steps per length of the skins' spread, and along the smallest applicator."""

@@ -9,7 +9,7 @@ from ....press.batch import NOTHING, TouchedCells
 from ....press.press import Press, order
 from ....press.touch import Depth, Disc, Indentation, Rectangle
 from ....scene.scene import Scene
-from ....scene.skin import covers
+from ....scene.skin_region import covers
 from ..indentation import deformation
 from .relaxed_presses import LatticeApplicators, window
 from .skin_lattice import Lattice
