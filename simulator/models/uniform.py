@@ -18,7 +18,8 @@ from typing import NoReturn, TypeVar
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
 from ..scene.foam import Foam
-from ..scene.scene import Pressing, Scene
+from ..scene.pixels import Pressing
+from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps import InputError
 

@@ -7,8 +7,9 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from ..scene.form.outline import check_simple
+from ..scene.pixels import Pressing
 from ..scene.planar import SAME_LINE
-from ..scene.scene import Pressing, Scene
+from ..scene.scene import Scene
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.press_text import WrittenStrength, WrittenTouch, parse_touches

@@ -14,7 +14,8 @@ from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.foam import VACUUM_PERMITTIVITY, Foam
-from ..scene.scene import Pressing, Scene
+from ..scene.pixels import Pressing
+from ..scene.scene import Scene
 from ..scene.skin import Sheet
 from ..sweeps import InputError
 from .panels import PanelBlock, Points, quarter

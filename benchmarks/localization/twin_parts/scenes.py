@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from rcskin.simulator.scene.contacts import Contact
 from rcskin.simulator.scene.distributions import Fixed, Lognormal, Normal, Uniform
+from rcskin.simulator.scene.pixels import Pixels
 from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
-from rcskin.simulator.scene.scene import Pixels, Scene
+from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 
 SWEEPS_PER_SESSION, BETWEEN_RESTS = 60, 5

@@ -13,7 +13,7 @@ from rcskin.simulator.measure.experiment import (
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.distributions import Uniform
 from rcskin.simulator.scene.meter import Experiment
-from rcskin.simulator.scene.scene import Pressing
+from rcskin.simulator.scene.pixels import Pressing
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 

@@ -1,0 +1,74 @@
+"""The grid of pixels, and the press of a pixel."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness
+from .skin import Name
+from .validation import Number, Table, Whole
+
+PRESSED_BY = ("capacitance_factor", "depth", "force")
+
+
+class Pixels(Table):
+    """The grid of pixels, by which presses are named.
+
+    groups: on a mesh, names of the groups of elements that form the pixels, by row and column.
+    """
+
+    rows: Annotated[Whole, Field(ge=1, le=1000)]
+    columns: Annotated[Whole, Field(ge=1, le=1000)]
+    groups: tuple[tuple[Name, ...], ...] | None = None
+
+    @model_validator(mode="after")
+    def _groups_fill_the_grid(self) -> Self:
+        if self.groups is not None and [len(row) for row in self.groups] != (
+            [self.columns] * self.rows
+        ):
+            raise ValueError(
+                f"groups must be {self.rows} rows of {self.columns} names, as many as pixels"
+            )
+        return self
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return self.rows, self.columns
+
+
+class Pressing(Table):
+    """The press of a pixel: its capacitance over the unpressed one, and the spread of presses.
+
+    factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise. depth
+    [m] or force [N]: the pixel is pressed mechanically by a rigid flat applicator of its shape.
+    finger: the finger of an earthed person, or of a floating one (150 pF to earth), or a
+    capacitance to earth [F]; default a rod without capacitance to earth. A finger needs
+    [surroundings].
+    """
+
+    capacitance_factor: CapacitanceFactor = 2.0
+    factor_spread: Annotated[Number, Field(ge=0, lt=1)] = 0.0
+    depth: Thickness | None = None
+    force: Force | None = None
+    finger: AnyFinger | None = None
+
+    @property
+    def by_factor(self) -> bool:
+        """True if pixels are pressed by a capacitance factor."""
+        return self.depth is None and self.force is None
+
+    @model_validator(mode="after")
+    def _pressed_one_way(self) -> Self:
+        named = [name for name in PRESSED_BY if name in self.model_fields_set]
+        given = [name for name in named if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise ValueError(f"takes one of {', '.join(PRESSED_BY)}, got {' and '.join(given)}")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _what_was_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
+        kept = everything(self)
+        return kept if self.by_factor else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
