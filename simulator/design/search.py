@@ -18,24 +18,18 @@ from .picking import Picked, sweep_time
 from .scoring import Layout, lowest_tenth
 from .skin_readout import Material
 from .trained_skins import foam_bounds
+from .value_search import GOLDEN_STEPS, POINTS, Bounds, best_value, rounded_within
 
-POINTS, GOLDEN_STEPS = 7, 6
-"""Grid points of a number within its bounds, and golden-section steps around the best of them."""
-DIGITS = 2
-"""Significant digits of sheet resistance and thickness: materials are not made more precisely."""
 ROUNDING = 1e-9
-GOLDEN = (math.sqrt(5) - 1) / 2
 MIN_GAIN = 3e-3
 """Smallest gain in merit for different sheets, another foam or other foils."""
-
-Interval = tuple[float, float]
 
 
 class MaterialChange(NamedTuple):
     """A number of a material that may change: bounds, its value (`of`), and its change (`to`)."""
 
     name: str
-    bounds: Interval
+    bounds: Bounds
     of: Callable[[Material], float]
     to: Callable[[Material, float], Material]
 
@@ -166,8 +160,8 @@ class _Search:
             mean = min(max(_mean(material), lowest), max(highest, lowest))
             return replace(
                 material,
-                top=_rounded(mean * root, request.sheet_resistance),
-                bottom=_rounded(mean / root, request.sheet_resistance),
+                top=rounded_within(mean * root, request.sheet_resistance),
+                bottom=rounded_within(mean / root, request.sheet_resistance),
             )
 
         moves = [
@@ -227,42 +221,6 @@ class _Search:
         )
 
 
-def best_value(score: Callable[[float], float], bounds: Interval, own: float) -> float:
-    """The number within bounds of the highest score, to DIGITS.
-
-    Evaluates a logarithmic grid, then does golden-section steps around its best point. own: another
-    point of the grid, where it is within the bounds.
-    """
-    low, high = bounds
-    grid = {float(each) for each in np.geomspace(low, high, POINTS)}
-    points = sorted(
-        _rounded(each, bounds) for each in grid | ({own} if low <= own <= high else set())
-    )
-    shares = {each: score(each) for each in points}
-    best = max(points, key=lambda each: shares[each])
-    place = points.index(best)
-    left, right = (
-        math.log(points[max(place - 1, 0)]),
-        math.log(points[min(place + 1, len(points) - 1)]),
-    )
-    for _ in range(GOLDEN_STEPS):
-        first, second = (
-            _rounded(math.exp(right - GOLDEN * (right - left)), bounds),
-            _rounded(math.exp(left + GOLDEN * (right - left)), bounds),
-        )
-        for each in (first, second):
-            shares[each] = shares[each] if each in shares else score(each)
-        if shares[first] >= shares[second]:
-            right = math.log(second)
-        else:
-            left = math.log(first)
-    return max(sorted(shares), key=lambda each: shares[each])
-
-
-def _rounded(value: float, bounds: Interval) -> float:
-    return min(max(float(f"{value:.{DIGITS}g}"), bounds[0]), bounds[1])
-
-
 def _mean(material: Material) -> float:
     return math.sqrt(material.top * material.bottom)
 
@@ -271,7 +229,7 @@ def _sheets(material: Material, mean: float) -> Material:
     return material.times(mean / _mean(material))
 
 
-def _of_mean(material: Material, bounds: Interval) -> Interval:
+def _of_mean(material: Material, bounds: Bounds) -> Bounds:
     """Bounds of the mean of both sheets, at their ratio, that keep both within given bounds.
 
     Raises InputError where there is no such mean.

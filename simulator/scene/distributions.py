@@ -13,11 +13,9 @@ from .validation import Number, NumberRange, Table, one_line, within
 
 Finite = Annotated[Number, within(-1e15, 1e15, "", "no drawn quantity is larger")]
 
-
 Cut = Annotated[
     Number, within(0.01, 8.0, "deviations", "beyond 8 deviations no value is ever drawn")
 ]
-
 
 Chances = NDArray[np.float64] | np.float64 | float
 
