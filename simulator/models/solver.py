@@ -2,38 +2,26 @@
 
 The sequence of models: the exact line, one R and one C, two-dimensional elements for one field or
 for two, of growing order. Each model solves the frequencies at which it keeps the tolerance and
-leaves the others to the next one. The error of elements is estimated by elements of one order more
-on the same mesh: the output error is the square of the field's, so their difference is the error.
+leaves the others to the next one.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..fem.circuit import Circuit, one_field, two_fields
-from ..fem.error_estimate import ROUNDING, relative_difference
-from ..fem.excitation import impedance_with_error
-from ..fem.safety_factors import UNIFORM
-from ..mesh.quadrilaterals import Resolution
-from ..method_cache import cached_method
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
 from .heterogeneous.press_cache import PressCache, PressPlace
-from .line import Line
-from .lumped import Lumped, min_truncation_error
-from .resolution import ResolutionHierarchy
-from .sheet_model import SheetModel
-from .solution import ModelResult, Solution, SolutionProgress
+from .solution import Solution, SolutionProgress
 from .time_estimate import TimeEstimate
 from .uniform import equivalent_press, equivalent_scene, require_uniform
+from .uniform_models import UniformModels
 
 if TYPE_CHECKING:
     from .mechanics.deformation import Deformation
@@ -42,11 +30,7 @@ if TYPE_CHECKING:
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 DEFAULT_RTOL = 1e-4
-GAIN = 0.1
-SHEETS_KEPT = 16
-GRIDS_KEPT = 256
 STRICTER = 0.1
-LUMPED = "one R and one C"
 SEQUENCES = {"auto": ["line", "lumped", "sheet"], "reduced": ["reduced", "sheet"]}
 
 
@@ -79,7 +63,7 @@ class Solver:
         self.frequency = scene.frequencies if frequency is None else checked_frequencies(frequency)
         self._uniform, self._time_estimate = equivalent_scene(scene), TimeEstimate(rtol)
         self.model: ModelName = model
-        self._sheets: dict[Resolution, SheetModel] = {}
+        self._models = UniformModels(self._uniform, rtol, bound_first=model == "auto")
         self._places = PressCache()
 
     @cached_property
@@ -91,10 +75,6 @@ class Solver:
             return None
         alone = self.scene.model_copy(update={"surroundings": around.for_rods})
         return Solver(alone, self.rtol, self.model, self.frequency)
-
-    @cached_property
-    def _first_level(self) -> int:
-        return self._hierarchy.first(self.rtol)
 
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
         """Solution by the cheapest model that keeps the tolerance, at each frequency.
@@ -151,9 +131,9 @@ class Solver:
 
     def _solve_uniform(self, press: Press, progress: SolutionProgress) -> None:
         solvers = {
-            "line": self._line,
-            "lumped": self._lumped,
-            "sheet": self._elements,
+            "line": self._models.line,
+            "lumped": self._models.lumped,
+            "sheet": self._models.elements,
             "reduced": self._reduced,
         }
         sequence = SEQUENCES.get(self.model, [self.model])
@@ -237,76 +217,6 @@ class Solver:
         lines = [f"press {press}, tolerance {self.rtol:g}", *answer.lines()]
         return "\n  ".join(lines)
 
-    def _line(self, press: Press, progress: SolutionProgress) -> None:
-        if isinstance(self._exact_line, str):
-            raise InputError(self._exact_line)
-        Z = self._exact_line.impedance(press, progress.frequency)
-        progress.offer(ModelResult("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
-
-    @cached_property
-    def _exact_line(self) -> Line | str:
-        """Exact line model of the scene, or the reason why there is none."""
-        try:
-            return Line(self._uniform)
-        except InputError as no_line:
-            return str(no_line)
-
-    def _lumped(self, press: Press, progress: SolutionProgress) -> None:
-        frequency = progress.frequency
-        unpressed = self._left_out_unpressed(tuple(frequency)) if self.model == "auto" else 0.0
-        if unpressed > self.rtol:
-            return progress.reject(
-                f"{LUMPED}: error of the unpressed skin is {unpressed:.1e} of Rs or Cp or more"
-            )
-        sheet = self._sheet(self._hierarchy.resolution(self._first_level, press, frequency[-1]))
-        lumped, finer = Lumped(sheet, sheet.nested), Lumped(sheet)
-        Z = lumped.impedance(press, frequency)
-        resolved = UNIFORM * relative_difference(Z, finer.impedance(press, frequency))
-        error = resolved + lumped.truncation_error(press, frequency) + ROUNDING
-        return progress.offer(ModelResult(LUMPED, sheet.nested.inner, Z, error))
-
-    @cached_method(GRIDS_KEPT)
-    def _left_out_unpressed(self, frequency: tuple[float, ...]) -> float:
-        """Relative error of Rs and Cp by one R and one C for the unpressed skin, largest of all
-        frequencies.
-
-        If even the short line with the smallest error exceeds the tolerance, the skin is not
-        solved.
-        """
-        least = min_truncation_error(self._uniform, frequency[-1])
-        if least > self.rtol:
-            return least
-        sheet = self._sheet(self._hierarchy.resolution(self._first_level, Press(), frequency[-1]))
-        left_out = Lumped(sheet, sheet.nested).truncation_error(Press(), np.array(frequency))
-        return float(left_out.max())
-
-    def _elements(self, press: Press, progress: SolutionProgress) -> None:
-        level = self._first_level
-        while not progress.done and level < len(self._hierarchy.levels):
-            result = self._element_result(level, press, progress.frequency)
-            progress.offer(result)
-            level += self._levels_ahead(float(result.error.max()))
-
-    def _levels_ahead(self, error: float) -> int:
-        """Number of levels after which the tolerance is likely to be kept, if each gains GAIN."""
-        if not math.isfinite(error):
-            return 1
-        return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
-
-    def _element_result(
-        self, level: int, press: Press, frequency: NDArray[np.float64]
-    ) -> ModelResult:
-        sheet = self._sheet(self._hierarchy.resolution(level, press, frequency[-1]))
-        Z, error = impedance_with_error(
-            lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),
-            self._circuit.excitations,
-            frequency,
-            self.rtol,
-        )
-        answered = replace(sheet.resolution, order=sheet.resolution.order - 1)
-        name = f"2-D elements, {self._circuit.description}, {answered}"
-        return ModelResult(name, sheet.nested.inner, Z, error)
-
     def _reduced(self, press: Press, progress: SolutionProgress) -> None:
         self._within_sweep(self._factor_model, press, progress)
 
@@ -335,22 +245,6 @@ class Solver:
         from .reduced.factor_press_model import FactorPressModel
 
         return FactorPressModel(self._uniform, self.rtol, self.frequency)
-
-    def _sheet(self, resolution: Resolution) -> SheetModel:
-        """Sheet model at a resolution; the oldest ones are dropped, because they are large."""
-        if resolution not in self._sheets:
-            if len(self._sheets) == SHEETS_KEPT:
-                del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = SheetModel(self._uniform, self._circuit, resolution)
-        return self._sheets[resolution]
-
-    @cached_property
-    def _circuit(self) -> Circuit:
-        return one_field(self._uniform) or two_fields(self._uniform)
-
-    @cached_property
-    def _hierarchy(self) -> ResolutionHierarchy:
-        return ResolutionHierarchy(self._uniform, self._circuit)
 
 
 def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:

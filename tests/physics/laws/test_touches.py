@@ -198,4 +198,4 @@ def test_forgotten_meshes_make_room(sheet):
     solver = Solver(sheet, 1e-2)
     for k in range(20):
         solver.solve(parse_press(f"rect({0.03 + 0.001 * k},0.0405,0.01,0.02)", 2.0))
-    assert len(solver._sheets) <= 16
+    assert len(solver._models._sheets) <= 16
