@@ -8,10 +8,10 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.cosine_modes.foam_modes import map_of, with_foam_modes
-from rcskin.simulator.models.parameters import FOAM_MODES
+from rcskin.simulator.models.parameters import FOAM_MODES, scene_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.press import every_press
+from rcskin.simulator.press.press import every_press, press_on
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
@@ -159,3 +159,13 @@ def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):
         calibrate(mapped, twin, UNEVEN)
     with pytest.raises(InputError, match="foam_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("foam_x",)))
+
+
+def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
+    """Parts that no press changes, a body, have no modes: answers are those of the full solver."""
+    scene = scene_fed_at_a_corner().with_({"surroundings.body": {"distance": 5e-3}})
+    own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
+    found = Forward(scene, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
+    changed = with_foam_modes(scene_with(scene, own), own)
+    exact = Solver(changed, 1e-4).solve(press_on(changed, "2,3:2.0")).Z
+    assert relative_difference(found[0], exact).max() < 2e-3

@@ -79,10 +79,15 @@ class FoamModeTerms:
 
 
 def _terms(even: Reduced) -> NDArray[np.float64]:
-    """S of each mode in each part: W'MW = F'SF in the directions that F has."""
+    """S of each mode in each part: W'MW = F'SF in the directions that F has.
+
+    Parts that no press changes (bodies, the rim) have no F; modes of the foam leave them as they
+    are.
+    """
     size, W = typical(even), even.coordinates
     back = size[:, None] * np.linalg.pinv(even.factors * size)
-    parts = [each.energies(W) for each in even.family.foam_modes]
+    touched = slice(len(even.factors))
+    parts = [each.energies(W, touched) for each in even.family.foam_modes]
     return np.stack(
         [
             np.stack([G.T @ each @ G for each, G in zip(of_mode, back, strict=True)])
