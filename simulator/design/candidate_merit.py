@@ -124,8 +124,8 @@ class AdditiveCandidates:
 class TiedFrequencies:
     """Frequencies of readings with unknown gain and phase errors that are common to all of them."""
 
-    def __init__(self, pairs: Pairs, ties: SessionPrecision, merit: Merit = ACCURACY) -> None:
-        self.candidates, self._pairs, self._ties = pairs.separation.shape[2], pairs, ties
+    def __init__(self, pairs: Pairs, session: SessionPrecision, merit: Merit = ACCURACY) -> None:
+        self.candidates, self._pairs, self._session = pairs.separation.shape[2], pairs, session
         self._merit = merit
 
     def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -152,7 +152,7 @@ class TiedFrequencies:
 
         The mean, weighted by the session's errors, has shape (pair, reading, 2, p).
         """
-        x, prior = pairs.separation, self._ties.both + weights.sum()
+        x, prior = pairs.separation, self._session.both + weights.sum()
         weighed = x * weights[:, None, None]
         found = np.einsum("prfqa,prfqb->pab", weighed, x, optimize=True)
         common = weighed.sum(axis=2)

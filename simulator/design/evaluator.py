@@ -50,17 +50,17 @@ class SceneEvaluator:
             scene, request, spanned, settings.seed, settings.progress, touches
         )
         if touches is None:
-            comparison, scorer = (
+            pair_source, scorer = (
                 PixelPairs(scene, request),
                 AccuracyScorer(scene, request, settings.draws, settings.seed),
             )
         else:
-            comparison, scorer = (
+            pair_source, scorer = (
                 PositionPairs(touches, request),
                 PositionScorer(touches, request.against_rest),
             )
         self._scorer: AccuracyScorer | PositionScorer = scorer
-        self._picker = Picker(self._trained, comparison, self.pool, self.frequency, request)
+        self._picker = Picker(self._trained, pair_source, self.pool, self.frequency, request)
 
     @property
     def own(self) -> Layout:
@@ -135,13 +135,13 @@ class SceneEvaluator:
             return {"numbers": self._picker.own_frequencies(material, picked)}
 
         numbers = self._settings.journal.answer(request, answer)["numbers"]
-        comparison = [tuple(float(self.frequency[k]) for k in own) for own in numbers]
+        of_each = [tuple(float(self.frequency[k]) for k in own) for own in numbers]
         readings = [
             self.pool[k].model_copy(update={"frequencies": own})
-            for k, own in zip(picked.readings, comparison, strict=True)
+            for k, own in zip(picked.readings, of_each, strict=True)
             if own
         ]
-        return Layout(material, tuple(readings), tuple(sorted(set(itertools.chain(*comparison)))))
+        return Layout(material, tuple(readings), tuple(sorted(set(itertools.chain(*of_each)))))
 
     def merits(self, layout: Layout) -> tuple[float, ...]:
         """Merits of the nominal skin, then of each sample; see `scoring`."""
@@ -178,9 +178,9 @@ def _own(layout: Layout) -> dict[str, object]:
 def first_evaluator(scene: Scene, settings: SearchSettings) -> SceneEvaluator:
     """Evaluator of a scene; where only some foils may have wires, that of the best ones."""
     wires = settings.request.wires or len(terminals(scene))
-    benches = [SceneEvaluator(scene, settings, wired) for wired in wirings(scene, wires)]
-    if len(benches) == 1:
-        return benches[0]
+    evaluators = [SceneEvaluator(scene, settings, wired) for wired in wirings(scene, wires)]
+    if len(evaluators) == 1:
+        return evaluators[0]
     own = material_of(scene)
-    some = range(len(benches[0].frequency))
-    return max(benches, key=lambda each: each.picked(own, [], list(some)).share)
+    some = range(len(evaluators[0].frequency))
+    return max(evaluators, key=lambda each: each.picked(own, [], list(some)).share)

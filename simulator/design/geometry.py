@@ -33,8 +33,8 @@ def geometries(scene: Scene, request: Design) -> list[tuple[str, Others]]:
             same_span.setdefault((contact.edge, contact.span), []).append(contact.name)
         for (edge, _), names in same_span.items():
             found.append((f"foils on the {edge} edge", partial(moved, names, request.foil_length)))
-    even = scene.skin.top.map is None and scene.skin.bottom.map is None
-    if request.grading > MIN_GRADING and even:
+    uniform = scene.skin.top.map is None and scene.skin.bottom.map is None
+    if request.grading > MIN_GRADING and uniform:
         found.append(("graded sheets", partial(graded, request.grading)))
     return found
 
@@ -55,7 +55,7 @@ def moved(names: Sequence[str], bounds: tuple[float, float], scene: Scene) -> li
 
 
 def graded(largest: float, scene: Scene) -> list[Scene]:
-    """Scenes with both sheets graded along x or y, up or down. most: largest ratio of the ends."""
+    """Scenes with both sheets graded along x or y, up or down. largest: ratio of the ends."""
     made = []
     for ratio in (math.sqrt(largest), largest):
         rise = 2 * (ratio - 1) / (ratio + 1)

@@ -33,7 +33,7 @@ LowerTriangle = Mapping[tuple[int, int], NDArray[np.float64]]
 class MeritValue(NamedTuple):
     """A merit and its derivative by the information, as a sum of weighted outer products.
 
-    value: shape (...). ways: vectors w, shape (..., case, k, p). coefficients: c, shape
+    value: shape (...). vectors: w, shape (..., case, k, p). coefficients: c, shape
     (..., case, k). The derivative is the sum of c w w'.
     """
 
@@ -97,14 +97,14 @@ class AccuracyMerit:
     def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
         """weight: share of all sweeps that is wrong if a pair is always confused."""
         own = found + np.diag([0.0] + [1.0] * (found.shape[-1] - 1))
-        way = np.ones(own.shape[:-1])
+        direction = np.ones(own.shape[:-1])
         if own.shape[-1] > 1:
-            way[..., 1:] = -np.linalg.solve(own[..., 1:, 1:], own[..., 1:, :1])[..., 0]
-        squared = np.maximum((own[..., 0, :] * way).sum(axis=-1), 0.0)
+            direction[..., 1:] = -np.linalg.solve(own[..., 1:, 1:], own[..., 1:, :1])[..., 0]
+        squared = np.maximum((own[..., 0, :] * direction).sum(axis=-1), 0.0)
         value = 1 - ndtr(-np.sqrt(squared) / 2) @ weight
         d = np.sqrt(np.maximum(squared, TINY))
         by = weight * np.exp(-squared / 8) / (math.sqrt(2 * math.pi) * 4 * d)
-        return MeritValue(value, way[..., None, :], by[..., None])
+        return MeritValue(value, direction[..., None, :], by[..., None])
 
 
 @dataclass(frozen=True)
@@ -137,8 +137,8 @@ class PositionMerit:
     def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
         """weight: of each position, 1 in total."""
         inverse = np.linalg.inv(found + np.diag(self.known))
-        ways = inverse[..., :2, :].astype(np.float64)
-        far = np.sqrt(ways[..., 0, 0] + ways[..., 1, 1])
+        vectors = inverse[..., :2, :].astype(np.float64)
+        far = np.sqrt(vectors[..., 0, 0] + vectors[..., 1, 1])
         value = 1 - far @ weight / self.guess
         by = weight / (2 * far * self.guess)
-        return MeritValue(value, ways, np.repeat(by[..., None], 2, axis=-1))
+        return MeritValue(value, vectors, np.repeat(by[..., None], 2, axis=-1))

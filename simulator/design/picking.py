@@ -99,7 +99,7 @@ class PairSource(Protocol):
 
 
 class PixelPairs:
-    """Comparison of pairs of hypotheses; see `pair_separation`."""
+    """Pairs of hypotheses; see `pair_separation`."""
 
     merit: Merit = ACCURACY
 
@@ -116,7 +116,7 @@ class PixelPairs:
 
 
 class PositionPairs:
-    """Comparison of positions of touches; see `touch_positions`."""
+    """Positions of touches as pairs; see `touch_positions`."""
 
     def __init__(self, touches: TouchPositions, request: Design) -> None:
         self._touches, self._against_rest = touches, request.against_rest
@@ -138,9 +138,9 @@ class Picker:
         frequency: NDArray[np.float64],
         request: Design,
     ) -> None:
-        """comparison: of pairs or positions. Raises InputError for a meter without noise."""
+        """pair_source: of pixels or positions. Raises InputError for a meter without noise."""
         scene = trained.scene
-        self._trained, self._comparison, self._pool = trained, pair_source, list(pool)
+        self._trained, self._pair_source, self._pool = trained, pair_source, list(pool)
         self.frequency = frequency
         self._budgets = budgets(scene, request, float(frequency[0]), len(self._pool))
         self._casts = min(CASTS, request.casts)
@@ -160,7 +160,7 @@ class Picker:
     ) -> float:
         """Merit of these readings and frequencies."""
         own = self._pairs(material).of(readings, frequencies)
-        candidates = by_reading(own, self._session, self._comparison.merit)
+        candidates = by_reading(own, self._session, self._pair_source.merit)
         return candidates.slope(np.ones(candidates.candidates))[0]
 
     def readings_at(
@@ -183,7 +183,7 @@ class Picker:
             return None
         every = len(self.frequency)
         candidates = by_both(
-            self._pairs(material).of(picked.readings, range(every)), self._comparison.merit
+            self._pairs(material).of(picked.readings, range(every)), self._pair_source.merit
         )
         return selection_bound(candidates.slope, _by_both(picked, every), candidates.candidates)
 
@@ -194,7 +194,7 @@ class Picker:
         """
         every = len(self.frequency)
         candidates = by_both(
-            self._pairs(material).of(picked.readings, range(every)), self._comparison.merit
+            self._pairs(material).of(picked.readings, range(every)), self._pair_source.merit
         )
         best = exchanged_by_slope(candidates.slope, _by_both(picked, every), candidates.candidates)
         return [(best[best // every == k] % every).tolist() for k in range(len(picked.readings))]
@@ -239,7 +239,7 @@ class Picker:
         by = self._readings(material, budget[0], readings, frequencies)
         everything = self._pairs(material)
         some = everything.of(by.candidates, range(len(self.frequency)))
-        candidates = by_frequency(some, self._session, self._comparison.merit)
+        candidates = by_frequency(some, self._session, self._pair_source.merit)
         return by, best_selection(
             candidates.score, candidates.slope, candidates.candidates, budget[1], [frequencies]
         )
@@ -252,7 +252,7 @@ class Picker:
         frequencies: Sequence[int],
     ) -> Selection:
         everything = self._pairs(material).of(range(len(self._pool)), frequencies)
-        candidates = by_reading(everything, self._session, self._comparison.merit)
+        candidates = by_reading(everything, self._session, self._pair_source.merit)
         return best_selection(
             candidates.score, candidates.slope, candidates.candidates, count, [readings]
         )
@@ -263,7 +263,7 @@ class Picker:
             found = []
             for number in range(self._casts):
                 on = self._trained.readout(self._trained.sample(number), material, self._pool)
-                found.append(self._comparison(on, self.frequency))
+                found.append(self._pair_source(on, self.frequency))
             separation = np.concatenate([each.separation for each in found])
             weight = np.concatenate([each.weight for each in found]) / len(found)
             self._kept = material, Pairs(separation, weight)

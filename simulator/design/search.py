@@ -120,8 +120,8 @@ class _Search:
         )
         for move in self._changes(material):
             found = self._best_change(material, picked, move)
-            worth = found[1].share > picked.share + MIN_GAIN
-            if worth and self._add_step(move.name, evaluator.layout(*found), MIN_GAIN):
+            gains = found[1].share > picked.share + MIN_GAIN
+            if gains and self._add_step(move.name, evaluator.layout(*found), MIN_GAIN):
                 material, picked = found
         for name, others in geometries(evaluator.scene, self._settings.request):
             picked = self._best_geometry(name, others(self._evaluator.scene), material, picked)
@@ -178,13 +178,13 @@ class _Search:
     ) -> tuple[Material, Picked]:
         """The best value of one number, with new picks for each value."""
 
-        def anew(value: float) -> Picked:
+        def picked_at(value: float) -> Picked:
             changed = move.to(material, value)
             return self._evaluator.picked(changed, picked.readings, picked.frequencies)
 
-        score = self._with_progress(move.name, lambda value: anew(value).share)
+        score = self._with_progress(move.name, lambda value: picked_at(value).share)
         best = best_value(score, move.bounds, move.of(material))
-        return move.to(material, best), anew(best)
+        return move.to(material, best), picked_at(best)
 
     def _with_progress(
         self, name: str, score: Callable[[float], float]

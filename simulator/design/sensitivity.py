@@ -40,7 +40,7 @@ class SensitivityCurve:
 
 def sensitivity_curves(evaluator: SceneEvaluator, layout: Layout) -> list[SensitivityCurve]:
     """Sensitivity to the resistance of both sheets, and to the ratio of the sheets."""
-    ways: dict[str, Callable[[Material, float], Material]] = {
+    changes: dict[str, Callable[[Material, float], Material]] = {
         "sheet resistance of both": lambda material, factor: material.times(factor),
         "top sheet over bottom sheet": lambda material, factor: replace(
             material,
@@ -48,7 +48,7 @@ def sensitivity_curves(evaluator: SceneEvaluator, layout: Layout) -> list[Sensit
             bottom=material.bottom / math.sqrt(factor),
         ),
     }
-    return [_sensitivity_curve(evaluator, layout, name, change) for name, change in ways.items()]
+    return [_sensitivity_curve(evaluator, layout, name, change) for name, change in changes.items()]
 
 
 def _sensitivity_curve(

@@ -108,15 +108,13 @@ def survey(
     return variants
 
 
-def survey_rasterization_errors(
-    scene: Scene, question: SurveyOptions
-) -> RasterizationErrors | None:
+def survey_rasterization_errors(scene: Scene, options: SurveyOptions) -> RasterizationErrors | None:
     """Errors of touches by depth rasterized on cells, for the scene's own variant."""
-    if not question.by_depth:
+    if not options.by_depth:
         return None
-    fields = fields_of(scene, float(scene.frequencies[-1]), question.touch)
-    places = places_on(scene, question.touch, CELLS_PER_PIXEL)
-    return errors_of_places(fields, places, question.touch)
+    fields = fields_of(scene, float(scene.frequencies[-1]), options.touch)
+    places = places_on(scene, options.touch, CELLS_PER_PIXEL)
+    return errors_of_places(fields, places, options.touch)
 
 
 def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:

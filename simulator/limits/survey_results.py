@@ -99,10 +99,10 @@ class SurveyResults(NamedTuple):
         )
 
     def _title(self) -> str:
-        question = self.options
-        count = question.against_rest
+        options = self.options
+        count = options.against_rest
         baseline = f" minus the mean of {count} baseline sweeps" if count else ""
         return (
             f"{self.scene.name}: smallest standard deviation from one sweep{baseline}, at "
-            f"{1 + question.touch.rise:g} times the capacitance; {question.assumptions}"
+            f"{1 + options.touch.rise:g} times the capacitance; {options.assumptions}"
         )

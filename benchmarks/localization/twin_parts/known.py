@@ -77,7 +77,7 @@ def known_accuracy(
     scene: Scene, twin: Twin, target: str, *, draws: int, samples: int, against_rest: int
 ) -> LimitInterval:
     """Of a target of pixels that are pressed, each as often, on the twin's own skin. Arguments as
-    of `accuracy_of_hand`."""
+    of `accuracy_of_presses`."""
     pixels = [each for each in hypotheses(scene, target) if each.pixels]
     even = [replace(each, chance=1 / len(pixels)) for each in pixels]
     hand = TwinsHand(twin, against_rest)

@@ -67,7 +67,7 @@ def draw_flat(found: Sequence[SensitivityCurve], scale: MeritScale, to: Path) ->
         axes.set_xscale("log")
         axes.set_xticks(found[0].factors, [f"{factor:g}" for factor in found[0].factors])
         axes.minorticks_off()
-        axes.set_xlabel("made over designed")
+        axes.set_xlabel("actual over designed value")
         axes.set_ylabel(f"{scale.of}, nine of ten samples ({scale.unit})")
         if scale.unit == "%":
             low, high = axes.get_ylim()

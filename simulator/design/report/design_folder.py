@@ -44,10 +44,10 @@ def answer(found: SearchResult, settings: SearchSettings) -> str:
     wanted = scale.wanted(request)
     if wanted is None:
         return text
-    wish = f"{scale.number(wanted):g} {scale.unit}"
+    goal = f"{scale.number(wanted):g} {scale.unit}"
     if best.tenth >= wanted:
-        return f"{wish} is reached: {text}"
-    return f"{wish} is not reached by any design found; the best: {text}"
+        return f"{goal} is reached: {text}"
+    return f"{goal} is not reached by any design found; the best: {text}"
 
 
 def write_folder(found: SearchResult, settings: SearchSettings, folder: Path) -> None:

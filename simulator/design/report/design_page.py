@@ -162,9 +162,9 @@ def _listed(layout: Layout) -> str:
 
 def _distance_from_best(found: SearchResult, scale: MeritScale) -> str:
     picked, by_each = found.picked, bound_with_own_frequencies(found)
-    apart = ""
+    own_bound = ""
     if by_each is not None:
-        apart = (
+        own_bound = (
             "With own frequencies for each reading, of the same total number, the bound is "
             f"{_percent(by_each)} %. "
         )
@@ -176,16 +176,16 @@ def _distance_from_best(found: SearchResult, scale: MeritScale) -> str:
         "concave function of the readings. At these frequencies, no other readings of the same "
         f"number exceed {_percent(picked.bound_over_readings)} %. For these readings, no other "
         "candidate frequencies of the same number exceed "
-        f"{_percent(picked.bound_over_frequencies)} %. {apart}These bounds hold for the samples "
+        f"{_percent(picked.bound_over_frequencies)} %. {own_bound}These bounds hold for the samples "
         "that the picks were made for. The search changes one number of the sheets at a time; "
         "there is no bound for other sheets."
     )
 
 
-def _baseline_text(rests: int) -> str:
-    if not rests:
+def _baseline_text(count: int) -> str:
+    if not count:
         return "a sweep alone, with the meter's errors of the session"
-    return f"a sweep compared with {counted(rests, 'baseline sweep')} of the same session"
+    return f"a sweep compared with {counted(count, 'baseline sweep')} of the same session"
 
 
 def _change(part: float, scale: MeritScale) -> float:
