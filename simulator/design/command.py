@@ -25,7 +25,7 @@ def design(
     target: Annotated[
         str | None,
         typer.Option(
-            help="What the readings are to identify: pixel, column, row, pair or position.",
+            help="What the readings must identify: pixel, column, row, pair or position.",
             autocompletion=lambda: ["pixel", "column", "row", "pair", "position"],
         ),
     ] = None,
@@ -33,7 +33,7 @@ def design(
         float | None, typer.Option(help="Required share of correct sweeps, 0 to 1.")
     ] = None,
     within: Annotated[
-        float | None, typer.Option(help="mm: required median error of positions.")
+        float | None, typer.Option(help="Required median error of positions, mm.")
     ] = None,
     wires: Annotated[int | None, typer.Option(help="Largest number of foils with a wire.")] = None,
     readings: Annotated[
@@ -89,7 +89,7 @@ def design(
     Options override the table [design] of the scene. FOLDER/design.toml is
     the designed scene, which every command accepts. wiring.csv lists the
     wires at H and at L for each reading. report.html has the gain of each
-    step, the sensitivity of the optimum and what to make.
+    step, the sensitivity of the optimum and the properties to make.
 
     Run the same command again to continue an interrupted search.
     """

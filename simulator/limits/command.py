@@ -38,7 +38,9 @@ def limits(
     ] = None,
     n: Annotated[
         int | None,
-        typer.Option("-n", help="Frequencies in the compared sets; default: one for each pixel."),
+        typer.Option(
+            "-n", help="Frequencies in each set; default: one for each pixel from the driven edge."
+        ),
     ] = None,
     size: TouchSide = None,
     factor: TouchFactor = None,
@@ -64,17 +66,17 @@ def limits(
 ) -> None:
     """Compute the limits of one sweep for any estimator of a touch.
 
-    Results are maps of Cramer and Rao's bound on x, y and strength over the
+    The results are maps of the Cramer-Rao bound on x, y and strength over the
     sheet, by frequency set, interface and sheet resistance; distances between
-    the sweeps of pixels in units of the meter's error; and Bayes' accuracy of
-    columns, rows and pixels, which no classifier exceeds. Each states what is
-    known and what is unknown. --size, --factor and --finger apply to all of
-    them. Where a finger presses, there are also accuracies for pixels pressed
-    by a rod, and touched by the finger without a press; --factor 1 is that
-    touch alone.
+    the sweeps of pixels, in units of the meter's error; and the Bayes accuracy
+    of columns, rows and pixels, which no classifier exceeds. Each result states
+    what it assumes as known. --size, --factor and --finger apply to all of
+    them. If a finger presses the scene, there are also accuracies for a rod,
+    and for a finger that touches without a press; --factor 1 is that touch
+    alone.
 
-    With --accuracy: the largest number of pixels for it, by target, for grids
-    in the proportion of the scene's rows and columns.
+    --accuracy prints the largest number of pixels at which it is possible, for
+    grids in the proportion of the scene's rows and columns.
     """
     from ..bounds.position_bound import chosen_touch
     from ..chart_style import checked_ending

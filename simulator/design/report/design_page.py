@@ -177,8 +177,8 @@ def _distance_from_best(found: SearchResult, scale: MeritScale) -> str:
         f"number exceed {_percent(picked.bound_over_readings)} %. For these readings, no other "
         "candidate frequencies of the same number exceed "
         f"{_percent(picked.bound_over_frequencies)} %. {own_bound}These bounds hold for the "
-        "samples that the picks were made for. The search changes one number of the sheets at a time; "
-        "there is no bound for other sheets."
+        "samples that the picks were made for. The search changes one number of the sheets at a "
+        "time; there is no bound for other sheets."
     )
 
 
