@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from .column_names import LABEL_OF, QUANTITY_OF, WITHOUT_USUAL_UNIT
+from .column_names import LABEL_OF, NAMES, QUANTITY_OF, WITHOUT_USUAL_UNIT
 
 PREFIXES = {
     "": 0, "f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "K": 3, "M": 6, "G": 9,
@@ -56,6 +56,12 @@ LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
 TRACE = re.compile(r"(?:measured\s|(?:trace|channel|ch)\s*\d*\s*:?\s*(?=\S))", re.IGNORECASE)
 """Words before a name that say where a quantity was shown."""
 SHOWN = re.compile(r"\s*-\s*data$", re.IGNORECASE)
+MAY_BE_FREQUENCY = re.compile(
+    "|".join(name for name in NAMES["frequency"] if len(name) > 1 or not name.isascii())
+    + r"|(?<![^\W_])f(?![^\W_])",
+    re.IGNORECASE,
+)
+"""Found in every line that names a frequency, and in few others."""
 NEGATIVE = re.compile(r"(?:-|(?:neg\.?|negative|minus)\s)\s*", re.IGNORECASE)
 
 
@@ -78,7 +84,7 @@ class Column:
 @functools.lru_cache(4096)
 def recognised(name: str, place: int = 0) -> Column | None:
     """The column of that name, or None if the name is unknown."""
-    text = _spelled(name)
+    text = spelled(name)
     if _key(text) in LABEL_OF:
         return Column(name, LABEL_OF[_key(text)], place=place)
     sign, text = _without_sign(SHOWN.sub("", TRACE.sub("", text, count=1)))
@@ -94,7 +100,7 @@ def recognised(name: str, place: int = 0) -> Column | None:
     return None
 
 
-def _spelled(name: str) -> str:
+def spelled(name: str) -> str:
     """The name with one spelling of each sign; wide characters become narrow."""
     text = unicodedata.normalize("NFKC", name.strip().translate(SPELLINGS))
     return text.translate(SPELLINGS).strip()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,18 +31,10 @@ class NumberFormat:
 
     def plain(self, text: str) -> str | None:
         """The number with a point and without thousands; None if it is not of this format."""
-        if not self._pattern().fullmatch(text):
+        if not _pattern(self).fullmatch(text):
             return None
         bare = text.replace(self.thousands, "") if self.thousands else text
         return bare.replace(self.decimal, ".").replace("d", "e").replace("D", "e")
-
-    def _pattern(self) -> re.Pattern[str]:
-        decimal, thousands = re.escape(self.decimal), re.escape(self.thousands)
-        grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+|" if thousands else ""
-        exponent = "(?:[eEdD][+-]?[0-9]+)?"
-        return re.compile(
-            rf"[+-]?(?:(?:{grouped}\d+)(?:{decimal}\d*)?|{decimal}\d+){exponent}", re.ASCII
-        )
 
     def __str__(self) -> str:
         marks = {".": "point", ",": "comma", "'": "apostrophe", " ": "space"}
@@ -49,6 +42,16 @@ class NumberFormat:
         if self.thousands:
             text += f" and a {marks.get(self.thousands, 'sign')} between thousands"
         return text
+
+
+@functools.cache
+def _pattern(form: NumberFormat) -> re.Pattern[str]:
+    decimal, thousands = re.escape(form.decimal), re.escape(form.thousands)
+    grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+|" if thousands else ""
+    exponent = "(?:[eEdD][+-]?[0-9]+)?"
+    return re.compile(
+        rf"[+-]?(?:(?:{grouped}\d+)(?:{decimal}\d*)?|{decimal}\d+){exponent}", re.ASCII
+    )
 
 
 POINT, COMMA = NumberFormat(".", ""), NumberFormat(",", "")
@@ -71,6 +74,10 @@ FORMATS = (
         ]
     ),
 )
+
+
+SIGNS = re.compile("[,' \u2019\u00a0\u202f]")
+"""Signs of formats other than POINT."""
 
 
 def number_like(text: str) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
-from .columns import UNITS, Column, recognised
+from .columns import MAY_BE_FREQUENCY, UNITS, Column, recognised, spelled
 from .number_format import NUMBERISH, number_like
 from .text_lines import (
     ALL_SEPARATORS,
@@ -68,6 +68,8 @@ def is_header(columns: list[Column]) -> bool:
 def header_readings(text: str) -> list[list[str]]:
     """The distinct ways to split a line into names of a table; empty if it is no header."""
     found: list[list[str]] = []
+    if not MAY_BE_FREQUENCY.search(spelled(text)):
+        return found
     for separator in ALL_SEPARATORS:
         names = header_cells(text, separator)
         if names not in found and is_header(recognised_all(names)):

@@ -128,6 +128,8 @@ def _named_line(number: int, text: str) -> tuple[int, str, list[str]] | None:
             cells = trimmed(line_cells(text, separator))
         except csv.Error:
             continue
+        if len(cells) < 3 or not (number_like(cells[-1]) and number_like(cells[-2])):
+            continue
         for place, name in enumerate(cells[:MAX_BEFORE]):
             column, values = recognised(name), cells[place + 1 :]
             if column is None or column.holds not in UNITS or len(values) < 2:
