@@ -15,6 +15,7 @@ from .reading import blocks, commands, pages, prose
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
 FINGERS = "docs/tutorials/what-a-finger-buys.md"
+IMPORTS = "docs/how-to/import-measurements.md"
 SELF_MADE = (
     "README.md",
     FIRST_STEPS,
@@ -146,6 +147,18 @@ def test_the_scene_of_fingers_is_one(tmp_path):
     assert {line: missing_inputs(line, {"finger.toml"}) for line in lines[:4]} == dict.fromkeys(
         lines[:4], set()
     )
+
+
+def test_tables_of_other_tools_are_imported_as_the_page_says(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, table in zip(("meter.csv", "bare.txt"), blocks(IMPORTS, "csv"), strict=True):
+        (tmp_path / name).write_text(table, encoding="utf-8")
+    first, *others = commands(IMPORTS)
+    run(monkeypatch, first)
+    shown = capsys.readouterr()
+    assert shown.out + shown.err == blocks(IMPORTS, "text")[0]
+    for line in others:
+        run(monkeypatch, line)
 
 
 @pytest.mark.slow

@@ -33,7 +33,9 @@ def _columns_text(readings: ImportedReadings, labels: LineLabels) -> str:
     if labels.columns:
         parts[-1] += f"; labels from {_listed(labels.columns)}"
     used = {column.place for column in [*taken, *readings.compared, *labels.columns]}
-    idle = [f"`{n}`" for place, n in enumerate(table.names) if n and place not in used]
+    idle = [
+        f"`{n}`" for place, n in enumerate(table.names) if n not in ("", "-") and place not in used
+    ]
     if idle:
         parts[-1] += f"; not used: {', '.join(idle)}"
     where = f"header in line {table.header}: " if table.header else ""
