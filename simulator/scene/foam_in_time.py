@@ -15,20 +15,23 @@ if TYPE_CHECKING:
     from .skin import Skin
 
 Creep = Annotated[
-    Number, within(1e-6, 10.0, "of the strain at once", "a foam that creeps more is a liquid")
+    Number, within(1e-6, 10.0, "of the strain at once", "a material that creeps more is a liquid")
 ]
 
 Hysteresis = Annotated[
     Number,
     within(
-        0.0, 1 / 3, "of the work of loading", "beyond a third, foam would sink while it is released"
+        0.0,
+        1 / 3,
+        "of the work of loading",
+        "with more than 1/3 the foam would sink during release",
     ),
 ]
 
-Celsius = Annotated[Number, within(-200.0, 1000.0, "°C", "no foam lasts beyond")]
+Celsius = Annotated[Number, within(-200.0, 1000.0, "°C", "no foam withstands more")]
 Humid = Annotated[Number, within(0.0, 100.0, "%RH", "air holds no more water")]
-PerKelvin = Annotated[Number, within(-0.1, 0.1, "1/K", "a tenth a kelvin is a thermistor")]
-PerPercent = Annotated[Number, within(-0.1, 0.1, "1/%RH", "a tenth a percent is a hygrometer")]
+PerKelvin = Annotated[Number, within(-0.1, 0.1, "1/K", "thermistors have 0.1")]
+PerPercent = Annotated[Number, within(-0.1, 0.1, "1/%RH", "hygrometers have 0.1")]
 
 MIN_CHANGE, MAX_CHANGE = 0.1, 10.0
 """Limits of the factor for which a linear law in temperature or humidity is accepted."""

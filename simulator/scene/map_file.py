@@ -97,8 +97,9 @@ def _grid(map_file: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
     reduced = _reduced(values, map_file.rows or len(values), map_file.columns or len(values[0]))
     if max(reduced.shape) > MAX_VALUES:
         raise InputError(
-            f"`{key}.path` {path} holds {len(values)} rows of {len(values[0])} values; at most "
-            f"{MAX_VALUES} each way are taken: give `rows` and `columns` to have it reduced"
+            f"`{key}.path` {path} has {len(values)} rows of {len(values[0])} values; at most "
+            f"{MAX_VALUES} rows and {MAX_VALUES} columns are supported: give `rows` and `columns` "
+            "to reduce it"
         )
     return reduced
 

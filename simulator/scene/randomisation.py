@@ -138,7 +138,8 @@ class Session(Table):
     body: Relative | None = None
     rim: Relative | None = None
     temperature: (
-        Annotated[Distribution, drawn_within(-200.0, 1000.0, "°C", "no foam lasts beyond")] | None
+        Annotated[Distribution, drawn_within(-200.0, 1000.0, "°C", "no foam withstands more")]
+        | None
     ) = None
     humidity: (
         Annotated[Distribution, drawn_within(0.0, 100.0, "%RH", "air holds no more water")] | None

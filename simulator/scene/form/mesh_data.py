@@ -87,8 +87,8 @@ def read_along(given: object, info: ValidationInfo) -> object:
 def names_a_file(path: object) -> str:
     """Message for a scene inside another file that names a file."""
     return (
-        f"names the file {path!r}, and a scene inside another file opens none; give the command "
-        "the scene's own file, or write this file again from it: it then includes maps and meshes"
+        f"names the file {path!r}, which a scene stored in another file cannot open; give the "
+        "command the scene's own file, or write this file again from it, with its maps and meshes"
     )
 
 

@@ -15,7 +15,7 @@ UNITS = {1e3: "mm", 1e2: "cm", 1 / 0.0254: "inches", 1e6: "um", 1e-3: "km"}
 NEAR = 0.05
 """Relative deviation of the sides from such a factor that still suggests the unit."""
 OFF = 0.1
-"""Distance of the edges of mesh and grid, over the sides of the grid, that is no slip."""
+"""Distance between edges of mesh and grid, over the sides of the grid, above which it warns."""
 
 
 def check_extent(surface: MeshSurface, length: float, width: float) -> None:
@@ -34,7 +34,7 @@ def check_extent(surface: MeshSurface, length: float, width: float) -> None:
 
 
 def off_grid(surface: MeshSurface, length: float, width: float) -> Iterator[str]:
-    """A warning if a mesh lies beside the grid of pixels, whose corner is at x = y = 0."""
+    """A warning if a mesh is off the grid of pixels, whose corner is at x = y = 0."""
     low, high = surface.p[:2].min(axis=1), surface.p[:2].max(axis=1)
     sides = np.array([length, width])
     if (np.maximum(np.abs(low), np.abs(high - sides)) > OFF * sides).any():

@@ -24,7 +24,7 @@ ROUNDING = 1e-12
 
 Ratio = Annotated[Number, Field(ge=0.1, le=10)]
 PoissonRatio = Annotated[Number, Field(gt=-1, le=0.5)]
-Radius = Annotated[Number, within(1e-5, 1e6, "m", "more is flat")]
+Radius = Annotated[Number, within(1e-5, 1e6, "m", "a larger radius is flat")]
 Sides = tuple[float, float]
 
 
@@ -77,8 +77,8 @@ class Cylinder(Table):
         around = sides[0] if self.axis == "y" else sides[1]
         if around > 2 * np.pi * self.radius * (1 + ROUNDING):
             raise ValueError(
-                f"`shape.radius` must be >= {around / (2 * np.pi):.4g} m, for the skin to lie "
-                f"around the cylinder once at most, got {self.radius:g}"
+                f"`shape.radius` must be >= {around / (2 * np.pi):.4g} m, for the skin to go "
+                f"around the cylinder at most once, got {self.radius:g}"
             )
 
     def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
@@ -106,7 +106,7 @@ class Cylinder(Table):
 
 
 class Sphere(Table):
-    """A sphere of a radius [m]; the skin is draped over it from its middle."""
+    """A sphere of a radius [m]; the skin is placed on it with its middle at the top."""
 
     kind: Literal["sphere"] = "sphere"
     radius: Radius
