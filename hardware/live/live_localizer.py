@@ -11,7 +11,7 @@ from ...localization.filtering.adaptive_policy import AdaptivePolicy, inverter_f
 from ...localization.filtering.follower import MAX_CHANGE_PROBABILITY, FollowedAnswer, Follower
 from ...localization.inputs.features import needs_baseline
 from ...localization.inversion.estimators import build_in_background
-from ...localization.model.model_file import load
+from ...localization.model.localizer_file import load
 from ...localization.trust.answers import CANNOT_TELL
 from .touch_answer import NOTHING_PRESSED, TouchAnswer, answer_of_classes
 

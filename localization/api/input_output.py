@@ -54,8 +54,8 @@ def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
         return write_sweeps(given, path)
     if isinstance(given, Scene):
         return write_scene(path, given)
+    from ..model.localizer_file import save
     from ..model.localizer_model import Model
-    from ..model.model_file import save
 
     if isinstance(given, Model):
         return save(path, given)

@@ -79,7 +79,7 @@ def load_model(path: str | Path) -> Model:
 
     Raises InputError in one line if the file holds none.
     """
-    from ..model.model_file import load
+    from ..model.localizer_file import load
 
     return load(path_of(path))
 

@@ -41,13 +41,13 @@ def adapt(
     from ..adaptation.class_adaptation import adapt_classes
     from ..adaptation.position_adaptation import adapt_positions
     from ..inputs.sweep_files import read_first
-    from ..model.model_file import ENDING, save
+    from ..model.localizer_file import ENDING, save
     from .model_notes import load_model_for
 
     checked_output(output, (ENDING,))
     known = read_first(touches, most)
     resting = None if rest is None else read_first(rest, most)
-    asked = load_model_for(known, touches, model, anyway=anyway)
+    asked = load_model_for(known, touches, model, any_skin=anyway)
     samples = asked.samples(known, resting)
     try:
         if samples.problem.continuous:

@@ -52,7 +52,7 @@ def evaluate(
     from ..evaluation.result import evaluated
     from ..inputs.samples import samples_of
     from ..inputs.sweep_files import read_first
-    from ..model.model_file import ENDING
+    from ..model.localizer_file import ENDING
     from .model_notes import accuracy_meaning, load_model_for, note_features, note_known_sweeps
 
     by_model = files[0].suffix == ENDING
@@ -66,7 +66,7 @@ def evaluate(
     sweeps = read_first(recordings, most)
     resting = None if rest is None else read_first(rest, most)
     if by_model:
-        model = load_model_for(sweeps, recordings, files[0], anyway=anyway)
+        model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
         found = evaluated(model.learned, model.samples(sweeps, resting))
         problem, judged = model.problem, "these ones"
         note_known_sweeps(model, sweeps, files[0])

@@ -90,7 +90,7 @@ def gap(
     if own is not None:
         if target or estimator:
             raise InputError("--model tells target and estimator: leave these out")
-        model = load_model_for(sides[1], measured, own, anyway=anyway)
+        model = load_model_for(sides[1], measured, own, any_skin=anyway)
         ours, theirs = (with_named_interface(each, model.interfaces) for each in sides)
         model.samples(theirs)
         simulation_side, other = (at_interfaces(each, model.interfaces) for each in (ours, theirs))

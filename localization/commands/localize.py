@@ -52,7 +52,7 @@ def localize(
         checked_output(output, (".csv",))
     resting = None if rest is None else read_first(rest, most)
     asked = read_first(sweeps, most)
-    told = load_model_for(asked, sweeps, model, anyway=anyway)
+    told = load_model_for(asked, sweeps, model, any_skin=anyway)
     if filtered:
         touching = touch_lasts, touch_every, touch_speed
         header, rows = _filtered_answers(told, asked, resting, touching, pace)

@@ -20,7 +20,7 @@ def load_model_for(
     files: Sequence[Path],
     path: Path,
     *,
-    anyway: bool,
+    any_skin: bool,
 ) -> Model:
     """The model in the file at `path`.
 
@@ -28,14 +28,14 @@ def load_model_for(
     other versions. anyway: the model also accepts sweeps of another skin. Raises InputError as
     `load`.
     """
-    from ..model.model_file import load
+    from ..model.localizer_file import load
 
     model = load(path)
     if model.problem.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
         say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
     note_versions(model, path)
-    return model.for_any_skin() if anyway else model
+    return model.for_any_skin() if any_skin else model
 
 
 def note_versions(model: Model, path: Path) -> None:

@@ -38,7 +38,7 @@ def train(
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
     from ..inputs.sweep_files import read_first
-    from ..model.model_file import ENDING, save
+    from ..model.localizer_file import ENDING, save
     from ..model.training import train as train_model
     from .model_notes import note_features
 

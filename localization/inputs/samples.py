@@ -67,7 +67,7 @@ class LocalizationProblem:
         return not set(RELATIVE) & set(self.quantities)
 
 
-class LeftOut(NamedTuple):
+class LeftOutSweeps(NamedTuple):
     """Numbers of sweeps that were left out.
 
     other: their press has no such target. without_baseline: their session has no baseline sweep,
@@ -123,7 +123,7 @@ class Samples:
     y: NDArray
     sessions: NDArray[np.int64]
     rows: NDArray[np.intp]
-    left_out: LeftOut = LeftOut()
+    left_out: LeftOutSweeps = LeftOutSweeps()
     several: SeveralTouches = NO_SEVERAL_TOUCHES
     changes: NDArray[np.float64] | None = None
 
@@ -263,7 +263,7 @@ def _several_touches(
 
 def _left_out(
     fitting: NDArray[np.bool_], rows: NDArray[np.intp], session: NDArray[np.int64]
-) -> LeftOut:
+) -> LeftOutSweeps:
     """Count the sweeps left out.
 
     fitting: True if a sweep has the target, (sweep,). rows: usable sweeps.
@@ -272,4 +272,6 @@ def _left_out(
     early = known & fitting
     early[rows] = False
     restless = session[~known & fitting]
-    return LeftOut(int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum()))
+    return LeftOutSweeps(
+        int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum())
+    )

@@ -20,7 +20,7 @@ from ...simulator.sweeps import made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import UNCHECKED, cross_validate
 from ..inputs.features import PAPER
-from ..model.model_file import save
+from ..model.localizer_file import save
 from ..model.training import train
 from . import figures
 from .claim import Claim

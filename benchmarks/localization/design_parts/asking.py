@@ -16,7 +16,7 @@ from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Drift, Twin
 from rcskin.benchmarks.localization.twin_parts.training import SEED
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.model.model_file import load as load_model
+from rcskin.localization.model.localizer_file import load as load_model
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.scene_files import scene_text
 

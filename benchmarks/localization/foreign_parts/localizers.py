@@ -14,9 +14,9 @@ from rcskin.benchmarks.localization.twin_parts.training import CHANGE, SEED, WHO
 from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.model.localizer_file import load as load_model
+from rcskin.localization.model.localizer_file import save as save_model
 from rcskin.localization.model.localizer_model import Model
-from rcskin.localization.model.model_file import load as load_model
-from rcskin.localization.model.model_file import save as save_model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from rcskin.localization.model.model_file import save
+from rcskin.localization.model.localizer_file import save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

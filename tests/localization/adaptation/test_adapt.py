@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.adaptation.position_adaptation import adapt_positions
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, write

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out

@@ -9,7 +9,7 @@ import pytest
 from rcskin.localization.learners import classifiers, networks, regressors
 from rcskin.localization.learners.components import Components
 from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.folds import (
     PLENTY,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.inputs.features import features
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError, check
 

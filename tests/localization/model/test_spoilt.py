@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.localization.learners import classifiers, regressors
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.soundness import UnsoundError, check_estimator, check_sound
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.image import imread
 from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
-from rcskin.localization.model.model_file import load
+from rcskin.localization.model.localizer_file import load
 from rcskin.localization.paper import figures
 from rcskin.localization.paper.claim import RULES, near
 from rcskin.localization.paper.reproduce import draw

@@ -7,7 +7,7 @@ import pytest
 from rcskin.localization.evaluation.evaluation import nested
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen, estimators
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.folds import splits_of

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.model.model_file import load, save
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.kinds import KindGuard

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 from rcskin.localization.inputs.sweep_files import read_first
-from rcskin.localization.model.model_file import load
+from rcskin.localization.model.localizer_file import load
 from rcskin.simulator.dataset.export import export
 from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import InputError, checked_output, read, write

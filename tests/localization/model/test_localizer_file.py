@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import skops.io
 from rcskin.localization.inputs.features import PAPER, features
+from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.model_fields import fields_of
-from rcskin.localization.model.model_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError
 from sklearn.pipeline import Pipeline
