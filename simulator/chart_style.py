@@ -150,8 +150,7 @@ def checked_ending(name: str) -> str:
 
 @contextmanager
 def chart(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Yields a figure of this size in inches, then writes it whole to a path that ends in
-    ENDINGS."""
+    """Yields a figure of this size in inches, then writes it whole; the path ends in ENDINGS."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -51,8 +51,7 @@ class KernelCache(FunctionCache):
         self._cache_file._source_stamp = _stamp(function)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled function for these types, or None; then this process has the turn to
-        compile."""
+        """The compiled function for these types, or None if this process has to compile it."""
         found = self._loaded(sig, target_context)
         if found is None and self._take_turn():
             found = self._loaded(sig, target_context)
@@ -73,8 +72,7 @@ class KernelCache(FunctionCache):
             self._forget()
 
     def _take_turn(self) -> bool:
-        """Waits for this process's turn; False if no folder can be written, so that there are no
-        turns."""
+        """Waits for this process's turn; False if there are no turns: no folder can be written."""
         from filelock import FileLock, Timeout
 
         try:

@@ -47,13 +47,12 @@ class EndSignal(threading.Event):
 
 @contextmanager
 def end_on_signals(received: EndSignal | None = None) -> Iterator[None]:
-    """Each of SIGNALS raises KeyboardInterrupt in the block; if that takes too long, ends the
-    process.
+    """Makes each of SIGNALS raise KeyboardInterrupt in the block, or end the process if it is late.
 
     Python raises the exception between two of its own instructions. A fit in C may delay that for
     minutes, and threads of a fit may delay the unwinding. Cleanup blocks are always waited for.
     Unfinished files are removed before the process ends. Signals that are ignored or handled
-    otherwise stay so. heard: is set by a signal.
+    otherwise stay so. received: is set by a signal.
     """
     before = _default_handlers()
     if not before or threading.current_thread() is not threading.main_thread():

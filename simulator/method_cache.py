@@ -15,8 +15,7 @@ Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 def cached_method(max_entries: int) -> Callable[[Method], Method]:
-    """Decorator that caches results by positional arguments; drops the oldest beyond
-    `max_entries`."""
+    """Decorator that caches the latest `max_entries` results by positional arguments."""
 
     def decorate(method: Method) -> Method:
         name = f"{method.__name__} cached"

@@ -102,10 +102,9 @@ def map_in_order(
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Blocks Ctrl-C within the block; processes started within inherit the mask and never receive
-    it.
+    """Blocks Ctrl-C within the block, also for processes that are started there.
 
-    Windows has no such mask.
+    These inherit the mask and never receive the signal. Windows has no such mask.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

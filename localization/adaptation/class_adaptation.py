@@ -53,17 +53,17 @@ class Adaptation:
 def adapt_classes(model: Model, samples: Samples) -> Adaptation:
     """Adapt the model by all of the samples, which are of the skin to be localized on.
 
-    samples: as of `model.samples`. Raises InputError for models that were adapted before, labels
+    samples: from `Model.samples`. Raises InputError for models that were adapted before, labels
     that the model does not know, and fewer than MIN_TOUCHES_PER_CLASS sweeps of one of its classes.
     """
     learned = checked_classifier(model, samples)
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
     fitted_folds = [(fine_tuned(model, learned, train), test) for train, test in parts]
-    unseen = [(decisions(each.pipeline, test.X), test.y) for each, test in fitted_folds]
+    held_out = [(decisions(each.pipeline, test.X), test.y) for each, test in fitted_folds]
     whole = fine_tuned(model, learned, samples)
-    index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in unseen])
-    decided = np.concatenate([each for each, _ in unseen])
+    index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in held_out])
+    decided = np.concatenate([each for each, _ in held_out])
     sharpness = _shrunk_sharpness(sharpness_of(decided, index), learned.sharpness, index.size)
     probability = probabilities(decided, sharpness)
     right = probability.argmax(axis=1) == index
@@ -87,13 +87,14 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
     assert isinstance(learned, Classifier)
     if _was_adapted(learned.pipeline):
         raise InputError(
-            "the model was adapted before: give all touches, old and new, to the one that it was "
-            "adapted from"
+            "the model was adapted before: adapt the original model by all touches, old and new"
         )
     known, counts = np.unique(samples.y, return_counts=True)
     unknown = np.setdiff1d(known, learned.classes)
     if unknown.size:
-        raise InputError(f"the model knows no {model.target} {unknown[0]}, which was touched")
+        raise InputError(
+            f"{model.target} {unknown[0]} was touched, but it is no class of the model"
+        )
     met = dict(zip(known.tolist(), counts.tolist(), strict=True))
     needed = known if model.estimator in FINE_TUNING_PARAMETER else learned.classes
     few = [
@@ -117,7 +118,7 @@ def _was_adapted(pipeline: Pipeline) -> bool:
 
 
 def fine_tuned(model: Model, learned: Classifier, samples: Samples) -> Classifier:
-    """The classifier fine-tuned by these samples; the sharpness is not changed."""
+    """Classifier fine-tuned by these samples; the sharpness is not changed."""
     guards = learned.guards and widened_guards(learned.guards, samples)
     pipeline: Any
     if model.estimator in FINE_TUNING_PARAMETER:
@@ -161,6 +162,6 @@ def _threshold(
         return threshold_of(probability, right, model.certain), ()
     except InputError:
         return learned.threshold, (
-            f"too few sweeps to say from which probability on answers are right at a rate of "
-            f"{model.certain:g}: as before they are answered from {learned.threshold:.3f} on",
+            f"too few sweeps for a new threshold at which answers are right at a rate of "
+            f"{model.certain:g}: the old threshold, probability {learned.threshold:.3f}, is kept",
         )

@@ -25,7 +25,7 @@ MIN_TOUCHES = 6
 def adapt_positions(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
     """Adapt the model by all of the samples, which are of the skin to be localized on.
 
-    samples: as of `model.samples`. counted: samples of the same sweeps for the model's gate, if it
+    samples: from `Model.samples`. counted: samples of the same sweeps for the model's gate, if it
     has one, whose guards are widened to accept them. Raises InputError for models that invert the
     simulator or were adapted before, and for fewer than MIN_TOUCHES touches.
     """
@@ -57,13 +57,12 @@ def _checked(model: Model, samples: Samples) -> Regressor:
     assert isinstance(learned, Regressor)
     if model.estimator in (MODEL_BASED, MODEL_ADAPTED):
         raise InputError(
-            f"a model of positions by {model.estimator} cannot be adapted: it knows the skin by "
-            "its scene, so calibrate the scene by these touches and train it anew"
+            f"a model of positions by {model.estimator} cannot be adapted: calibrate its scene by "
+            "these touches, then train a new model"
         )
     if isinstance(learned.pipeline[-1], Affine):
         raise InputError(
-            "the model was adapted before: give all touches, old and new, to the one that it was "
-            "adapted from"
+            "the model was adapted before: adapt the original model by all touches, old and new"
         )
     if len(samples.X) < MIN_TOUCHES:
         raise InputError(

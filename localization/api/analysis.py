@@ -32,13 +32,13 @@ def limits(
     draws: int = 2000,
     against_rest: int = 3,
 ) -> Limit:
-    """Accuracy of the best classifier of a known skin, and its standard error.
+    """Compute the accuracy of the best possible classifier of a known skin.
 
     scene: the scene, its name or its path. target: "column", "row", "pixel", "pair" or "touches".
-    presses: distribution of factors, as for the key `dataset.press.factor` of a scene; by default
-    from the scene's `press`. seed: seed of all random numbers. draws: number of sweeps drawn.
-    against_rest: number of baseline sweeps whose mean each sweep is compared with; 0: none. Raises
-    InputError for a meter without noise.
+    presses: distribution of factors, written as the key `dataset.press.factor` of a scene; by
+    default that of the scene's `press`. seed: seed of all random numbers. draws: number of sweeps
+    drawn. against_rest: number of baseline sweeps whose mean each sweep is compared with; 0: none.
+    Raises InputError for a meter without noise.
     """
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
@@ -74,16 +74,16 @@ def study(
     rtol: float | None = None,
     workers: int = 1,
 ) -> Study:
-    """Accuracy of localization while one or two numbers of a scene vary.
+    """Compute the accuracy of localization while one or two numbers of a scene vary.
 
     scene: the scene, its name or its path. vary: values by key, such as {"pixels": range(2, 11)},
-    or texts as for `rcskin study --vary`; by default sheet resistances and numbers of pixels.
+    or texts as in `rcskin study --vary`; by default sheet resistances and numbers of pixels.
     target: "column", "row" or "pixel". max_frequency: the meter's upper limit, Hz. draws: number of
     independent draws of skins, presses and readings. repetitions: presses of each pixel in a draw,
-    by default 2000 sweeps in all. seed: by default the scene's. rtol: the largest relative error of
-    Rs and of Cp, by default well below the meter's noise. workers: number of processes; a script
-    with more than one must call this under `if __name__ == "__main__":`. Raises InputError for an
-    invalid key or value, ToleranceError if rtol is not reached.
+    by default 2000 sweeps in all. seed: seed of all random numbers, by default the scene's. rtol:
+    largest relative error of Rs and of Cp, by default well below the meter's noise. workers: number
+    of processes; a script with more than one must call this under `if __name__ == "__main__":`.
+    Raises InputError for an invalid key or value, ToleranceError if rtol is not reached.
     """
     from ..study.study import plan_study
 
@@ -117,14 +117,15 @@ def calibrate(
 ) -> Calibration:
     """Fit the scene to measured sweeps, with an estimate and its uncertainty for each parameter.
 
-    scene, sweeps: the objects or their paths; the scene also by name. fit: names of parameters to
-    fit, by default all. fix: names of parameters whose values in the scene are known, or "others".
-    band: lowest and highest frequency to use, Hz. session: the only session to use. fixed_strength:
-    True takes the strengths of presses as stated. prior: "wide" (within ten times), or "session"
-    (as in the scene's dataset.session). uneven, uneven_sheets: fit cosine modes of the foam, of
-    each sheet. robust: True for Student's t errors of readings, False for normal ones, None for the
-    likelier of both. anyway: accepts sweeps of another skin too. Raises InputError if sweeps and
-    scene do not match, ToleranceError if no model reaches the tolerance.
+    scene: the scene, its name or its path. sweeps: the sweeps or the path of their file. fit: names
+    of parameters to fit, by default all. fix: names of parameters that keep the scene's values, or
+    "others". band: lowest and highest frequency to use, Hz. session: number of the only session to
+    use. fixed_strength: True takes the strengths of presses as stated. prior: "wide" (within ten
+    times) or "session" (as in the scene's dataset.session). uneven: True also fits cosine modes of
+    the foam. uneven_sheets: True also fits cosine modes of each sheet. robust: True for Student's t
+    errors of readings, False for normal ones, None for the likelier of both. anyway: True also
+    accepts sweeps of another skin. Raises InputError if sweeps and scene do not match,
+    ToleranceError if no model reaches the tolerance.
     """
     from ...simulator.calibration.fit_options import Options
     from ...simulator.calibration.prior import checked_kind

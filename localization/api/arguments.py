@@ -61,9 +61,9 @@ def _check_kind(name: str, value: object, annotation: str) -> None:
     kind = annotation.removesuffix(" | None")
     if kind not in KINDS or (value is None and kind != annotation):
         return
-    told, fits = KINDS[kind]
+    expected, fits = KINDS[kind]
     if not fits(value):
-        refuse(name, told, value)
+        refuse(name, expected, value)
 
 
 def _whole(value: object) -> bool:

@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Sweeps from a file, simulated or measured. Raises InputError in one line."""
+    """Read sweeps from a file, simulated or measured.
+
+    path: .nc, .csv or .zarr. Raises InputError in one line if the file holds no sweeps.
+    """
     return sweeps_of(path_of(path))
 
 
@@ -30,11 +33,12 @@ def write(
     overwrite: bool = False,
     overwrite_measured: bool = False,
 ) -> None:
-    """Sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
+    """Write sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
 
     The file is written completely or not at all. A file that a script wrote before is replaced,
-    with a note in the log. overwrite: also replaces files of other origin. overwrite_measured:
-    replaces even measured sweeps. Raises InputError.
+    with a note in the log. given: sweeps, a model or a scene. path: file to write. overwrite: True
+    also replaces files of other origin. overwrite_measured: True replaces even measured sweeps.
+    Raises InputError for another ending, an absent folder, or a file that must not be replaced.
     """
     from ...simulator.sweeps.writing import WriteContext, in_write_context
 
@@ -66,10 +70,10 @@ def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
 def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quantity] = ()) -> Path:
     """Plot quantities of each press against frequency, as a picture or as a page to zoom.
 
-    sweeps: the sweeps or the path of their file. path: .png, .svg, .pdf or .html; it is returned.
-    what: any of "Rs", "Cp", "change-Rs", "change-Cp" (from the unpressed skin), "phase" and
-    "nyquist"; by default Rs and Cp and, if the unpressed skin was measured, their changes. Raises
-    InputError for another ending or an absent folder.
+    sweeps: the sweeps or the path of their file. path: .png, .svg, .pdf or .html; the function
+    returns it. what: any of "Rs", "Cp", "change-Rs", "change-Cp" (from the unpressed skin), "phase"
+    and "nyquist"; by default Rs and Cp and, if the unpressed skin was measured, their changes.
+    Raises InputError for another ending or an absent folder.
     """
     from ...simulator.check.curve_page import draw
 

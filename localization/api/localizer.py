@@ -26,13 +26,14 @@ def features(
     target: Target = "column",
     quantities: str | Sequence[str] | None = None,
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Features X, shape (sweep, feature), and targets y, (sweep,) or (sweep, 3) for positions.
+    """Compute features X, shape (sweep, feature), and targets y of sweeps.
 
-    Only sweeps whose press has such a target are used. sweeps: the sweeps or the path of their
-    file. target: "column", "row", "pixel", "pair", "touches" or "position". quantities: such as
+    y has shape (sweep,), for positions (sweep, 3): x and y in mm, and the strength. Sweeps whose
+    press has no such target are left out. sweeps: the sweeps or the path of their file. target:
+    "column", "row", "pixel", "pair", "touches" or "position". quantities: names such as
     "dlnZ,dphase", as one text or a list; by default changes from the unpressed skin or, if most
-    presses have no baseline sweep before them, Rs and Cp. Raises InputError if these are not
-    available.
+    presses have no baseline sweep before them, Rs and Cp. Raises InputError for a target or a
+    quantity that these sweeps do not have.
     """
     from ..inputs.samples import samples_of
 
@@ -54,11 +55,12 @@ def train(
 ) -> Model:
     """Train a model that predicts the `target` of sweeps like these.
 
-    sweeps, target, quantities: as of `features`. estimator: its name, by default the usual one of
-    the target. interfaces: those to use, by default all. rest: sweeps of the unpressed skin, if
-    they are not among `sweeps`. certain: answer only if the accuracy of answers reaches this rate,
-    0 to 1, on held-out sweeps. tune: choose the estimator's parameters by cross-validation. Raises
-    InputError if these are not available, or if all sweeps are of one class.
+    sweeps, target, quantities: see `features`. estimator: name of the estimator; the default
+    depends on the target. interfaces: names of the interfaces to use, by default all. rest: sweeps
+    of the unpressed skin, if they are not among `sweeps`. certain: answer only if the accuracy of
+    answers reaches this rate, 0 to 1, on held-out sweeps. tune: True chooses the estimator's
+    parameters by cross-validation. Raises InputError for a value that does not fit the sweeps, and
+    if all sweeps are of one class.
     """
     from ..model.training import train as trained
 
@@ -75,9 +77,9 @@ def train(
 
 
 def load_model(path: str | Path) -> Model:
-    """The model in a file that `rcskin train` or `rcskin adapt` wrote.
+    """Load a model from a file that `write`, `rcskin train` or `rcskin adapt` wrote.
 
-    Raises InputError in one line if the file holds none.
+    path: .skops. Raises InputError in one line if the file holds no model.
     """
     from ..model.localizer_file import load
 
@@ -90,14 +92,14 @@ def localize(
     sweeps: xr.Dataset | str | Path,
     rest: xr.Dataset | str | Path | None = None,
 ) -> Answers:
-    """Answer for each sweep: class or "cannot tell", probability, and whether it is novel.
+    """Localize the press of each sweep: class or "cannot tell", and its probability.
 
     model, sweeps: the objects or the paths of their files. rest: sweeps of the unpressed skin, if
     the model needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those
     of the training.
     """
-    resting = None if rest is None else sweeps_of(rest, "rest")
-    return _model_of(model).answers(sweeps_of(sweeps), resting)
+    baselines = None if rest is None else sweeps_of(rest, "rest")
+    return _model_of(model).answers(sweeps_of(sweeps), baselines)
 
 
 @checked
@@ -106,16 +108,16 @@ def evaluate(
     sweeps: xr.Dataset | str | Path,
     rest: xr.Dataset | str | Path | None = None,
 ) -> Evaluation:
-    """Accuracy of a model on sweeps whose presses are known.
+    """Evaluate a model on sweeps whose presses are known.
 
-    model, sweeps, rest: as of `localize`. The figures are too good for sweeps on which the model
-    was trained or adapted. Raises InputError for sweeps unlike those of the training.
+    The figures are too good for sweeps on which the model was trained or adapted.
+    model, sweeps, rest: see `localize`. Raises InputError for sweeps unlike those of the training.
     """
     from ..evaluation.result import evaluated
 
-    resting = None if rest is None else sweeps_of(rest, "rest")
+    baselines = None if rest is None else sweeps_of(rest, "rest")
     known = _model_of(model)
-    return evaluated(known.learned, known.samples(sweeps_of(sweeps), resting))
+    return evaluated(known.learned, known.samples(sweeps_of(sweeps), baselines))
 
 
 def _model_of(given: Model | str | Path) -> Model:

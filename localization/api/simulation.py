@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
 
 def load(scene: str | Path) -> Scene:
-    """The built-in scene of that name, or the one in the TOML file at that path.
+    """Load a scene.
 
-    Raises InputError in one line naming the file, the key, the value and what is allowed.
+    scene: the name of a built-in scene, or the path of a TOML file. Raises InputError in one line
+    that names the file, the key, the value and the allowed range.
     """
     from ...simulator.scene.scene_files import load_scene
 
@@ -36,11 +37,11 @@ def sweep(
     rtol: float = 1e-4,
     model: ModelName = "auto",
 ) -> xr.Dataset:
-    """Noise-free sweeps of presses, with the estimated errors of Rs and Cp.
+    """Simulate noise-free sweeps of presses, with the estimated errors of Rs and Cp.
 
     On foam that creeps the presses follow each other in this order, as in a session.
-    scene: the scene, its name or its path, as for `load`. presses: as texts ("2,3", "1,1:1.5+4,4",
-    "none") or as `Press`; by default the unpressed skin, then every pixel. rtol: the largest
+    scene: the scene, its name or its path, see `load`. presses: texts ("2,3", "1,1:1.5+4,4",
+    "none") or objects `Press`; by default the unpressed skin, then every pixel. rtol: largest
     relative error of Rs and of Cp, 1e-8 to 1e-2. model: "auto", "lumped", "line", "sheet" or
     "reduced". Raises InputError for a press that does not fit the scene, ToleranceError if rtol
     cannot be kept.
@@ -66,7 +67,7 @@ def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
 
 @checked
 def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
-    """Simulated sweeps with the noise and errors of the scene's meter, session by session.
+    """Add the noise and errors of the scene's meter to simulated sweeps, session by session.
 
     sweeps: the sweeps or the path of their file. seed: seed of the noise. Raises InputError if the
     sweeps store no scene.
@@ -78,7 +79,9 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
     sweeps = sweeps_of(sweeps)
     scene = scene_of_sweeps(sweeps)
     if scene is None:
-        raise InputError("the sweeps store no scene, whose `readout` says how the meter errs")
+        raise InputError(
+            "the sweeps store no scene; its `readout` is needed for the errors of the meter"
+        )
     return read_by_meter(sweeps, scene, seed)
 
 
@@ -86,11 +89,11 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
 def dataset(
     scene: Scene | str | Path, sweeps: int = 2000, *, seed: int = 1, rtol: float = 1e-4
 ) -> xr.Dataset:
-    """Simulated sweeps of random skins and presses, with the meter's noise, to train or test on.
+    """Simulate sweeps of random skins and presses, with the meter's noise, to train or test on.
 
-    scene: the scene, its name or its path, as for `load`; its tables `dataset.press` and
+    scene: the scene, its name or its path, see `load`; its tables `dataset.press` and
     `dataset.session` define the distributions. sweeps: number of sweeps, all in memory. seed: seed
-    of all random numbers. rtol: the largest relative error of Rs and of Cp before the noise. Raises
+    of all random numbers. rtol: largest relative error of Rs and of Cp before the noise. Raises
     InputError if a number is out of range, ToleranceError if rtol cannot be kept.
     """
     from ...simulator.dataset.dataset_plan import Plan
@@ -102,9 +105,9 @@ def dataset(
 
 @checked
 def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
-    """Reduced model of all skins and presses of the scene; it answers in microseconds.
+    """Train a reduced model of all skins and presses of the scene; it answers in microseconds.
 
-    scene: the scene, its name or its path. rtol: the largest relative error of Rs and of Cp. Raises
+    scene: the scene, its name or its path. rtol: largest relative error of Rs and of Cp. Raises
     InputError for a scene that cannot be reduced, ToleranceError if rtol is not reached.
     """
     from ...simulator.models.reduced.greedy import reduce as reduced

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 def adapt(
     model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
     touches: Annotated[
-        list[Path], typer.Argument(help="A few sweeps of each class, or places. FILE.nc ...")
+        list[Path],
+        typer.Argument(
+            help="Sweeps of a few touches of each class, or at known places: FILE.nc ..."
+        ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
     rest: options.Rest = None,
@@ -46,15 +49,15 @@ def adapt(
 
     checked_output(output, (ENDING,))
     known = read_first(touches, most)
-    resting = None if rest is None else read_first(rest, most)
-    asked = load_model_for(known, touches, model, any_skin=anyway)
-    samples = asked.samples(known, resting)
+    baselines = None if rest is None else read_first(rest, most)
+    loaded = load_model_for(known, touches, model, any_skin=anyway)
+    samples = loaded.samples(known, baselines)
     try:
         if samples.problem.continuous:
-            counted = asked.gate and asked.gate.samples(known, resting)
-            found = adapt_positions(asked, samples, counted)
+            counted = loaded.gate and loaded.gate.samples(known, baselines)
+            found = adapt_positions(loaded, samples, counted)
         else:
-            found = adapt_classes(asked, samples)
+            found = adapt_classes(loaded, samples)
     except InputError as error:
         files = ", ".join(map(str, touches))
         raise InputError(f"{files} for {model}: {error}") from error
@@ -69,10 +72,10 @@ def _report_lines(found: Adaptation) -> list[str]:
     from ..trust.rates import rate_text
 
     lines = [found.validation]
-    for name, told in (("before", found.before), ("after", found.after)):
-        rates = {each: rate_text(*counts) for each, counts in told.rates().items()}
+    for name, score in (("before", found.before), ("after", found.after)):
+        rates = {each: rate_text(*counts) for each, counts in score.rates().items()}
         rest = {
-            each: f"{value:.2g}" for each, value in told.figures().items() if each in EXTRA_FIGURES
+            each: f"{value:.2g}" for each, value in score.figures().items() if each in EXTRA_FIGURES
         }
         lines.append(f"{name}: " + "; ".join(f"{k} {v}" for k, v in (rates | rest).items()))
     if _worse(found):

@@ -31,18 +31,18 @@ def evaluate(
     interface: options.Interfaces = None,
     certain: options.Certain = None,
     tune: options.Tune = False,
-    folds: Annotated[int, typer.Option(help="Of the outer cross-validation, >= 2.")] = 5,
+    folds: Annotated[int, typer.Option(help="Folds of the outer cross-validation, >= 2.")] = 5,
     most: options.MaxSweeps = options.MAX_SWEEPS_READ,
     anyway: options.Anyway = False,
     charts: options.Charts = "png",
 ) -> None:
-    """How often a localizer is right.
+    """Accuracy of a localizer on sweeps that it was not trained on.
 
-    With a model: on these sweeps, which should be others than it was
-    trained on. Without: by nested cross-validation of TARGET and the
-    options after it; what is scored was used for no training, tuning or
-    calibration, and figures are means over folds, with their spread. Whole
-    sessions are held out where there are three or more.
+    With a model, all these sweeps are scored; none of them should have been
+    used to train it. Without a model, a localizer of TARGET is trained and
+    scored by nested cross-validation: a scored sweep was used for no training,
+    tuning or calibration. Figures are then means over folds, with their
+    spread. Whole sessions are held out if there are three or more.
     """
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
@@ -58,27 +58,27 @@ def evaluate(
     by_model = files[0].suffix == ENDING
     recordings = files[by_model:]
     if not recordings:
-        raise InputError("takes sweeps beside the model, got none")
+        raise InputError("no sweeps were given: rcskin evaluate MODEL.skops SWEEPS")
     if folds < 2:
         raise InputError(f"--folds must be >= 2, got {folds}")
     ending = checked_ending(charts)
     folder = None if output is None else checked_folder(output, *WRITTEN)
     sweeps = read_first(recordings, most)
-    resting = None if rest is None else read_first(rest, most)
+    baselines = None if rest is None else read_first(rest, most)
     if by_model:
         model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
-        found = evaluated(model.learned, model.samples(sweeps, resting))
-        problem, judged = model.problem, "these ones"
+        found = evaluated(model.learned, model.samples(sweeps, baselines))
+        problem, scored = model.problem, "these ones"
         note_known_sweeps(model, sweeps, files[0])
     else:
-        samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=resting)
+        samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=baselines)
         note_features(quantities, samples.problem.quantities)
-        problem, judged = samples.problem, "outside the training"
+        problem, scored = samples.problem, "outside the training"
         with on_terminal() as progress:
             found = _by_folds(
                 samples, name, certain=certain, tune=tune, folds=folds, progress=progress
             )
-    meaning = [] if problem.continuous else [accuracy_meaning(problem, judged, sweeps)]
+    meaning = [] if problem.continuous else [accuracy_meaning(problem, scored, sweeps)]
     for line in (*lines_of(found), *meaning):
         say(line)
     if folder is not None:

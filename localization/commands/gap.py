@@ -27,7 +27,7 @@ def gap(
     scene: Annotated[
         str | None,
         typer.Option(
-            help="Scene of the simulated sweeps; else the one they were made of.",
+            help="Scene of the simulated sweeps; default: the scene that they store.",
             autocompletion=options.complete_scene,
         ),
     ] = None,
@@ -41,7 +41,7 @@ def gap(
     estimator: Annotated[
         str | None,
         typer.Option(
-            help="The localizer, by name; ksvm-ovo without.",
+            help="Name of the localizer; default: ksvm-ovo.",
             autocompletion=options.complete_estimator,
         ),
     ] = None,
@@ -49,25 +49,25 @@ def gap(
         Path | None,
         typer.Option("--model", help="Test this model, MODEL.skops, instead of training one."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
-    draws: Annotated[int, typer.Option(help="How often added sweeps are drawn anew.")] = 5,
+    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
+    draws: Annotated[int, typer.Option(help="Number of random draws of the added sweeps.")] = 5,
     calibration_touches: Annotated[
-        int, typer.Option(help="Pressed sweeps that calibrate, and are never tested.")
+        int, typer.Option(help="Number of pressed sweeps that calibrate; they are never tested.")
     ] = 5,
     anyway: Annotated[
-        bool, typer.Option("--anyway", help="Compare even sweeps of different skins.")
+        bool, typer.Option("--anyway", help="Accept sweeps of another skin.")
     ] = False,
     charts: Annotated[
-        str | None, typer.Option(help="Write the charts too: png, svg or pdf.")
+        str | None, typer.Option(help="Also write the charts as files: png, svg or pdf.")
     ] = None,
 ) -> None:
-    """How far simulation is from measurement, and what would close the gap.
+    """Compare simulated with measured sweeps, and find what explains the gap.
 
-    Distances of Rs and Cp, accuracies of a localizer trained on simulation
-    and on a few touches, before and after calibration, distances of the
-    features' distributions, and the parameter that explains most. With
-    --model it is your own model that is asked, as it is and adapted by a
-    few touches, and whether its probabilities can be believed.
+    The report has distances of Rs and Cp, accuracies of a localizer trained on
+    simulation and on a few touches, before and after calibration, distances of
+    the features' distributions, and the parameter that explains most. With
+    --model, your own model is tested instead, unchanged and adapted by a few
+    touches, and its probabilities are compared with the truth.
     """
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
@@ -89,7 +89,9 @@ def gap(
     model = None
     if own is not None:
         if target or estimator:
-            raise InputError("--model tells target and estimator: leave these out")
+            raise InputError(
+                "--model already sets target and estimator: leave out --target and --estimator"
+            )
         model = load_model_for(sides[1], measured, own, any_skin=anyway)
         ours, theirs = (with_named_interface(each, model.interfaces) for each in sides)
         model.samples(theirs)
@@ -97,7 +99,7 @@ def gap(
         sides = simulation_side, other
         target, estimator = model.target, model.estimator
     target, estimator = target or "column", estimator or "ksvm-ovo"
-    question = GapOptions(target, estimator, seed, draws, calibration_touches)
+    gap_options = GapOptions(target, estimator, seed, draws, calibration_touches)
     check_simulated(sides[0], simulated)
     named = requested_scene(scene) if scene else None
     if not anyway:
@@ -109,7 +111,7 @@ def gap(
     pair = pair_sweeps(*sides, named, seed)
     checked_folder(made_folder(output), JSON, HTML)
     with on_terminal() as progress:
-        findings = find_gap(prepare_comparison(pair, question, model), progress)
+        findings = find_gap(prepare_comparison(pair, gap_options, model), progress)
     write_report(output, findings, ending)
     _show(findings, output / HTML)
     if pair.scene is not None:
@@ -122,8 +124,8 @@ def _show(findings: GapFindings, report: Path) -> None:
 
     rows = ([row.trained, *row.cells] for row in accuracy_rows(findings))
     terminal().print(table(["trained on", *column_headings(findings)], rows))
-    told = *summary(findings), cause_sentence(findings), *findings.notes, _written(findings, report)
-    say(*filter(None, told))
+    lines = [*summary(findings), cause_sentence(findings), *findings.notes]
+    say(*filter(None, [*lines, _written(findings, report)]))
 
 
 def _written(findings: GapFindings, report: Path) -> str:

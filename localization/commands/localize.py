@@ -32,14 +32,15 @@ def localize(
     touch_every: options.TouchEvery = options.TOUCH_EVERY,
     touch_speed: options.TouchSpeed = options.TOUCH_SPEED,
     pace: Annotated[
-        float, typer.Option(help="Seconds from sweep to sweep, where the file tells no times.")
+        float, typer.Option(help="Seconds from sweep to sweep, if the file has no times.")
     ] = 0.4,
 ) -> None:
     """Localize the press of each sweep, with its probability.
 
-    A line for each sweep: the answer, or 'cannot tell'; how probable the best
-    answer is; and of positions x and y in mm and the strength, with their
-    standard deviations, where there is one touch to place. --filter takes any model.
+    The table has a line for each sweep: the answer or 'cannot tell', and the
+    probability of the best answer. A model of positions also gives x and y in
+    mm and the strength, with their standard deviations, if there is one touch.
+    --filter works with any model.
     """
     from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
@@ -50,16 +51,16 @@ def localize(
 
     if output is not None:
         checked_output(output, (".csv",))
-    resting = None if rest is None else read_first(rest, most)
-    asked = read_first(sweeps, most)
-    told = load_model_for(asked, sweeps, model, any_skin=anyway)
+    baselines = None if rest is None else read_first(rest, most)
+    loaded = read_first(sweeps, most)
+    localizer = load_model_for(loaded, sweeps, model, any_skin=anyway)
     if filtered:
         touching = touch_lasts, touch_every, touch_speed
-        header, rows = _filtered_answers(told, asked, resting, touching, pace)
+        header, rows = _filtered_answers(localizer, loaded, baselines, touching, pace)
     else:
-        header, rows = _table(told, asked, resting)
-    _note_unguarded(told, asked, resting)
-    note_known_sweeps(told, asked, model)
+        header, rows = _table(localizer, loaded, baselines)
+    _note_unguarded(localizer, loaded, baselines)
+    note_known_sweeps(localizer, loaded, model)
     if output is not None:
         write_rows(output, header, rows)
         silent = sum(row[2] == CANNOT_TELL for row in rows)
@@ -78,8 +79,11 @@ def _note_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -
     changes = model.guard_changes(sweeps, rest, np.arange(sweeps.sizes["sweep"]))
     unguarded = 0 if changes is None else len(changes) - with_known_baseline(changes).size
     if unguarded:
-        why = "no skin at rest before them; two touches may pass for one, which --rest guards from"
-        say(f"rcskin: note: {unguarded} sweeps have {why}", err=True)
+        say(
+            f"rcskin: note: {unguarded} sweeps have no baseline sweep before them, so two touches "
+            "may be taken for one; --rest adds baseline sweeps",
+            err=True,
+        )
 
 
 def _filtered_answers(
@@ -97,12 +101,12 @@ def _filtered_answers(
 
     if not pace > 0:
         raise InputError(f"`pace` must be above 0 s, got {pace:g}")
-    told = Follower(model, TouchDynamics(*touching)).follow_all(sweeps, rest, pace)
+    answers = Follower(model, TouchDynamics(*touching)).follow_all(sweeps, rest, pace)
     header = ["sweep", "press", "answer", "probability", "changed"]
     if model.target == "position":
         header += [*COORDINATES[:2], *(f"{name}_deviation" for name in COORDINATES[:2])]
     rows = []
-    for number, (text, each) in enumerate(zip(sweeps["press"].values, told, strict=True)):
+    for number, (text, each) in enumerate(zip(sweeps["press"].values, answers, strict=True)):
         numbers = f"{each.probability:.4f}", f"{each.changed:.4f}"
         placed = [f"{value:.4g}" for value in each.coordinates] or [""] * (len(header) - 5)
         rows.append([str(number), str(text), each.label, *numbers, *placed])
@@ -114,7 +118,7 @@ def _table(
 ) -> tuple[list[str], list[list[str]]]:
     from ..inputs.targets import COORDINATES
 
-    told = model.answers(sweeps, rest)
+    answers = model.answers(sweeps, rest)
     early = sweeps.sizes["sweep"] - model.usable_features(sweeps, rest)[1].size
     if early:
         why = "no baseline sweep was measured before in their session; --rest FILE gives one"
@@ -126,9 +130,9 @@ def _table(
     places = iter(lambda: [], None)
     if model.target == "position":
         header += [*COORDINATES, *(f"{name}_deviation" for name in COORDINATES)]
-        places = _places(model, sweeps, rest, told.labels == "1")
+        places = _places(model, sweeps, rest, answers.labels == "1")
     texts = sweeps["press"].values.astype(str)
-    answered = zip(texts, told.labels, told.probability, places, strict=False)
+    answered = zip(texts, answers.labels, answers.probability, places, strict=False)
     rows = [
         [str(number), text, str(label), f"{probability:.4f}", *place]
         for number, (text, label, probability, place) in enumerate(answered)

@@ -25,15 +25,19 @@ def load_model_for(
     """The model in the file at `path`.
 
     Prints a note if the sweeps of `files` store no scene, and one if the model was trained with
-    other versions. anyway: the model also accepts sweeps of another skin. Raises InputError as
-    `load`.
+    other versions. any_skin: True if the model accepts sweeps of another skin too. Raises
+    InputError as `load`.
     """
     from ..model.localizer_file import load
 
     model = load(path)
     if model.problem.scene and not sweeps.attrs.get("scene"):
         names = ", ".join(map(str, files))
-        say(f"rcskin: note: {names}: stores no scene, so its skin is not checked", err=True)
+        say(
+            f"rcskin: note: {names}: stores no scene, so its skin cannot be compared with the "
+            "model's",
+            err=True,
+        )
     note_versions(model, path)
     return model.for_any_skin() if any_skin else model
 
@@ -45,7 +49,7 @@ def note_versions(model: Model, path: Path) -> None:
 
 
 def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:
-    """Line on the kind of sweeps that an accuracy applies to. judged: as of `accuracy_text`."""
+    """Line on the kind of sweeps that an accuracy applies to. scored: see `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from ..inputs.features import RELATIVE
 
@@ -61,9 +65,9 @@ def note_features(requested: str | None, used: Sequence[str]) -> None:
 
     if requested is None and tuple(used) != RELATIVE:
         say(
-            f"rcskin: note: --features {','.join(used)} is taken, for most presses have no sweep "
+            f"rcskin: note: --features {','.join(used)} is used because most presses have no sweep "
             "of the unpressed skin before them in their session; with such sweeps, "
-            f"{','.join(RELATIVE)} mostly finds more",
+            f"{','.join(RELATIVE)} is usually more accurate",
             err=True,
         )
 
@@ -76,5 +80,5 @@ def note_known_sweeps(model: Model, sweeps: xr.Dataset, path: Path) -> None:
 
     known = int(np.isin(fingerprints_of(sweeps), model.fingerprints).sum())
     if known:
-        told = f"{known} of these {sweeps.sizes['sweep']} sweeps taught it, in `train` or `adapt`"
-        say(f"rcskin: note: {path}: {told}; on others it is right less often", err=True)
+        text = f"was trained or adapted on {known} of these {sweeps.sizes['sweep']} sweeps"
+        say(f"rcskin: note: {path}: {text}; on other sweeps its accuracy is lower", err=True)

@@ -57,9 +57,9 @@ Quantities = Annotated[
     str | None,
     typer.Option(
         "--features",
-        help="Of Rs, X, Cp, lnZ, phase and, against the unpressed skin in the same session, dlnZ "
-        "and dphase; of the unpressed skin itself, lnZ0 and phase0; joined by ','. Without it "
-        "dlnZ,dphase or, where the unpressed skin was not measured, Rs,Cp.",
+        help="Features, joined by ',': Rs, X, Cp, lnZ, phase; dlnZ and dphase, the changes from "
+        "the unpressed skin in the same session; lnZ0 and phase0 of the unpressed skin itself. "
+        "Default: dlnZ,dphase, or Rs,Cp if the unpressed skin was not measured.",
     ),
 ]
 Interfaces = Annotated[
@@ -69,7 +69,7 @@ Interfaces = Annotated[
 Certain = Annotated[
     float | None,
     typer.Option(
-        help="Answer only where answers are right at this rate on held-out sweeps, such as 0.95; "
+        help="Answer only if answers are right at this rate on held-out sweeps, such as 0.95; "
         "else 'cannot tell'."
     ),
 ]
@@ -90,9 +90,13 @@ TOUCH_LASTS, TOUCH_EVERY, TOUCH_SPEED = 2.0, 5.0, 20.0
 Filtered = Annotated[
     bool, typer.Option("--filter", help="Combine sweeps over time: a touch comes, moves and goes.")
 ]
-TouchLasts = Annotated[float, typer.Option(help="Seconds that a touch lasts, with --filter.")]
-TouchEvery = Annotated[float, typer.Option(help="Seconds from a touch to the next, with --filter.")]
-TouchSpeed = Annotated[float, typer.Option(help="mm/s that a touch moves by, with --filter.")]
+TouchLasts = Annotated[
+    float, typer.Option(help="Mean duration of a touch in seconds, with --filter.")
+]
+TouchEvery = Annotated[
+    float, typer.Option(help="Mean seconds from a touch to the next, with --filter.")
+]
+TouchSpeed = Annotated[float, typer.Option(help="Speed of a touch in mm/s, with --filter.")]
 
 
 OPTION_NAMES = {"quantities": "features", "interfaces": "interface"}

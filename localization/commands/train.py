@@ -64,17 +64,17 @@ def train(
 
 def _model_lines(model: Model) -> list[str]:
     """Lines that describe a newly trained model."""
-    seen = f"{', '.join(model.quantities)} at {', '.join(model.interfaces)}"
+    features = f"{', '.join(model.quantities)} at {', '.join(model.interfaces)}"
     lines = [
-        f"{model.target} by {model.estimator} from {seen}, {len(model.frequencies)} frequencies; "
-        f"{model.trained_on} sweeps, {model.left_out}",
+        f"{model.target} by {model.estimator} from {features}, {len(model.frequencies)} "
+        f"frequencies; {model.trained_on} sweeps, {model.left_out}",
         f"validated by {model.validation}: {model.learned.outcome}",
     ]
     if model.certain is not None:
-        rate = f"answers only where it is right at a rate of {model.certain:g} or more"
+        rate = f"answers only if answers are right at a rate of {model.certain:g} or more"
         lines.append(rate + _coverage(model))
     if not model.knows_unpressed:
-        lines.append("cannot tell that nothing is pressed: the sweeps show no skin at rest")
+        lines.append("never answers 'nothing pressed': the sweeps include no unpressed skin")
     return lines
 
 
@@ -94,8 +94,8 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
     if not model.guards_use_changes or np.unique(sweeps["session"]).size < 2:
         return []
     return [
-        "looks at readings as they stand, which differ from skin to skin; changes from the skin at "
-        "rest mostly tell more: --features dlnZ,dphase"
+        "uses absolute readings, which differ from skin to skin; changes from the unpressed skin "
+        "are usually more accurate: --features dlnZ,dphase"
     ]
 
 
@@ -108,17 +108,17 @@ def _coverage(model: Model) -> str:
     if not isinstance(learned, Classifier):
         return ""
     answered = rate_text(learned.answered, learned.held_out)
-    return f", with {100 * CONFIDENCE:g} % confidence; of those held out it answers {answered}"
+    return f", with {100 * CONFIDENCE:g} % confidence; held-out sweeps answered: {answered}"
 
 
 def _size(model: Model) -> str:
     """Text with the numbers of features and of classes without "nothing pressed"."""
     from ..trust.answers import NOTHING_PRESSED
 
-    seen = f"{model.problem.features} features"
+    features = f"{model.problem.features} features"
     if model.target == "position":
-        return f"{seen}, positions"
+        return f"{features}, positions"
     if model.target == "touches":
-        return f"{seen}, {' or '.join(map(str, model.classes))} touches"
+        return f"{features}, {' or '.join(map(str, model.classes))} touches"
     known = sum(str(label) not in NOTHING_PRESSED for label in model.classes)
-    return f"{seen}, {known} {model.target}{'' if known == 1 else 's'}"
+    return f"{features}, {known} {model.target}{'' if known == 1 else 's'}"

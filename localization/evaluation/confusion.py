@@ -82,8 +82,8 @@ def over_folds(
     untrained: Pipeline, X: NDArray, y: NDArray, splits: Iterable[tuple[NDArray, NDArray]]
 ) -> Confusion:
     """Confusion matrix of predictions for each fold by a pipeline trained on the others."""
-    told = np.empty_like(y)
+    predicted = np.empty_like(y)
     for train, test in splits:
         fresh: Any = clone(untrained)
-        told[test] = fresh.fit(X[train], y[train]).predict(X[test])
-    return compare(y, told)
+        predicted[test] = fresh.fit(X[train], y[train]).predict(X[test])
+    return compare(y, predicted)

@@ -199,13 +199,13 @@ def cross_validate(
     """Train on all folds but one and predict that one, in turn: every sweep is predicted once.
 
     Sweeps before the first sweep of the unpressed skin are left out if features need it. target,
-    quantities: as of `samples_of`. folds, grouping, seed: as of `folds_of`. Raises InputError as
+    quantities: see `samples_of`. folds, grouping, seed: see `folds_of`. Raises InputError as
     these do.
     """
     X, rows = available_features(sweeps, chosen_quantities(quantities, sweeps))
-    told = sweeps.isel(sweep=rows)
-    y = labels(told, target)
-    splits = folds_of(told, y, folds=folds, grouping=grouping, seed=seed)
+    usable = sweeps.isel(sweep=rows)
+    y = labels(usable, target)
+    splits = folds_of(usable, y, folds=folds, grouping=grouping, seed=seed)
     return over_folds(reference(X.shape[1]), X, y, splits)
 
 

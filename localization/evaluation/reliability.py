@@ -27,11 +27,11 @@ GRID_LINES = 61
 def draw_reliability_and_risk(
     path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> None:
-    """Draw reliability and risk side by side; arguments as of `draw_reliability`."""
+    """Draw reliability and risk side by side; arguments: see `draw_reliability`."""
     with chart(path, 9.5, 4.4) as figure:
-        stated, told = figure.subplots(1, 2)
-        draw_reliability(stated, probability, right)
-        draw_risk(told, probability, right)
+        left_panel, right_panel = figure.subplots(1, 2)
+        draw_reliability(left_panel, probability, right)
+        draw_risk(right_panel, probability, right)
 
 
 def draw_reliability(
@@ -65,12 +65,12 @@ def draw_reliability(
 def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
     """Draw the share of wrong answers against the share answered, the most probable ones first.
 
-    The dashed curve follows from the stated probabilities. Arguments as of `draw_reliability`.
+    The dashed curve follows from the stated probabilities. Arguments: see `draw_reliability`.
     Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
     """
-    told, wrong, promised = risk(probability, right)
-    axes.plot(100 * told, 100 * wrong, color=OBSERVED_COLOUR, label="wrong")
-    axes.plot(100 * told, 100 * promised, "--", color=STATED_COLOUR, label="promised")
+    answered, wrong, promised = risk(probability, right)
+    axes.plot(100 * answered, 100 * wrong, color=OBSERVED_COLOUR, label="wrong")
+    axes.plot(100 * answered, 100 * promised, "--", color=STATED_COLOUR, label="promised")
     axes.set_xlim(0, 100)
     axes.set_ylim(0, None)
     axes.set_xlabel("Answered, the most probable first (%)")
@@ -90,8 +90,8 @@ def risk(
         count / order.size,
         *(np.cumsum(each[order]) / count for each in (~right, 1 - probability)),
     )
-    told, wrong, promised = (each[last_of_ties] for each in curves)
-    return told, wrong, promised
+    answered, wrong, promised = (each[last_of_ties] for each in curves)
+    return answered, wrong, promised
 
 
 def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
@@ -102,8 +102,8 @@ def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
     """
     from scipy.stats import kstwo
 
-    held = np.arange(1, content.size + 1) / content.size
-    axes.step(100 * np.sort(content), 100 * held, where="post", color=OBSERVED_COLOUR)
+    share = np.arange(1, content.size + 1) / content.size
+    axes.step(100 * np.sort(content), 100 * share, where="post", color=OBSERVED_COLOUR)
     band = 100 * float(kstwo.ppf(CONFIDENCE, content.size))
     ends = np.array([0.0, 100.0])
     axes.fill_between(ends, ends - band, ends + band, color="0.9", zorder=0)

@@ -40,7 +40,9 @@ def lines_of(found: Evaluation) -> list[str]:
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
     if not rates.get("answered", (1, 0))[0]:
-        lines.append("nothing was answered: no sweep was like the training and sure enough")
+        lines.append(
+            "no sweep was answered: each is unlike the training or its answer too uncertain"
+        )
     return lines
 
 

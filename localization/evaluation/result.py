@@ -78,7 +78,7 @@ def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
     """Evaluate a trained localizer on samples that it was not trained on."""
     scored = score(learned, samples)
     figures = {name: (value, None) for name, value in scored.figures().items()}
-    return _evaluation(samples, scored, figures, "none of them in the training")
+    return _evaluation(samples, scored, figures, "scored by the model as it is")
 
 
 def evaluated_by_folds(samples: Samples, found: Nested) -> Evaluation:

@@ -49,9 +49,9 @@ class PlaceSweep(AdaptiveSweep):
         """Answer by the readings so far. during: their duration, s."""
         placing, follower = self._placing, self._terms.follower
         if follower is not None:
-            told = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
+            likelihoods = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
             cells = self._grid.with_calibrated_deviations(cells_of(placing.posterior))
-            return follower.update(Evidence(told), self.gap, during, cells)
+            return follower.update(Evidence(likelihoods), self.gap, during, cells)
         rest, nothing = placing.unpressed, np.zeros(0)
         chance = max(rest, 1 - rest)
         if placing.novel or chance < self._terms.certain:

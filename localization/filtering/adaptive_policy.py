@@ -31,7 +31,7 @@ INVERTING = ModelBased | AdaptedClassifier | ModelBasedPosition | AdaptedPositio
 class AdaptivePolicy:
     """Starts an `AdaptiveSweep` for each sweep.
 
-    model, certain, follower, within: as of `AdaptiveSettings`.
+    model, certain, follower, within: see `AdaptiveSettings`.
     Raises InputError for a model that has no likelihoods of parts of a sweep.
     """
 
@@ -59,10 +59,10 @@ class AdaptivePolicy:
         """Start the next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
         if self._skin is None or self._skin[0] is not rest:
             self._skin = rest, inverter_for(self._terms.model, rest)
-        step, at_rest = self._skin[1]
+        step, baseline = self._skin[1]
         if isinstance(step, ModelBased):
-            return ClassSweep(self._terms, step, at_rest, gap)
-        return PlaceSweep(self._terms, step, at_rest, gap)
+            return ClassSweep(self._terms, step, baseline, gap)
+        return PlaceSweep(self._terms, step, baseline, gap)
 
 
 def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:
@@ -71,10 +71,10 @@ def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.comple
     Shape of the baseline: (reading,). Missing tables of the skin are computed. For other models the
     estimator is the last step of the pipeline.
     """
-    seen = at_interfaces(rest, model.interfaces)
-    taken = taken_of(seen)
+    sweeps = at_interfaces(rest, model.interfaces)
+    taken = taken_of(sweeps)
     latest, opening = (
-        mean.ravel() if taken is None else mean[taken] for mean in mean_baselines(seen)
+        mean.ravel() if taken is None else mean[taken] for mean in mean_baselines(sweeps)
     )
     step = model.pipeline[-1]
     if isinstance(step, AdaptedClassifier | AdaptedPosition):

@@ -104,8 +104,8 @@ class ClassSweep(AdaptiveSweep):
         """Answer by the readings so far. during: their duration, s."""
         posterior, terms = self._posterior, self._terms
         if terms.follower is not None:
-            told = self._sharpness * posterior.log_densities
-            return terms.follower.update(Evidence(told), self.gap, during)
+            likelihoods = self._sharpness * posterior.log_densities
+            return terms.follower.update(Evidence(likelihoods), self.gap, during)
         probabilities = posterior.probabilities
         best = int(probabilities.argmax())
         chance = float(probabilities[best])

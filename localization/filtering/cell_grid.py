@@ -68,7 +68,7 @@ class CellGrid:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Peak x and y of the blurred belief in cells, and its deviations from there, mm.
 
-        told: moments of the latest sweep, as of `cell_moments`, shape (cell, 7). A cell of
+        moments: those of the latest sweep, see `cell_moments`, shape (cell, 7). A cell of
         negligible probability in that sweep counts as uniform over the cell.
         """
         mean, covariance = moments[:, 1:3].copy(), moments[:, 3:].reshape(-1, 2, 2).copy()

@@ -43,7 +43,7 @@ class Observer:
     ) -> list[Evidence]:
         """Evidence of rows of features; each follows the previous one, also across calls.
 
-        changes: as of `Model.guard_changes`.
+        changes: see `Model.guard_changes`.
         """
         if inverts(self.model):
             return self._by_likelihoods(X)
@@ -54,8 +54,11 @@ class Observer:
         spliced, _ = self._likelihoods(np.where(self._early(0.5, X.shape[1]), X, earlier))
         late = np.log(np.where(novel, 1.0, self._known_likelihood))
         return [
-            Evidence(told, () if first and not k else (Cut(early, np.full(told.size, after)),))
-            for k, (told, early, after) in enumerate(zip(whole, spliced, late, strict=True))
+            Evidence(
+                likelihoods,
+                () if first and not k else (Cut(early, np.full(likelihoods.size, after)),),
+            )
+            for k, (likelihoods, early, after) in enumerate(zip(whole, spliced, late, strict=True))
         ]
 
     def _by_likelihoods(self, X: NDArray[np.float64]) -> list[Evidence]:

@@ -121,7 +121,7 @@ class Follower:
     def update(
         self, evidence: Evidence, gap: float, during: float, moments: NDArray | None = None
     ) -> FollowedAnswer:
-        """Answer after the evidence of a sweep. told: its row of `CellGrid.cell_moments`."""
+        """Answer after the evidence of a sweep. moments: its row of `CellGrid.cell_moments`."""
         before = self._chain.after(self.belief, gap)
         self.belief = self._chain.updated(before, evidence, during)
         return self._answer(self.belief, moments)

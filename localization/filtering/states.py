@@ -52,9 +52,8 @@ def chain_of_places(
 ) -> Chain:
     """Chain of a localizer of positions.
 
-    Its states are the unpressed skin if `rest`, a touch in each cell, then anything else. y varies
-    fastest over the cells, which are of one kind. cell: width and height in mm. rest: True if the
-    localizer knows the unpressed skin.
+    Its states are the unpressed skin if the localizer knows it, a touch in each cell, then anything
+    else. y varies fastest over the cells, which are of one kind. cell: width and height in mm.
     """
     count = rows * columns
     number = np.arange(count).reshape(columns, rows)

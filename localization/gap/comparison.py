@@ -1,6 +1,6 @@
-"""Comparison of both sides: versions of the simulated sweeps, samples, and splits.
+"""Prepared comparison of both sides: versions of the simulated sweeps, samples, and splits.
 
-Impossible parts are left out, and a note says so.
+Parts that are not possible are left out, and a note says so.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def prepare_comparison(
     splits, left_out = _splits(pair, options, reserved)
     versions = versions_of(pair, reserved, options.seed)
     rest = pair.other.isel(sweep=reserved & (row == 0))
-    others, not_told = _others(pair, rest, versions.by_stage, options.target, estimator, sets)
+    others, impossible = _others(pair, rest, versions.by_stage, options.target, estimator, sets)
     return PreparedComparison(
         pair,
         options,
@@ -99,7 +99,7 @@ def prepare_comparison(
         sets,
         others,
         splits,
-        [*pair.notes, *versions.notes, *left_out, *not_told],
+        [*pair.notes, *versions.notes, *left_out, *impossible],
         model,
     )
 
@@ -120,8 +120,8 @@ def _splits(
     found = {k: touch_splits(pixel, kept, k, options.draws, options.seed) for k in TOUCHES}
     if found[0] is None:
         raise InputError(
-            "no sweep is left to test: there must be more of them, or `calibration-touches` less "
-            f"than {options.calibration_touches}"
+            "no sweep is left to test: record more sweeps, or set `calibration-touches` below "
+            f"{options.calibration_touches}"
         )
     splits = {
         k: [Split(common[added], common[tested]) for added, tested in each]
@@ -132,8 +132,8 @@ def _splits(
     if not left_out:
         return splits, []
     most = largest_k(pixel, kept)
-    told = f"Some pixel has sweeps for no more than k = {most} and a test: without k = {left_out}."
-    return splits, [told]
+    note = f"A pixel has too few sweeps for k > {most} and a test: k = {left_out} is left out."
+    return splits, [note]
 
 
 def _others(
@@ -161,12 +161,14 @@ def _others(
     if not found:
         raise next(iter(refused.values()))
     return found, [
-        f"Nothing is told by {FEATURE_LABELS[name]}: {why}." for name, why in refused.items()
+        f"There are no results for {FEATURE_LABELS[name]}: {why}." for name, why in refused.items()
     ]
 
 
 def _check_learnable(samples: PairedSamples, estimator: Estimator) -> None:
     count, target = np.unique(samples.y).size, samples.problem.target
     if count < 2:
-        raise InputError(f"`target` {target}: the simulated sweeps are of {count} class")
+        raise InputError(
+            f"`target` {target}: the simulated sweeps must have 2 classes, got {count}"
+        )
     estimator.build(samples.problem)

@@ -63,8 +63,8 @@ def discrepancy(
 
 def kernel(distances: NDArray[np.float64]) -> NDArray[np.float64]:
     """exp(-d²/(2 w²)), w the median of all distances between different sweeps; shape as given."""
-    apart = distances[np.triu_indices(len(distances), 1)]
-    width = float(np.median(apart)) or float(apart.max()) or 1.0
+    between = distances[np.triu_indices(len(distances), 1)]
+    width = float(np.median(between)) or float(between.max()) or 1.0
     return np.exp(-((distances / width) ** 2) / 2)
 
 

@@ -67,18 +67,18 @@ class Distance:
 
     @property
     def separations(self) -> NDArray[np.float64]:
-        """Mean distance over the class separation; NaN where classes coincide (TOGETHER)."""
+        """Mean distance over the class separation; NaN where classes coincide."""
         known = self.separation[np.isfinite(self.separation)]
         least = MIN_SEPARATION_SHARE * known.max(initial=0.0)
-        apart = np.where(self.separation > least, self.separation, np.nan)
-        return self.mean / apart
+        separation = np.where(self.separation > least, self.separation, np.nan)
+        return self.mean / separation
 
 
 def meter_error(other: xr.Dataset, given: ReadingError | None) -> ReadingDeviation | None:
-    """The meter's error, from the scene or from repeated sweeps; None if neither gives it.
+    """Error of the meter, from the scene or from repeated sweeps; None if neither gives it.
 
-    From repeated sweeps it is the noise of real and imaginary part divided by |Z|: the difference
-    between neighbouring frequencies, so that unequal presses have little effect.
+    From repeated sweeps it is the noise of real and imaginary part divided by |Z|. The noise is the
+    difference between neighbouring frequencies, on which unequal presses have little effect.
     """
     count = other.sizes["frequency"]
     if given is not None:
@@ -87,7 +87,7 @@ def meter_error(other: xr.Dataset, given: ReadingError | None) -> ReadingDeviati
     if count < MIN_FREQUENCIES:
         return None
     found = _from_repeats(other)
-    source = "the repeatability of the sweeps, for no scene tells the meter's"
+    source = "the repeatability of the sweeps, because no scene states it"
     return ReadingDeviation(found, found, source) if found is not None and found.all() else None
 
 
@@ -154,11 +154,15 @@ def _errors(
 def _separation(sweeps: xr.Dataset, name: str, target: str) -> NDArray[np.float64]:
     """Root mean square distance of the means of neighbouring classes."""
     values, classes = _values(sweeps, name), labels(sweeps, target)
-    apart = [
+    differences = [
         values[classes == one].mean(axis=0) - values[classes == other].mean(axis=0)
         for one, other in neighbours(classes)
     ]
-    return np.sqrt(np.mean(np.square(apart), axis=0)) if apart else np.zeros(values.shape[1:])
+    return (
+        np.sqrt(np.mean(np.square(differences), axis=0))
+        if differences
+        else np.zeros(values.shape[1:])
+    )
 
 
 def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
@@ -167,10 +171,10 @@ def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
     pressed = {place: each for place, each in places.items() if all(place)}
     steps = np.eye(len(next(iter(places))), dtype=int)
     return [
-        (each, pressed[beside])
+        (each, pressed[neighbour])
         for place, each in pressed.items()
         for step in steps
-        if (beside := tuple((np.array(place) + step).tolist())) in pressed
+        if (neighbour := tuple((np.array(place) + step).tolist())) in pressed
     ]
 
 

@@ -78,13 +78,13 @@ class GapFindings:
 def find_gap(trial: PreparedComparison, progress: ProgressCallback) -> GapFindings:
     """Compute all findings of a comparison; what is not possible is left out and noted.
 
-    progress: as of `ProgressCallback`.
+    progress: see `ProgressCallback`.
     """
     stages = {name: _stage(trial, name, progress) for name in trial.versions}
     own = {name: _own(trial, samples) for name, samples in trial.others.items()}
     causes, why = _causes(trial, progress)
-    model, unasked = _by_model(trial)
-    notes = [*trial.notes, *why, *unasked]
+    model, model_notes = _by_model(trial)
+    notes = [*trial.notes, *why, *model_notes]
     if not all(own.values()):
         notes.append(
             f"A class has a single {trial.pair.label.adjective} sweep: nothing is trained on them."
@@ -132,10 +132,10 @@ def _transfer(
     progress: ProgressCallback,
 ) -> dict[int, MeanAccuracy]:
     other, estimator = trial.others[feature_set], trial.estimator
-    told = f"{stage} calibration, {FEATURE_LABELS[feature_set]}"
+    work = f"{stage} calibration, {FEATURE_LABELS[feature_set]}"
     return {
         k: transfer_accuracy(ours, other, trial.splits[k], estimator)
-        for k in tracked(list(trial.splits), told, progress)
+        for k in tracked(list(trial.splits), work, progress)
     }
 
 

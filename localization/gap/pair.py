@@ -50,13 +50,13 @@ def pair_sweeps(
     """
     notes: list[str] = []
     scene = scene or scene_of_sweeps(simulated)
-    noun, noise_free = (
+    label, noise_free = (
         label_of_side(other),
         "readout" not in simulated.attrs and _is_noise_free(simulated),
     )
     simulated, other = (
         _single(simulated, "simulated", notes),
-        _single(other, noun.adjective, notes),
+        _single(other, label.adjective, notes),
     )
     other = with_named_interface(other, list(map(str, simulated["interface"].values)))
     simulated = _subsampled(simulated, notes, seed)
@@ -68,7 +68,7 @@ def pair_sweeps(
     simulated, other = _of_common_readings(simulated, other, notes)
     _check_common_press(simulated, other)
     simulated = simulated.assign_attrs(scene=scene_text(scene) if scene else "")
-    return SweepPair(simulated, other, noun, scene, noise_free, notes)
+    return SweepPair(simulated, other, label, scene, noise_free, notes)
 
 
 def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
@@ -86,7 +86,9 @@ def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:
     """Sweeps with a single pressed pixel, or with none."""
     alone = (sweeps["row"].values >= 0) & (sweeps["column"].values >= 0)
     if not alone.any():
-        raise InputError(f"none of the {called} sweeps is of a single pixel or of the skin at rest")
+        raise InputError(
+            f"none of the {called} sweeps is of a single pixel or of the unpressed skin"
+        )
     if not alone.all():
         notes.append(f"{np.sum(~alone)} {called} sweeps of no single pixel are left out.")
     return sweeps.isel(sweep=alone)
@@ -125,9 +127,9 @@ def _at_frequencies_of(
     if scene is None:
         raise InputError(
             f"the simulated sweeps have {f.size} frequencies of {f[0]:.6g} to {f[-1]:.6g} Hz, the "
-            f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; name the --scene to simulate anew"
+            f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; give --scene to simulate them again"
         )
-    notes.append("The presses were simulated anew, at the other side's frequencies.")
+    notes.append("The presses were simulated again at the other side's frequencies.")
     anew = resimulated(simulated, scene, g)
     return anew.sel(interface=simulated["interface"].values)
 

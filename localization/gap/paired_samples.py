@@ -21,7 +21,7 @@ FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
 """The paper's features, and those relative to the baseline of the same session."""
 FEATURE_LABELS = {
     "absolute": "Rs and Cp",
-    "relative": "ln|Z| and phase less those at rest",
+    "relative": "changes of ln|Z| and phase from the unpressed skin",
     "model": "the model's own features",
 }
 

@@ -43,9 +43,7 @@ def check_simulated(sweeps: xr.Dataset, path: object) -> None:
     """Raises InputError if sweeps given as simulated are marked as measured."""
     if sweeps.attrs.get("model") in (MEASURED, VIRTUAL) or "twin" in sweeps.attrs:
         called = label_of_side(sweeps).adjective
-        raise InputError(
-            f"{path}: holds {called} sweeps; the simulated sweeps are to be named first"
-        )
+        raise InputError(f"{path}: contains {called} sweeps; name the simulated sweeps first")
 
 
 def check_other(sweeps: xr.Dataset, scene: str, path: object) -> None:

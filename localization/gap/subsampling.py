@@ -31,7 +31,7 @@ def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
 
 
 def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[np.int64]:
-    """Random sessions that together have SPREAD times MAX_SWEEPS sweeps, or all."""
+    """Random sessions that together have SESSION_EXCESS times MAX_SWEEPS sweeps, or all."""
     names, counts = np.unique(session, return_counts=True)
     order = random.permutation(names.size)
     before = np.cumsum(counts[order]) - counts[order]
@@ -41,7 +41,7 @@ def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[n
 def _first_baselines(
     order: NDArray[np.intp], session: NDArray[np.int64], row: NDArray[np.int64]
 ) -> NDArray[np.intp]:
-    """Indices of the first REST unpressed sweeps of each session."""
+    """Indices of the first BASELINES_PER_SESSION unpressed sweeps of each session."""
     unpressed = order[row[order] == 0]
     parts = [
         unpressed[session[unpressed] == each][:BASELINES_PER_SESSION]

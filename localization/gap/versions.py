@@ -52,18 +52,18 @@ def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Vers
     """
     from ...simulator.calibration.run import calibrate
 
-    before, told = _before(pair, seed)
+    before, notes_before = _before(pair, seed)
     why_not = _why_not_calibrated(pair, reserved)
     if why_not or pair.scene is None:
-        return Versions({BEFORE: before}, (), [*told, why_not])
+        return Versions({BEFORE: before}, (), [*notes_before, why_not])
     try:
         found = calibrate(pair.scene, pair.other.isel(sweep=reserved))
         frequency = pair.simulated["frequency"].values
         exact = resimulated(pair.simulated, found.scene, frequency)
     except (InputError, ToleranceError) as error:
-        return Versions({BEFORE: before}, (), [*told, f"No calibration: {error}."])
+        return Versions({BEFORE: before}, (), [*notes_before, f"No calibration: {error}."])
     after = Version(exact, read_by_meter(exact, pair.scene, seed))
-    notes = [*told, _calibration_note(pair, reserved)]
+    notes = [*notes_before, _calibration_note(pair, reserved)]
     return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
 
 
@@ -72,27 +72,27 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
     if not pair.noise_free:
         return Version(given, given), []
     if pair.scene is None:
-        told = "The simulated sweeps are free of noise, and no scene tells the meter's."
-        return Version(given, given), [told]
-    told = "The simulated sweeps were free of noise: to train, the scene's meter has read them."
-    return Version(given, read_by_meter(given, pair.scene, seed)), [told]
+        note = "The simulated sweeps have no noise, and no scene states the meter's noise."
+        return Version(given, given), [note]
+    note = "The simulated sweeps have no noise: for training, that of the scene's meter was added."
+    return Version(given, read_by_meter(given, pair.scene, seed)), [note]
 
 
 def _why_not_calibrated(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     """Reason why there is no calibration, empty if there is one."""
     if pair.scene is None:
-        return "No calibration and no causes: the scene is unknown; --scene names it."
+        return "No calibration and no causes: the scene is unknown; give it with --scene."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 
 
 def _calibration_note(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
     pixel, skins = pixel_of(pair.other)[reserved], np.unique(pair.simulated["session"].values).size
-    told = (
+    note = (
         f"Calibrated on {np.sum(pixel == 0)} unpressed and {np.sum(pixel > 0)} pressed "
         f"{pair.label.adjective} sweeps, which are never tested"
     )
     return (
-        f"{told}; the presses of {skins} sessions are then of one skin."
+        f"{note}; the presses of {skins} sessions are then of one skin."
         if skins > 1
-        else f"{told}."
+        else f"{note}."
     )

@@ -67,17 +67,17 @@ def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselin
 def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
     """Raises InputError that names a session without a baseline, or the first sweep before it."""
     session = sweeps["session"].values
-    restless = np.setdiff1d(session, session[rows])
-    if restless.size:
+    without = np.setdiff1d(session, session[rows])
+    if without.size:
         raise InputError(
-            f"session {restless[0]} has no sweep of the skin at rest, which its touches are to be "
-            "told against"
+            f"session {without[0]} has no sweep of the unpressed skin, from which changes by its "
+            "touches are taken"
         )
     early = np.setdiff1d(np.arange(session.size), rows)
     if early.size:
         raise InputError(
-            f"sweep {early[0]}: too few sweeps of the skin at rest come before it in session "
-            f"{session[early[0]]} to tell it against"
+            f"sweep {early[0]}: too few sweeps of the unpressed skin come before it in session "
+            f"{session[early[0]]}"
         )
 
 
@@ -107,25 +107,25 @@ def _baseline_sweeps(
 
 def _own_baselines(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Baselines]:
     for here, moments, count in _baseline_sweeps(sweeps):
-        told = np.arange(moments[count - 1] + 1, here.size)
-        rows, known = here[told], np.searchsorted(moments, told)
-        at_rest = absolute[here[moments]]
-        recent = at_rest[known[:, None] - np.arange(count) - 1].mean(axis=1)
-        firsts = np.stack([at_rest[:count].mean(axis=0), at_rest[:OPENING].mean(axis=0)])
+        later = np.arange(moments[count - 1] + 1, here.size)
+        rows, known = here[later], np.searchsorted(moments, later)
+        baselines = absolute[here[moments]]
+        recent = baselines[known[:, None] - np.arange(count) - 1].mean(axis=1)
+        firsts = np.stack([baselines[:count].mean(axis=0), baselines[:OPENING].mean(axis=0)])
         yield Baselines(rows, recent, firsts[(known >= OPENING).astype(int)])
 
 
 def _given_baselines(
     sweeps: xr.Dataset, absolute: NDArray[np.complex128], rest: xr.Dataset
 ) -> Iterator[Baselines]:
-    known, asked = rest["session"].values, sweeps["session"].values
+    known, wanted = rest["session"].values, sweeps["session"].values
     if np.unique(known).size == 1:
-        known, asked = np.zeros_like(known), np.zeros_like(asked)
-    at_rest = np.log(impedance(rest).astype(complex))
-    for session in np.intersect1d(asked, known):
-        here, of_session = np.flatnonzero(asked == session), known == session
-        told = [_mean_of_others(absolute[here], at_rest[of_session & of]) for of in _parts(rest)]
-        (recent, there), (opening, _) = told
+        known, wanted = np.zeros_like(known), np.zeros_like(wanted)
+    baselines = np.log(impedance(rest).astype(complex))
+    for session in np.intersect1d(wanted, known):
+        here, of_session = np.flatnonzero(wanted == session), known == session
+        means = [_mean_of_others(absolute[here], baselines[of_session & of]) for of in _parts(rest)]
+        (recent, there), (opening, _) = means
         yield Baselines(here[there], recent[there], opening[there])
 
 

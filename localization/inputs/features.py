@@ -57,7 +57,7 @@ def features(
 ) -> NDArray[np.float64]:
     """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
-    Arguments as of `available_features`. Raises InputError as it does, and for a sweep without a
+    Arguments: see `available_features`. Raises InputError as it does, and for a sweep without a
     baseline sweep before it.
     """
     X, rows = available_features(sweeps, quantities, interfaces=interfaces, rest=rest)
@@ -80,16 +80,16 @@ def available_features(
     that is not one of QUANTITIES, for none, for one given twice, and for an interface that the
     sweeps lack.
     """
-    asked = checked_quantities(quantities)
-    seen = at_interfaces(sweeps, interfaces)
-    at_rest = None if rest is None else at_interfaces(rest, interfaces)
-    count = seen.sizes["sweep"]
-    width = len(asked) * readings_per_sweep(seen)
-    X, told = np.empty((count, width)), np.zeros(count, dtype=bool)
-    for block in _blocks(seen, needs_baseline(asked)):
-        found, rows = _features_of_block(seen.isel(sweep=block), asked, at_rest)
-        X[block[rows]], told[block[rows]] = found, True
-    return packed(X, told), np.flatnonzero(told)
+    names = checked_quantities(quantities)
+    used = at_interfaces(sweeps, interfaces)
+    baselines = None if rest is None else at_interfaces(rest, interfaces)
+    count = used.sizes["sweep"]
+    width = len(names) * readings_per_sweep(used)
+    X, known = np.empty((count, width)), np.zeros(count, dtype=bool)
+    for block in _blocks(used, needs_baseline(names)):
+        found, rows = _features_of_block(used.isel(sweep=block), names, baselines)
+        X[block[rows]], known[block[rows]] = found, True
+    return packed(X, known), np.flatnonzero(known)
 
 
 def baseline_changes(
@@ -100,7 +100,7 @@ def baseline_changes(
 ) -> NDArray[np.float64]:
     """RELATIVE features of each sweep, shape (sweep, feature); NaN without a baseline.
 
-    Arguments as of `available_features`; raises InputError as it does.
+    Arguments: see `available_features`; raises InputError as it does.
     """
     found, rows = available_features(sweeps, RELATIVE, interfaces=interfaces, rest=rest)
     changes = np.full((sweeps.sizes["sweep"], found.shape[1]), np.nan)
@@ -227,8 +227,8 @@ def press_features(quantities: Sequence[str], count: int) -> tuple[NDArray[np.in
     relative = [name for name in quantities if name in RELATIVE]
     wanted = relative or [name for name in quantities if name not in BASELINE] or list(quantities)
     blocks = np.arange(count).reshape(len(quantities), -1)
-    told = np.concatenate([blocks[quantities.index(name)] for name in wanted])
-    return told, not any(name in READ for name in wanted)
+    index = np.concatenate([blocks[quantities.index(name)] for name in wanted])
+    return index, not any(name in READ for name in wanted)
 
 
 def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:

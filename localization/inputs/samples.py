@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 class LocalizationProblem:
     """The target and the features of a localizer.
 
-    target: as of `labels`, or "position". features: number of features of a sweep. frequencies: Hz,
-    ascending. scene: TOML text of the skin, empty if unknown. taken: as of `taken_of`, row by row;
+    target: see `labels`, or "position". features: number of features of a sweep. frequencies: Hz,
+    ascending. scene: TOML text of the skin, empty if unknown. taken: see `taken_of`, row by row;
     empty if all interfaces are read at all frequencies.
     """
 
@@ -86,17 +86,17 @@ class LeftOutSweeps(NamedTuple):
         if self.without_baseline:
             plural = "" if self.sessions == 1 else "s"
             parts.append(
-                f"{self.without_baseline} of {self.sessions} session{plural} without baseline"
+                f"{self.without_baseline} of {self.sessions} session{plural} without a baseline"
             )
         if self.early:
-            parts.append(f"{self.early} before the first baseline of their session")
+            parts.append(f"{self.early} before the first baseline sweep of their session")
         return f"{', '.join(parts)} left out"
 
 
 class SeveralTouches(NamedTuple):
     """Sweeps of two or more touches, for a target that is defined for one.
 
-    X: features, shape (n, feature). sessions: shape (n,). changes: as of `Samples`.
+    X: features, shape (n, feature). sessions: shape (n,). changes: see `Samples`.
     """
 
     X: NDArray[np.float64]
@@ -114,7 +114,7 @@ class Samples:
     X: features, shape (sweep, feature). y: labels, shape (sweep,), or positions, shape (sweep, 3).
     sessions: shape (sweep,). rows: numbers of these sweeps among the given ones, shape (sweep,).
     several: sweeps of more touches than the target is defined for; the same for every part.
-    changes: changes from the baseline, as of `baseline_changes`, for the guards of models of one
+    changes: changes from the baseline, see `baseline_changes`, for the guards of models of one
     touch that do not use the baseline; None otherwise.
     """
 
@@ -160,8 +160,8 @@ class Samples:
         """True if each class has two sweeps in these sessions."""
         if self.strata is None:
             return True
-        seen = self.strata[np.isin(self.sessions, sessions)]
-        return all((seen == label).sum() >= 2 for label in np.unique(self.strata))
+        present = self.strata[np.isin(self.sessions, sessions)]
+        return all((present == label).sum() >= 2 for label in np.unique(self.strata))
 
     def subsampled(self, count: int) -> Samples:
         """At most `count` samples, drawn in proportion to the classes; the same at every call."""
@@ -209,28 +209,28 @@ def samples_of(
 ) -> Samples:
     """Features and targets of the sweeps that have both; the others are counted.
 
-    Arguments as of `available_features` and `has_target`; quantities default to those of
+    Arguments: see `available_features` and `has_target`; quantities default to those of
     `default_quantities`. Raises InputError as these do, as `touches_of` for positions, and if no
     sweep is left.
     """
     fitting = has_target(sweeps, target)
     if not fitting.any():
-        raise InputError(f"no sweep has a press that `target` {target} can be told of")
-    asked = chosen_quantities(quantities, sweeps, rest)
-    X, rows = available_features(sweeps, asked, interfaces=interfaces, rest=rest)
+        raise InputError(f"no sweep has a press with a `target` {target}")
+    names = chosen_quantities(quantities, sweeps, rest)
+    X, rows = available_features(sweeps, names, interfaces=interfaces, rest=rest)
     usable = rows[fitting[rows]]
     if not usable.size:
         check_baselines(sweeps, rows)
-        raise InputError(f"no sweep that `target` {target} can be told of has the skin at rest")
-    some, seen = sweeps.isel(sweep=usable), at_interfaces(sweeps, interfaces)
+        raise InputError(f"no sweep with a `target` {target} has a baseline sweep before it")
+    some, used = sweeps.isel(sweep=usable), at_interfaces(sweeps, interfaces)
     problem = LocalizationProblem(
         target=target,
         features=X.shape[1],
-        quantities=asked,
-        interfaces=tuple(str(name) for name in seen["interface"].values),
-        frequencies=tuple(float(f) for f in seen["frequency"].values),
+        quantities=names,
+        interfaces=tuple(str(name) for name in used["interface"].values),
+        frequencies=tuple(float(f) for f in used["frequency"].values),
         scene=str(sweeps.attrs.get("scene", "")),
-        taken=taken_rows(seen),
+        taken=taken_rows(used),
     )
     y = positions(some) if problem.continuous else labels(some, target)
     left_out = _left_out(fitting, rows, sweeps["session"].values)
@@ -271,7 +271,7 @@ def _left_out(
     known = np.isin(session, session[rows])
     early = known & fitting
     early[rows] = False
-    restless = session[~known & fitting]
+    without = session[~known & fitting]
     return LeftOutSweeps(
-        int((~fitting).sum()), restless.size, np.unique(restless).size, int(early.sum())
+        int((~fitting).sum()), without.size, np.unique(without).size, int(early.sum())
     )

@@ -39,10 +39,10 @@ def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
         return check(stored)
     some = stored.isel(sweep=_whole_sessions(stored["session"].values, most))
     texts = [name for name, variable in some.variables.items() if variable.dtype.kind == "T"]
-    held = check(loaded(some.copy(), path))
-    held = held.assign_coords({name: held[name].astype(object) for name in texts})
+    known = check(loaded(some.copy(), path))
+    known = known.assign_coords({name: known[name].astype(object) for name in texts})
     left = QUANTITIES if in_parts else ()
-    return held.assign({name: some[name].variable for name in left})
+    return known.assign({name: some[name].variable for name in left})
 
 
 def _whole_sessions(sessions: np.ndarray, most: int) -> slice:

@@ -48,12 +48,14 @@ def touches_of(sweeps: xr.Dataset) -> SweepTouches:
         return SweepTouches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
     scene = scene_of_sweeps(sweeps)
-    told = [_touches(str(text), scene) for text in texts]
+    touches_of_text = [_touches(str(text), scene) for text in texts]
     numbers = np.zeros((3, len(texts), MAX_TOUCHES)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
-    for k, touches in enumerate(told):
+    for k, touches in enumerate(touches_of_text):
         for t, touch in enumerate(touches):
             numbers[:, k, t] = touch
-    return SweepTouches(np.array([len(each) for each in told])[index], *numbers[:, index])
+    return SweepTouches(
+        np.array([len(each) for each in touches_of_text])[index], *numbers[:, index]
+    )
 
 
 def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
@@ -101,8 +103,8 @@ def _touches(text: str, scene: Scene | None) -> list[tuple[float, float, float]]
 
 def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> list[float]:
     known = scene is not None and scene.press.by_factor
-    said = (known if each.strength is None else not each.strength.unit for each in written)
-    if scene is None or all(said):
+    stated = (known if each.strength is None else not each.strength.unit for each in written)
+    if scene is None or all(stated):
         return [_factor(each, text, scene) for each in written]
     from ...simulator.measure.touch_factors import factors_under
 
@@ -115,7 +117,9 @@ def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float,
     if touch.kind != "pixel":
         return touch.numbers[0], touch.numbers[1]
     if scene is None:
-        raise InputError(f"press {text!r}: its pixels have no place, the sweeps carry no scene")
+        raise InputError(
+            f"press {text!r}: the place of its pixels is unknown, because the sweeps store no scene"
+        )
     row, column = touch.pixel
     height, width = pixel_pitch(scene)
     return (column - 0.5) * width, (row - 0.5) * height
@@ -135,7 +139,7 @@ def _factor(touch: WrittenTouch, text: str, scene: Scene | None) -> float:
     if touch.strength is None:
         if scene is None:
             raise InputError(
-                f"press {text!r}: says no capacitance factor, nor does a scene of the sweeps"
+                f"press {text!r}: has no capacitance factor, and the sweeps store no scene with one"
             )
         return scene.press.capacitance_factor
     if touch.strength.unit:

@@ -39,7 +39,7 @@ def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | ND
     elsewhere = np.flatnonzero((row < 0) | (column < 0))
     if elsewhere.size:
         press = sweeps["press"].values[elsewhere[0]]
-        raise InputError(f"sweep {elsewhere[0]}: its press {press!r} is no single pixel")
+        raise InputError(f"sweep {elsewhere[0]}: its press {press!r} is not a single pixel")
     if target == "pixel":
         return np.array([f"{i},{j}" for i, j in zip(row, column, strict=True)])
     return column if target == "column" else row
@@ -54,7 +54,7 @@ def positions(sweeps: xr.Dataset) -> NDArray[np.float64]:
     other = np.flatnonzero(touches.count != 1)
     if other.size:
         press = sweeps["press"].values[other[0]]
-        raise InputError(f"sweep {other[0]}: its press {press!r} is no single touch")
+        raise InputError(f"sweep {other[0]}: its press {press!r} is not a single touch")
     first = touches.x[:, 0], touches.y[:, 0], touches.factor[:, 0]
     return np.column_stack(first) * [1e3, 1e3, 1]
 
@@ -78,5 +78,5 @@ def has_target(sweeps: xr.Dataset, target: str) -> NDArray[np.bool_]:
 def _pair(text: str) -> str:
     pixels = pressed_pixels(text)
     if pixels is None:
-        raise InputError(f"press {text!r}: is no press of at most {MAX_TOUCHES} whole pixels")
+        raise InputError(f"press {text!r}: is not a press of at most {MAX_TOUCHES} whole pixels")
     return "+".join(f"{row},{column}" for row, column in pixels) or "0,0"

@@ -97,11 +97,11 @@ class _Adapted(BaseEstimator):
         if not len(curves):
             return predict(self.mean_, change)
         parts = [np.flatnonzero(skin == k) for k in range(len(curves))]
-        told = [
+        results = [
             predict(self._of_skin(curve), change[rows])
             for curve, rows in zip(curves, parts, strict=True)
         ]
-        return np.concatenate(told)[np.argsort(np.concatenate(parts))]
+        return np.concatenate(results)[np.argsort(np.concatenate(parts))]
 
     def _of_skin(self, curve: NDArray[np.float64]):
         skins = self.__dict__.setdefault("_skins", SkinCache(self._fitted))

@@ -29,10 +29,10 @@ QUANTITIES = ("dlnZ", "dphase")
 """Required features, in this order."""
 
 
-def simulated(text: str, *asked: Any, **options: Any) -> Mapping[str, NDArray]:
+def simulated(text: str, *arguments: Any, **options: Any) -> Mapping[str, NDArray]:
     """The simulator's tables for a scene given as TOML text, as in an estimator's file.
 
-    Further arguments as of `templates`. Raises InputError as it does, and for a text without a
+    Further arguments: see `templates`. Raises InputError as it does, and for a text without a
     scene.
     """
     from ...simulator.inversion.touch_templates import templates
@@ -40,7 +40,7 @@ def simulated(text: str, *asked: Any, **options: Any) -> Mapping[str, NDArray]:
     scene = carried_scene(text, "the model's scene")
     if scene is None:
         raise InputError("`scene` must be the TOML text of a scene, got none")
-    return templates(scene, *asked, **options)
+    return templates(scene, *arguments, **options)
 
 
 class ModelBased(ClassifierMixin, BaseEstimator):
@@ -130,9 +130,9 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         distances = mixture.distances((X / self.noise_)[:, kept])
         joint = mixture.log_joint(distances)
         classes = [joint[:, self.answer_ == k] for k in range(chance.size)]
-        told = np.stack([np.logaddexp.reduce(each, axis=1) for each in classes], axis=1) - chance
+        density = np.stack([np.logaddexp.reduce(each, axis=1) for each in classes], axis=1) - chance
         novel = (mixture.log_weight - mixture.log_chance).max() - self.novelty_limit(mixture) / 2
-        return np.column_stack([told, np.full(len(X), novel)])
+        return np.column_stack([density, np.full(len(X), novel)])
 
     def part(self, numbers: tuple[int, ...] | None) -> tuple[Mixture, NDArray[np.float64]]:
         """The mixture of these features, and ln of the chance of each class."""
@@ -156,8 +156,8 @@ class ModelBased(ClassifierMixin, BaseEstimator):
     def _tables(self) -> Mapping[str, NDArray]:
         for name, allowed in (("target", TARGETS), ("learn", MODES)):
             if getattr(self, name) not in allowed:
-                told = ", ".join(allowed)
-                raise ValueError(f"`{name}` must be one of {told}, got {getattr(self, name)!r}")
+                names = ", ".join(allowed)
+                raise ValueError(f"`{name}` must be one of {names}, got {getattr(self, name)!r}")
         return (self.builder or simulated)(self.scene, self.target, self.presses)
 
     def _possible(self, y) -> NDArray[np.bool_]:

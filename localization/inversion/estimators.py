@@ -117,14 +117,14 @@ def _check(problem: LocalizationProblem, name: str, takes: Sequence[str]) -> Non
             f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
             f"got {', '.join(problem.interfaces)}"
         )
-    asked = problem.frequencies
-    told = [
-        np.isin(asked, asked if (own := each.frequencies) is None else own)
+    every = problem.frequencies
+    taken = [
+        np.isin(every, every if (own := each.frequencies) is None else own)
         for each in scene.interfaces
     ]
     whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
-    if not np.array_equal(told, problem.taken or whole):
+    if not np.array_equal(taken, problem.taken or whole):
         raise InputError(
-            f"`estimator` {name} takes each interface at the `frequencies` that the scene reads it "
-            "at, and the sweeps were read at others"
+            f"`estimator` {name} takes each interface at its `frequencies` of the scene, and the "
+            "sweeps have others"
         )

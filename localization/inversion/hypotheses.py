@@ -145,5 +145,5 @@ def labels(
         of_place = pixels[known.place[:, 0], ("row", "column").index(target)]
         return np.where(touched[:, 0], of_place, 0)
     names = np.array([f"{row},{column}" for row, column in pixels], dtype=object)
-    told = ["+".join(names[own[own != NONE]]) or "0,0" for own in known.place]
-    return np.array(told)
+    found = ["+".join(names[own[own != NONE]]) or "0,0" for own in known.place]
+    return np.array(found)

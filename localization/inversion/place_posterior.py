@@ -36,8 +36,8 @@ class PlacePosterior(SequentialPosterior):
         self._cell = np.append(cell, NO_PLACE)
         self._of_cell = np.append(chance - _by_cell(chance)[cell], 0.0)
         self._log_prior = log_prior[self._cell + 1]
-        beside = getattr(localizer, "beside_", np.zeros(cell.size, dtype=bool))
-        self._possible = np.append(~beside, np.isfinite(log_prior[0]))
+        outside = getattr(localizer, "beside_", np.zeros(cell.size, dtype=bool))
+        self._possible = np.append(~outside, np.isfinite(log_prior[0]))
         self._along = _along(touched.spread, localizer.slopes_)
 
     @property
@@ -105,7 +105,10 @@ class PlacePosterior(SequentialPosterior):
 
 
 def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> NDArray[np.float64]:
-    """ln prior of the unpressed skin and of each cell of GRID, (1 + cell,). rest: its prior."""
+    """ln prior of the unpressed skin and of each cell of GRID, shape (1 + cell,).
+
+    unpressed: prior of the unpressed skin.
+    """
     by_cell = _by_cell(localizer.mixture().log_chance)
     with np.errstate(divide="ignore"):
         return np.append(np.log(unpressed), np.log1p(-unpressed) + by_cell)

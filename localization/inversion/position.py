@@ -47,12 +47,12 @@ class Posterior(NamedTuple):
 class ModelBasedPosition(RegressorMixin, BaseEstimator):
     """Peak of the blurred posterior of x [mm] and y [mm], mean strength, and their deviations.
 
-    Parameters: as of `ModelBased`; the model assumes one touch. The blur makes a broad peak with
+    Parameters: see `ModelBased`; the model assumes one touch. The blur makes a broad peak with
     more probability win over a narrow, high one.
 
     Attributes
     ----------
-    noise_: standard deviation of each feature, shape (feature,). bounds_: as of `ResponseSurface`.
+    noise_: standard deviation of each feature, shape (feature,). bounds_: see `ResponseSurface`.
     theta_: x, y and strength of each entry, (entry, 3). scale_: standard deviations within an
     entry, (3,). slopes_: change of the features for one such deviation, (entry, feature, 3). mean_,
     directions_, along_, log_weight_: arrays of the `Mixture`. edge_: squared distance beyond which
@@ -197,12 +197,12 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
 
 
 def cells_of(posterior: Posterior) -> NDArray[np.float64]:
-    """Moments of the place over all entries of each cell, as of `cells`, (cell, 7)."""
+    """Moments of the place over all entries of each cell, see `cells`, shape (cell, 7)."""
     cell, share, mean = posterior.entry // GRID[2], posterior.share, posterior.mean[:, :2]
     square = posterior.covariance[:, :2, :2] + mean[:, :, None] * mean[:, None, :]
-    held = np.column_stack([np.ones_like(share), mean, square.reshape(-1, 4)]) * share[:, None]
+    moments = np.column_stack([np.ones_like(share), mean, square.reshape(-1, 4)]) * share[:, None]
     found = np.zeros((GRID[0] * GRID[1], 7))
-    np.add.at(found, cell, held)
+    np.add.at(found, cell, moments)
     there = found[:, 0] > 0
     found[there, 1:] /= found[there, :1]
     middle = found[:, 1:3]

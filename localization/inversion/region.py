@@ -133,8 +133,8 @@ def region_of(places: PlaceDistribution, probability: float) -> Region:
     x, y = places.grid()
     density = places.density(*np.meshgrid(x, y))
     ordered = np.sort(density, axis=None)[::-1]
-    held = np.cumsum(ordered) / ordered.sum()
-    level = float(ordered[np.searchsorted(held, probability)])
+    content = np.cumsum(ordered) / ordered.sum()
+    level = float(ordered[np.searchsorted(content, probability)])
     return Region(x, y, density >= level, level, places)
 
 

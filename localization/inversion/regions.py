@@ -29,18 +29,18 @@ def places_of(
     last: Any = learned.pipeline[-1]
     if hasattr(last, "places"):
         return last.places(X)
-    told, deviation = (each[:, :2] for each in learned.positions(X))
+    positions, deviation = (each[:, :2] for each in learned.positions(X))
     deviation = np.maximum(deviation, MIN_DEVIATION)
-    bounds = _reach(told, deviation) if scene is None else sides_of(scene)
-    told = np.clip(told, *bounds.T)
-    pairs = zip(told, deviation, strict=True)
+    bounds = _reach(positions, deviation) if scene is None else sides_of(scene)
+    positions = np.clip(positions, *bounds.T)
+    pairs = zip(positions, deviation, strict=True)
     return [
         PlaceDistribution(np.ones(1), at[None], np.diag(off**2)[None], bounds) for at, off in pairs
     ]
 
 
 def regions_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -> list[Region]:
-    """The smallest region with PROBABILITY for each sweep; arguments as of `places_of`."""
+    """The smallest region with PROBABILITY for each sweep; arguments: see `places_of`."""
     return [region_of(each, PROBABILITY) for each in places_of(learned, X, scene)]
 
 

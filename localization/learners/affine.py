@@ -33,12 +33,12 @@ class Affine(RegressorMixin, BaseEstimator):
     def fit(self, X, y):
         """X: shape (n, feature). y: x, y [mm] and strength of the touches, shape (n, 3)."""
         estimator: Any = self.estimator
-        told = np.asarray(estimator.predict(X))
-        self.centre_ = told.mean(axis=0)
-        self.scale_ = np.maximum(told.std(axis=0), 1e-6)
-        G = self._terms(told)
+        places = np.asarray(estimator.predict(X))
+        self.centre_ = places.mean(axis=0)
+        self.scale_ = np.maximum(places.std(axis=0), 1e-6)
+        G = self._terms(places)
         left = G.T @ G + self.prior * np.eye(4)
-        self.correction_ = np.linalg.solve(left, G.T @ (np.asarray(y) - told))
+        self.correction_ = np.linalg.solve(left, G.T @ (np.asarray(y) - places))
         return self
 
     def predict(self, X, return_std=False):
@@ -46,10 +46,10 @@ class Affine(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         estimator: Any = self.estimator
         if not return_std:
-            told = np.asarray(estimator.predict(X))
-            return told + self._terms(told) @ self.correction_
-        told, deviation = estimator.predict(X, return_std=True)
-        return told + self._terms(told) @ self.correction_, deviation
+            places = np.asarray(estimator.predict(X))
+            return places + self._terms(places) @ self.correction_
+        places, deviation = estimator.predict(X, return_std=True)
+        return places + self._terms(places) @ self.correction_, deviation
 
     def _terms(self, places):
         return np.column_stack([np.ones(len(places)), (places - self.centre_) / self.scale_])

@@ -46,8 +46,8 @@ def components_svm() -> Pipeline:
 
 def network() -> Pipeline:
     """An untrained pipeline: components of unit variance, then a network."""
-    alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
-    return Pipeline([*alike, ("classify", NetworkClassifier())])
+    scaled = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
+    return Pipeline([*scaled, ("classify", NetworkClassifier())])
 
 
 def gaussian(problem: LocalizationProblem) -> Pipeline:

@@ -13,6 +13,6 @@ MIN_PROBABILITY = 1e-12
 def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
     """Decision for each of `classes_`, larger if more probable, shape (n, K)."""
     if hasattr(classifier, "decision_function"):
-        told = classifier.decision_function(X)
-        return told if told.ndim == 2 else np.column_stack([-told, told]) / 2
+        values = classifier.decision_function(X)
+        return values if values.ndim == 2 else np.column_stack([-values, values]) / 2
     return np.log(np.maximum(classifier.predict_proba(X), MIN_PROBABILITY))

@@ -26,7 +26,8 @@ Array = NDArray[np.float64]
 class DriftDirections(NamedTuple):
     """Directions of drift, and the noise across them.
 
-    ways: orthonormal, shape (feature, way). noise: squared length of the noise across them.
+    directions: orthonormal, shape (feature, direction). noise: squared length of the noise across
+    them.
     """
 
     directions: Array
@@ -39,8 +40,8 @@ class DriftDirections(NamedTuple):
         opening, recent: means of the opening and of the latest baseline sweeps, each of shape
         (sweep, feature). count: maximum number of directions.
         """
-        apart = opening - opening.mean(axis=0)
-        power, axes = np.linalg.eigh(apart.T @ apart)
+        differences = opening - opening.mean(axis=0)
+        power, axes = np.linalg.eigh(differences.T @ differences)
         ways = np.asarray(axes[:, np.argsort(power)[::-1][:count]], np.float64)
         across = np.square(_across(recent - opening, ways)).sum(axis=1)
         return cls(ways, float(np.quantile(across, NOISE_QUANTILE)))

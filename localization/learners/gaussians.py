@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 class ClassDensity(NamedTuple):
     """Density of one class.
 
-    by_curve, bend: coefficients of m and b as functions of the curve. strength: variance of t.
+    by_curve, curvature: coefficients of m and b as functions of the curve. strength: variance of t.
     axes, own: directions of spread, shape (component, k), and variances; floor: variance of all
     other directions. prior: ln of the share of all sweeps.
     """
@@ -141,13 +141,13 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         X = validate_data(self, X, reset=False, dtype=np.float64)
         change, known = self._projected(np.asarray(X, np.float64))
         normals = [ClassDensity._make(each) for each in self.normals_]
-        told = np.stack([_log_density(each, change, known) for each in normals], axis=1)
-        return told[:, 1] - told[:, 0] if len(self.classes_) == 2 else told
+        joint = np.stack([_log_density(each, change, known) for each in normals], axis=1)
+        return joint[:, 1] - joint[:, 0] if len(self.classes_) == 2 else joint
 
     def predict_proba(self, X):
         """Probability of each class, shape (sweep, K)."""
-        told = self.decision_function(X)
-        both = np.stack([np.zeros_like(told), told], axis=1) if told.ndim == 1 else told
+        joint = self.decision_function(X)
+        both = np.stack([np.zeros_like(joint), joint], axis=1) if joint.ndim == 1 else joint
         return np.asarray(softmax(both, axis=1))
 
     def predict(self, X):
@@ -180,14 +180,14 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
     def _projected(self, X: Array) -> tuple[Array, Array]:
         """Components of the change, and terms: 1, components of the curve, some products."""
         change, curve = self._parts(X)
-        (_, turn), (at_rest, axes) = self._of_change, self._of_curve
-        z = (curve - at_rest) @ axes
+        (_, turn), (centre, axes) = self._of_change, self._of_curve
+        z = (curve - centre) @ axes
         known = np.hstack([np.ones((len(X), 1)), z, _products(z[:, : self.squared])])
         return change @ turn, known
 
 
 def _axes(X: Array, count: int, whiten: bool = False) -> tuple[Array, Array]:
-    """Mean and leading directions. alike: scales each direction to unit variance."""
+    """Mean and leading directions. whiten: scales each direction to unit variance."""
     mean = X.mean(axis=0)
     power, axes = np.linalg.eigh((X - mean).T @ (X - mean) / len(X))
     kept = np.flatnonzero(power > TINY * power.max(initial=0.0))[::-1][:count]
@@ -203,8 +203,8 @@ def _fitted(
     change: Array, known: Array, index: NDArray[np.intp], spread: int
 ) -> list[ClassDensity]:
     """Densities of each class, without priors, and before noise is shared between classes."""
-    unlike = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
-    turn = np.asarray(np.linalg.inv(unlike).T, np.float64)
+    root = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
+    turn = np.asarray(np.linalg.inv(root).T, np.float64)
     parts = [np.flatnonzero(index == k) for k in range(index.max() + 1)]
     changes, curves = [change[part] for part in parts], [known[part] @ turn for part in parts]
     terms = curves
@@ -257,9 +257,9 @@ def _curvature(t: Array, known: Array) -> Array:
 
 def _regressed(terms: list[Array], changes: list[Array]) -> Array:
     """Coefficients of each class by least squares, shared; shape (class, term, component)."""
-    held = np.full(terms[0].shape[1], RIDGE)
-    held[0] = TINY
-    squares = np.array([z.T @ z for z in terms]) + np.diag(held)
+    ridge = np.full(terms[0].shape[1], RIDGE)
+    ridge[0] = TINY
+    squares = np.array([z.T @ z for z in terms]) + np.diag(ridge)
     moments = np.array([z.T @ x for z, x in zip(terms, changes, strict=True)])
     found = np.asarray(np.linalg.solve(squares, moments), np.float64)
     left = [x - z @ own for x, z, own in zip(changes, terms, found, strict=True)]
@@ -267,8 +267,8 @@ def _regressed(terms: list[Array], changes: list[Array]) -> Array:
     noise = together.T @ together / max(len(together) - found[..., 0].size, 1)
     least = TINY * float(np.mean([np.square(x).mean() for x in changes]))
     noise = noise + (least + float(np.finfo(float).tiny)) * np.eye(len(noise))
-    told = 1 / np.diagonal(np.linalg.inv(squares), axis1=1, axis2=2)
-    return shared(found, 1 / told.mean(axis=0), noise)
+    precision = 1 / np.diagonal(np.linalg.inv(squares), axis1=1, axis2=2)
+    return shared(found, 1 / precision.mean(axis=0), noise)
 
 
 def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
@@ -279,10 +279,10 @@ def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
     t = 1 + normal.strength * along / wider
     left = change - touch - _curvature(t[:, None], known) @ normal.curvature
     along = _inner(normal, left, touch)
-    apart = _inner(normal, left, left) - normal.strength * along**2 / wider
+    distance = _inner(normal, left, left) - normal.strength * along**2 / wider
     others = change.shape[1] - len(normal.own)
     spread = np.log(normal.own).sum() + others * np.log(normal.floor) + np.log(wider)
-    return normal.prior - (apart + spread) / 2
+    return normal.prior - (distance + spread) / 2
 
 
 def _inner(normal: ClassDensity, one: Array, other: Array) -> Array:

@@ -103,9 +103,10 @@ class _Network(BaseEstimator):
 def _drawn(
     random: np.random.Generator, size: int, batch: int, steps: int
 ) -> Iterator[NDArray[np.intp]]:
-    """Rows for `steps` steps, TOGETHER batches at a time: all rows in random order, repeatedly.
+    """Rows for `steps` steps, BATCHES_AT_ONCE batches at a time.
 
-    There are more steps if some row would be in none otherwise.
+    They are all rows in random order, repeatedly. There are more steps if some row would be in none
+    otherwise.
     """
     left = max(steps, -(-size // batch)) * batch
     waiting = np.zeros(0, dtype=np.intp)

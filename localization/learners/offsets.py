@@ -39,12 +39,12 @@ class Offsets(ClassifierMixin, BaseEstimator):
         """X: shape (n, feature). y: labels, each one of the estimator's classes, shape (n,)."""
         estimator: Any = self.estimator
         self.classes_ = estimator.classes_
-        told = decisions(self.estimator, X)
+        values = decisions(self.estimator, X)
         met = np.eye(self.classes_.size)[np.searchsorted(self.classes_, y)]
-        scale = float(told.std()) or 1.0
+        scale = float(values.std()) or 1.0
 
         def loss(p):
-            steepness, moved = self.sharpness * np.exp(p[0]), told + scale * p[1:]
+            steepness, moved = self.sharpness * np.exp(p[0]), values + scale * p[1:]
             logarithm = log_softmax(steepness * moved, axis=1)
             off = np.exp(logarithm) - met
             slope = steepness * np.append((off * moved).sum(), scale * off.sum(axis=0))

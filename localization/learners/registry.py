@@ -32,9 +32,9 @@ class Estimator:
 
     targets: targets that it can predict. build: makes an untrained pipeline for a problem; a
     regressor's last step may take `return_std` in `predict`. grid: values of the pipeline's
-    parameters that tuning tries, or a function of the problem that returns them. most: maximum
-    number of training sweeps; more are subsampled evenly. sessions: maximum number of training
-    sessions, None for all. taught: True if predictions depend on the training sweeps.
+    parameters that tuning tries, or a function of the problem that returns them. max_sweeps:
+    maximum number of training sweeps; more are subsampled evenly. max_sessions: maximum number of
+    training sessions, None for all. uses_sweeps: True if predictions depend on the training sweeps.
     """
 
     name: str
@@ -70,7 +70,7 @@ REMOVED = {
 
 def removal_message(name: str) -> str:
     """Message about a removed estimator."""
-    return f"{name} is gone, for nowhere was it right more often than others: take {REMOVED[name]}"
+    return f"{name} was removed, because others are more accurate: use {REMOVED[name]}"
 
 
 def learners() -> dict[str, Estimator]:

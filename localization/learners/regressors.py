@@ -22,5 +22,5 @@ def kernel_ridge(alpha: float = 1e-4, gamma: float = WIDTH) -> Pipeline:
 def network() -> Pipeline:
     """A network from components of unit variance to standardised targets."""
     regressor = TransformedTargetRegressor(NetworkRegressor(), transformer=StandardScaler())
-    alike = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
-    return Pipeline([*alike, ("regress", regressor)])
+    scaled = [("components", Components(COMPONENTS)), ("scale", StandardScaler())]
+    return Pipeline([*scaled, ("regress", regressor)])

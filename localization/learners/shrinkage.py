@@ -22,12 +22,12 @@ def shared(coefficients: Array, errors: Array, noise: Array) -> Array:
     """
     unit = np.linalg.inv(np.linalg.cholesky(noise)).T
     scale = np.sqrt(errors)[:, None]
-    seen = coefficients @ unit / scale
-    left, values, right = np.linalg.svd(seen.reshape(len(seen), -1), full_matrices=False)
-    short, long = sorted((len(seen), seen[0].size))
+    whitened = coefficients @ unit / scale
+    left, values, right = np.linalg.svd(whitened.reshape(len(whitened), -1), full_matrices=False)
+    short, long = sorted((len(whitened), whitened[0].size))
     y, b = values / np.sqrt(long), short / long
     above = y > 1 + np.sqrt(b)
     squared = np.square(np.square(y) - b - 1) - 4 * b
     kept = np.sqrt(np.where(above, squared, 0.0)) / np.where(above, y, 1.0) * np.sqrt(long)
-    found = ((left * kept) @ right).reshape(seen.shape)
+    found = ((left * kept) @ right).reshape(whitened.shape)
     return np.linalg.solve(unit.T, (found * scale).swapaxes(1, 2)).swapaxes(1, 2)

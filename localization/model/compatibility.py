@@ -25,9 +25,9 @@ def check_compatible(
     trained: what a model predicts, and from what. any_skin: the skin may be another one.
     """
     for part in (sweeps,) if rest is None else (sweeps, rest):
-        asked = str(part.attrs.get("scene", ""))
-        if asked != trained.scene and not any_skin:
-            check_same_skin(trained.scene, asked, "the model", "trained")
+        own = str(part.attrs.get("scene", ""))
+        if own != trained.scene and not any_skin:
+            check_same_skin(trained.scene, own, "the model", "trained")
     given_names = [str(name) for name in sweeps["interface"].values]
     if not set(trained.interfaces) <= set(given_names):
         raise InputError(

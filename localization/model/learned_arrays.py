@@ -176,9 +176,9 @@ def _layers(network: Any, sizes: Mapping[str, int]) -> bool:
 
 def _one_output_a_class(network: Any, sizes: Mapping[str, int]) -> bool:
     binary = sizes["K"] == 2
-    told = network.out_activation_, sizes["out"]
+    output = network.out_activation_, sizes["out"]
     known = np.array_equal(network._label_binarizer.classes_, network.classes_)
-    return known and told == (("logistic", 1) if binary else ("softmax", sizes["K"]))
+    return known and output == (("logistic", 1) if binary else ("softmax", sizes["K"]))
 
 
 def _nearest(neighbours: Any, sizes: Mapping[str, int]) -> bool:

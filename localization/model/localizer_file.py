@@ -65,7 +65,7 @@ def load(path: str | Path) -> Model:
     except EarlierLayoutError as error:
         raise InputError(f"{path}: {error}") from error
     except UnsoundError as error:
-        raise InputError(f"{path}: spoilt or made up: {error}; train it anew") from error
+        raise InputError(f"{path}: damaged or forged: {error}; train it again") from error
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: holds no model of rcskin") from error
 
@@ -93,12 +93,12 @@ def _trusted_content(path: Path, data: bytes) -> Any:
         raise InputError(f"{path}: not a model in the format of skops: {reason}") from error
     if any(name.startswith(OF_EARLIER) for name in untrusted):
         name = _estimator(data)
-        told = (
-            f"its estimator {removal_message(name)}, and train it anew"
+        advice = (
+            f"its estimator {removal_message(name)}, and train it again"
             if name in REMOVED
             else ANOTHER_LAYOUT
         )
-        raise InputError(f"{path}: {told}")
+        raise InputError(f"{path}: {advice}")
     if untrusted:
         raise InputError(f"{path}: holds the untrusted type {untrusted[0]}; not loaded")
     return content

@@ -103,7 +103,7 @@ class Model(Tabular):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Quantities of the features, as of `features`."""
+        """Quantities of the features."""
         return self.problem.quantities
 
     @property
@@ -133,8 +133,8 @@ class Model(Tabular):
     def known_scene(self) -> Scene:
         """The scene of the training. Raises InputError as `scene`, and if it is unknown."""
         if self.scene is None:
-            told = "was trained on sweeps that carry no scene, which is needed here"
-            raise InputError(f"{self.source}: {told}")
+            reason = "was trained on sweeps without a scene, which is needed here"
+            raise InputError(f"{self.source}: {reason}")
         return self.scene
 
     @property
@@ -215,7 +215,7 @@ class Model(Tabular):
         `usable_features`, and for a model of positions.
         """
         if isinstance(self.learned, Regressor):
-            raise InputError("a model of positions tells deviations, not probabilities")
+            raise InputError("a model of positions gives deviations, not probabilities")
         X, rows = self.usable_features(sweeps, rest)
         found = np.full((sweeps.sizes["sweep"], len(self.classes)), 1 / len(self.classes))
         found[rows] = self.learned.probabilities(X)
@@ -231,7 +231,7 @@ class Model(Tabular):
         classes.
         """
         if isinstance(self.learned, Classifier):
-            raise InputError(f"a model of `target` {self.target} tells no positions")
+            raise InputError(f"a model of `target` {self.target} gives no positions")
         X, rows = self.usable_features(sweeps, rest)
         place, deviation = np.full((2, sweeps.sizes["sweep"], 3), np.nan)
         place[rows], deviation[rows] = self.learned.positions(X)
@@ -244,10 +244,10 @@ class Model(Tabular):
         ellipse of their deviations. Raises as `positions`.
         """
         if isinstance(self.learned, Classifier):
-            raise InputError(f"a model of `target` {self.target} tells no regions")
+            raise InputError(f"a model of `target` {self.target} gives no regions")
         X, rows = self.usable_features(sweeps, rest)
-        told = dict(zip(rows.tolist(), regions_of(self.learned, X, self.scene), strict=True))
-        return [told.get(row) for row in range(sweeps.sizes["sweep"])]
+        regions = dict(zip(rows.tolist(), regions_of(self.learned, X, self.scene), strict=True))
+        return [regions.get(row) for row in range(sweeps.sizes["sweep"])]
 
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
         """Class or CANNOT_TELL for each sweep, and its probability.
@@ -258,17 +258,17 @@ class Model(Tabular):
         X, rows = self.usable_features(sweeps, rest)
         if isinstance(self.learned, Classifier):
             guess = 1 / len(self.classes)
-            told = self.learned.answers(X, self.guard_changes(sweeps, rest, rows))
-            return told.among(rows, sweeps.sizes["sweep"], guess)
+            answers = self.learned.answers(X, self.guard_changes(sweeps, rest, rows))
+            return answers.among(rows, sweeps.sizes["sweep"], guess)
         novel = self.learned.novel(X, self.guard_changes(sweeps, rest, rows))
         if self.gate is None:
             labels, of_no_class = np.where(novel, CANNOT_TELL, "1"), np.empty((novel.size, 0))
             one = Answers(labels, np.ones(novel.size), novel, of_no_class)
             return one.among(rows, sweeps.sizes["sweep"], 1.0)
         counted = self.gate.answers(sweeps, rest)
-        unlike = np.zeros(counted.novel.size, dtype=bool)
-        unlike[rows] = novel
-        unplaced = (unlike & (counted.labels == "1")) | (counted.labels == "2")
+        novel_places = np.zeros(counted.novel.size, dtype=bool)
+        novel_places[rows] = novel
+        unplaced = (novel_places & (counted.labels == "1")) | (counted.labels == "2")
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
         of_no_class = np.empty((labels.size, 0))
         return Answers(labels, counted.probability, counted.novel | unplaced, of_no_class)

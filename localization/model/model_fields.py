@@ -94,7 +94,7 @@ OWN_FREQUENCIES = {"taken": tuple}
 """Additional field if interfaces have frequencies of their own."""
 
 
-ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, which this version reads; train it anew"
+ANOTHER_LAYOUT = f"a model of another layout than {LAYOUT}, the one of this version; train it again"
 OF_EARLIER = "localization.", "rcskin.localization.trust.novelty."
 """Prefixes of type names in files of layouts up to 3, and up to 9 with guards."""
 
@@ -142,8 +142,8 @@ def _guards(fields: dict[str, Any] | None) -> Guards | None:
 
 
 def _problem_fields(problem: LocalizationProblem) -> dict[str, Any]:
-    told = asdict(problem)
-    return {name: told[name] for name in told if name not in OWN_FREQUENCIES or told[name]}
+    fields = asdict(problem)
+    return {name: fields[name] for name in fields if name not in OWN_FREQUENCIES or fields[name]}
 
 
 def model_of(fields: Any) -> Model:

@@ -80,9 +80,9 @@ def check_estimator(estimator: Any, features: int | None, where: str) -> int:
                 sizes["out"] = check_estimator(value, _size(declared.takes, sizes), name)
             else:
                 _check_array(value, declared, name, sizes)
-    for told, holds in RULES.get(type(estimator), {}).items():
+    for description, holds in RULES.get(type(estimator), {}).items():
         if not holds(estimator, sizes):
-            raise UnsoundError(f"`{where}` must have {told}")
+            raise UnsoundError(f"`{where}` must have {description}")
     return sizes.get("out", sizes["F"])
 
 
@@ -194,14 +194,14 @@ def _check_prediction(learned: Classifier | Regressor, features: int) -> None:
         guard: Any = learned.guards.changes.kinds
         changes = np.zeros((1, guard.n_features_in_))
     with np.errstate(all="ignore"):
-        told = (
+        predicted = (
             [learned.probabilities(sweep)]
             if isinstance(learned, Classifier)
             else learned.positions(sweep)
         )
         learned.novel(sweep, changes)
     sizes = (learned.classes.size,) if isinstance(learned, Classifier) else (OUTPUTS,)
-    if any(each.shape != (1, *sizes) for each in told):
-        raise UnsoundError(f"its answers have shapes {[each.shape for each in told]}")
-    if not np.isfinite(told[0]).all():
+    if any(each.shape != (1, *sizes) for each in predicted):
+        raise UnsoundError(f"its answers have shapes {[each.shape for each in predicted]}")
+    if not np.isfinite(predicted[0]).all():
         raise UnsoundError("its answers are no finite numbers")

@@ -35,7 +35,7 @@ def train(
 ) -> Model:
     """Train a model that predicts the `target` of sweeps like these.
 
-    Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: as of
+    Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: see
     `samples_of`. estimator: of `estimators()`, by default that of DEFAULT_ESTIMATORS. certain: the
     accuracy that answers must have on held-out sweeps; by default every sweep that is not novel is
     answered. tune: choose the estimator's parameters by cross-validation. progress: callback for

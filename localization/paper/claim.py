@@ -92,5 +92,5 @@ def neighbour_errors(confusion: Confusion) -> tuple[int, int]:
     """Number of wrong answers that name the class next to the right one, and of all wrong ones."""
     counts = np.asarray(confusion.counts)
     wrong = counts.sum() - np.trace(counts)
-    beside = np.trace(counts, offset=1) + np.trace(counts, offset=-1)
-    return int(beside), int(wrong)
+    adjacent = np.trace(counts, offset=1) + np.trace(counts, offset=-1)
+    return int(adjacent), int(wrong)

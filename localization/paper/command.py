@@ -14,9 +14,9 @@ def reproduce(
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for figures, tables and report.html.")
     ] = Path("results"),
-    charts: Annotated[str, typer.Option(help="Figures besides: svg or pdf.")] = "png",
+    charts: Annotated[str, typer.Option(help="Format of additional figures: svg or pdf.")] = "png",
 ) -> None:
-    """Reproduce the paper: its figures and confusion matrices, and its numbers beside ours."""
+    """Reproduce the paper: its figures and confusion matrices, and its numbers next to ours."""
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
     from . import reproduce as paper

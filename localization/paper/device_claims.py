@@ -119,15 +119,15 @@ def _foam(sheet: Scene) -> Claim:
 def _press(strip: Scene) -> Claim:
     plates = THICKNESS / (THICKNESS - PRESS_DEPTH)
     solid = 1 - POROSITY
-    at_rest, pressed = (
+    unpressed, pressed = (
         (share * SILICONE ** (1 / 3) + 1 - share) ** 3 for share in (solid, solid * plates)
     )
     return Claim(
         topic="A press of 2 mm doubles the capacitance",
         source="IV-A",
         paper="2",
-        ours=f"{plates:.0f} to {plates * pressed / at_rest:.1f}",
-        agrees=bool(plates <= strip.press.capacitance_factor <= plates * pressed / at_rest),
+        ours=f"{plates:.0f} to {plates * pressed / unpressed:.1f}",
+        agrees=bool(plates <= strip.press.capacitance_factor <= plates * pressed / unpressed),
         rule="number",
         why="Half the thickness at constant permittivity doubles it; closing pores raise the "
         "permittivity and the factor with it. The scenes take 2.",

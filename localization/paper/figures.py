@@ -155,10 +155,10 @@ def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.D
 
 def _draw_changes(axes: Axes, curves: xr.Dataset, experiment: SimulatedExperiment) -> None:
     Cp, measured = curves["Cp"].values[:, 0], experiment.measured["Cp"].values[:, 0]
-    at_rest = experiment.unpressed["Cp"].values[0, 0]
+    unpressed = experiment.unpressed["Cp"].values[0, 0]
     (curve_at_rest,) = Cp[curves["row"].values == 0]
     _draw_sweeps(axes, curves, 100 * (Cp / curve_at_rest - 1))
-    _draw_readings(axes, experiment.measured, 100 * (measured / at_rest - 1))
+    _draw_readings(axes, experiment.measured, 100 * (measured / unpressed - 1))
     axes.set_ylabel("Change of Cp by the press (%)")
 
 

@@ -26,12 +26,12 @@ def write_report(
     path: Path, claims: Sequence[Claim], pictures: Sequence[ReportSection], software: str
 ) -> None:
     """Write the page completely or not at all. software: name and version of the simulator."""
-    told = (
+    introduction = (
         f"{PAPER}. Every sweep below is simulated: the two electrode sheets and the foam as a "
         f"distributed RC sheet, solved to a relative tolerance of {DEFAULT_RTOL:g} of Rs and of "
         f"Cp, then read out by a meter with the noise of the scene. {software}."
     )
-    sections = [ReportSection("", [told]), _compared(claims), *pictures]
+    sections = [ReportSection("", [introduction]), _compared(claims), *pictures]
     sections.append(ReportSection("What is assumed", [ASSUMED]))
     write_page(path, "The paper, reproduced by physics", sections)
 
@@ -39,7 +39,7 @@ def write_report(
 def _compared(claims: Sequence[Claim]) -> ReportSection:
     """Table of all statements and our results; those that differ come first."""
     agreeing = sum(claim.agrees for claim in claims)
-    told = (
+    introduction = (
         f"{agreeing} of {len(claims)} statements agree; those that differ stand first. Each is "
         "judged on the device as the paper describes it, foils included, at the noise that is "
         "given with it. A statement agrees, by the rule that is given with it, if"
@@ -47,7 +47,7 @@ def _compared(claims: Sequence[Claim]) -> ReportSection:
     rules = Items([f"{rule}." for rule in RULES.values()], list(RULES))
     rows = [_row(claim) for claim in sorted(claims, key=lambda claim: claim.agrees)]
     grid = TableGrid(["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows)
-    return ReportSection("Every number of the paper beside ours", [told, rules, grid])
+    return ReportSection("Every number of the paper beside ours", [introduction, rules, grid])
 
 
 def _row(claim: Claim) -> list[str | Cell]:

@@ -128,16 +128,16 @@ def _ten_frequencies(study: xr.DataArray, noise: str) -> Claim:
 
 
 def _errors_of_5x5(confusion: Confusion, noise: str) -> Claim:
-    beside, wrong = neighbour_errors(confusion)
+    adjacent, wrong = neighbour_errors(confusion)
     recall = np.diag(confusion.counts) / np.sum(confusion.counts, axis=1)
     close, far = recall[:2].mean(), recall[2:].mean()
     return Claim(
         topic="Errors of the 5x5 sheet",
         source="IV-D",
         paper="in adjacent columns, and at pixels far from the interface",
-        ours=f"{beside} of {wrong} in adjacent columns; {100 * close:.0f} % right in columns 1-2, "
-        f"{100 * far:.0f} % in 3-5",
-        agrees=bool(wrong > 0 and beside == wrong and close >= far),
+        ours=f"{adjacent} of {wrong} in adjacent columns; {100 * close:.0f} % right in columns "
+        f"1-2, {100 * far:.0f} % in 3-5",
+        agrees=bool(wrong > 0 and adjacent == wrong and close >= far),
         rule="comparison",
         noise=noise,
         why="The curves of neighbouring columns draw together with distance.",
@@ -177,7 +177,7 @@ def _contacts(study: xr.DataArray, noise: str) -> Claim:
 
 def _rows(sheet: SimulatedExperiment) -> Claim:
     floating = load_scene("sheet-5x5-two-interfaces")
-    plain, shunted = (unpressed_resistance(scene) / 1e3 for scene in (sheet.scene, floating))
+    alone, shunted = (unpressed_resistance(scene) / 1e3 for scene in (sheet.scene, floating))
     contrast = [100 * row_contrast(scene) for scene in (sheet.scene, floating)]
     noise = 100 * sheet.scene.readout.magnitude_noise
     return Claim(
@@ -191,5 +191,5 @@ def _rows(sheet: SimulatedExperiment) -> Claim:
         rule="comparison",
         why="Fed along one whole edge, rows i and n+1-i are mirror images and read the same. The "
         "foils of the other edge, glued on and floating, break the symmetry and lower Rs(0) from "
-        f"{plain:.1f} to {shunted:.1f} kohm: a candidate for the row information.",
+        f"{alone:.1f} to {shunted:.1f} kohm: a candidate for the row information.",
     )

@@ -28,11 +28,13 @@ def study(
         typer.Option(
             help="KEY=START:STOP:POINTS[:log|linear], of whole numbers KEY=START:STOP, or "
             "KEY=VALUE,VALUE,...; once or twice. Real numbers are spaced logarithmically "
-            "unless :linear is said. Without it: skin.sheet_resistance="
+            "unless :linear is given. Default: skin.sheet_resistance="
             "1e3:1e6:13:log and pixels=2:10."
         ),
     ] = None,
-    chart: Annotated[Path | None, typer.Option(help="The chart's own: .png, .svg or .pdf.")] = None,
+    chart: Annotated[
+        Path | None, typer.Option(help="Path of the chart, .png, .svg or .pdf; default: OUT.png.")
+    ] = None,
     max_frequency: Annotated[
         float | None,
         typer.Option(
@@ -46,27 +48,28 @@ def study(
             help="column, row or pixel.", autocompletion=lambda: ["column", "row", "pixel"]
         ),
     ] = "column",
-    draws: Annotated[
-        int, typer.Option(help="How often skins, presses and readings are drawn anew.")
-    ] = 1,
+    draws: Annotated[int, typer.Option(help="Number of draws of skins, presses and readings.")] = 1,
     repetitions: Annotated[
         int | None,
-        typer.Option(help="Presses of each pixel in a draw; else 2000 sweeps in all."),
+        typer.Option(help="Presses of each pixel in a draw; default: 2000 sweeps in all."),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Of all random numbers; the scene's if absent.")
+        int | None, typer.Option(help="Seed of all random numbers; default: the scene's.")
     ] = None,
     rtol: Annotated[
         float | None,
         typer.Option(
-            help="Largest relative error of Rs, Cp, 1e-8 to 1e-2; else what fits the noise."
+            help="Largest relative error of Rs, Cp, 1e-8 to 1e-2; default: well below the noise."
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help="Processes; else one for each core. Same results.")
+        int | None,
+        typer.Option(
+            help="Number of processes; default: one for each core. The results are the same."
+        ),
     ] = None,
 ) -> None:
-    """How well pixels are told apart while one or two numbers of the scene vary.
+    """Accuracy of localization while one or two numbers of the scene vary.
 
     KEY is the dotted path of a number in the scene file, such as
     skin.foam.loss_tangent, contact.top-left.resistance or
@@ -76,7 +79,8 @@ def study(
     At each point: the accuracy that `rcskin train` reaches on a data set of
     the scene (random skins, presses as strong as the scene says, the meter's
     noise), on skins not trained on; the distance between classes in units of
-    the meter's error; and the band of frequencies that tells neighbours best.
+    the meter's error; and the band of frequencies that separates
+    neighbours best.
     """
     from ...simulator.chart_style import checked_chart
     from ...simulator.progress import on_terminal
@@ -90,8 +94,8 @@ def study(
     from .settings import checked_workers
     from .study import plan_study
 
-    beside = checked_output(output, ENDINGS).with_suffix(".png")
-    picture = checked_chart(chart or beside)
+    default = checked_output(output, ENDINGS).with_suffix(".png")
+    picture = checked_chart(chart or default)
     workers = checked_workers(workers)
     requested_scene(scene)
     plan = plan_study(

@@ -35,8 +35,8 @@ VARIABLES = {
     "accuracy_sd": ("standard deviation of the accuracy between the parts held out", "1"),
     "least_separation": ("distance of the nearest two classes over the meter's error", "1"),
     "median_separation": ("distance of two classes over the meter's error, median", "1"),
-    "band_start": ("lowest frequency of the band that tells neighbours best", "Hz"),
-    "band_stop": ("highest frequency of the band that tells neighbours best", "Hz"),
+    "band_start": ("lowest frequency of the band that separates neighbours best", "Hz"),
+    "band_stop": ("highest frequency of the band that separates neighbours best", "Hz"),
     "band_separation": ("distance of the nearest neighbours within that band", "1"),
 }
 
@@ -60,8 +60,10 @@ def scenes_of(
 def warnings_of(scenes: Sequence[Scene]) -> list[str]:
     """Number of points that drive floating foils, or leave the model's range, and the first one."""
     of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
-    told = [[found[0] for found in each if found] for each in of_points]
-    return [f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in told if each]
+    messages = [[found[0] for found in each if found] for each in of_points]
+    return [
+        f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in messages if each
+    ]
 
 
 def fitting_rtol(scenes: Sequence[Scene]) -> float:

@@ -156,13 +156,13 @@ def score_point(
 def _without_readings(scene: Scene) -> Scene:
     """The scene with defaults for everything on which its family of skins does not depend."""
     pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
-    plain = {"press": pressing} if scene.press.by_factor else {}
+    by_factor = {"press": pressing} if scene.press.by_factor else {}
     kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}
     press = {"press": DrawnPress(place="pixel", **kept)}
     same = own.place == "pixel" and own.offset == 0
-    drawn = scene.dataset.model_copy(update=press if plain and same else {})
+    drawn = scene.dataset.model_copy(update=press if by_factor and same else {})
     rest = {"name": "", "description": "", "readout": Readout(), "experiment": Experiment()}
-    return scene.model_copy(update={**rest, **plain, "dataset": drawn})
+    return scene.model_copy(update={**rest, **by_factor, "dataset": drawn})
 
 
 @lru_cache(maxsize=MAX_CACHED_FAMILIES)

@@ -95,8 +95,8 @@ def written(key: Key, value: float) -> str:
 
 def named(key: Key, value: float) -> str:
     """Value as text, with the name of its key unless that key has a label of its own."""
-    told = written(key, value)
-    return told if key.name in LABELS else f"{key.name} = {told}"
+    text = written(key, value)
+    return text if key.name in LABELS else f"{key.name} = {text}"
 
 
 def axis_label(key: Key) -> str:
@@ -108,24 +108,24 @@ def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
     """One line on the scene, its frequencies, noise and presses, without the parts that vary."""
     readout, experiment = table["readout"], table["experiment"]
     f = with_values(table, {}).frequencies
-    told = {
+    parts = {
         "sweep": f"{len(f)} frequencies, {f[0] / 1e3:.4g} to {f[-1] / 1e3:.4g} kHz",
         "readout": f"noise {100 * readout['magnitude_noise']:.3g} % of |Z| and "
         f"{np.degrees(readout['phase_noise']):.2g}°",
         "experiment": f"{experiment['repetitions']} presses of each pixel",
     }
     varied = {place[0] for axis in axes for place in axis.key.places}
-    return "; ".join([table["name"], *(text for part, text in told.items() if part not in varied)])
+    return "; ".join([table["name"], *(text for part, text in parts.items() if part not in varied)])
 
 
 def _best(findings: xr.Dataset, key: Key) -> str:
     values, best = findings[key.name].values, best_index(findings)
     accuracy = float(findings["accuracy"].values[best])
-    told = f"best accuracy {100 * accuracy:.0f} % at {named(key, float(values[best]))}"
+    text = f"best accuracy {100 * accuracy:.0f} % at {named(key, float(values[best]))}"
     if best in (0, len(values) - 1) and len(values) > 1:
-        told += ", where the range ends"
+        text += ", where the range ends"
     low, high = as_good(findings)
     if low == high:
-        return told
+        return text
     ends = " to ".join(written(key, float(values[end])) for end in (low, high))
-    return f"{told} ({100 * max(0.0, accuracy - AS_GOOD):.0f} % or more from {ends})"
+    return f"{text} ({100 * max(0.0, accuracy - AS_GOOD):.0f} % or more from {ends})"

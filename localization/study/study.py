@@ -79,7 +79,7 @@ class StudyPlan:
         rtol: float | None = None,
         workers: int = 1,
     ) -> Study:
-        """Compute the study; arguments and errors as of `execution.study`."""
+        """Compute the study; arguments and errors: see `execution.study`."""
         found = execution.study(
             self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
         )

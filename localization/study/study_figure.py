@@ -34,9 +34,9 @@ def draw_study(findings: xr.Dataset, axes: Sequence[Axis], title: str, path: Pat
     alone = [axis for axis in axes if axis not in varied]
     if len(varied) > 1:
         return _draw_maps(findings, varied, title, path)
-    told = "; ".join([title, *(named(axis.key, axis.values[0]) for axis in alone)])
+    full_title = "; ".join([title, *(named(axis.key, axis.values[0]) for axis in alone)])
     along = findings.isel({axis.key.name: 0 for axis in alone})
-    return _draw_curves(along, varied[0], told, path)
+    return _draw_curves(along, varied[0], full_title, path)
 
 
 def _draw_curves(findings: xr.Dataset, axis: Axis, title: str, path: Path) -> None:

@@ -107,7 +107,7 @@ def threshold_of(
             return float(threshold)
         best = max(best, least)
     raise InputError(
-        f"`certain` {certain:g} is out of reach: of {right.size} held-out sweeps those answered "
-        f"most surely are right at a rate of {100 * best:.1f} %, and no more can be said with "
+        f"`certain` {certain:g} cannot be reached: of {right.size} held-out sweeps, the most "
+        f"probable answers are right at a rate of {100 * best:.1f} % or more with "
         f"{100 * CONFIDENCE:g} % confidence"
     )

@@ -37,14 +37,14 @@ class Guards:
 
         X: shape (n, feature). changes: as in `baseline_changes`, shape (n, feature).
         """
-        told = self.kinds.predict(X) < 0
+        novel = self.kinds.predict(X) < 0
         if self.several is not None:
-            told |= self.several.predict(X) < 0
+            novel |= self.several.predict(X) < 0
         if self.changes is not None and changes is not None:
             known = with_known_baseline(changes)
             if known.size:
-                told[known] |= self.changes.novel(changes[known])
-        return told
+                novel[known] |= self.changes.novel(changes[known])
+        return novel
 
 
 def with_known_baseline(changes: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -138,7 +138,7 @@ class Regressor(Learned):
     def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions (x, y in mm, strength) and standard deviations, each of shape (n, 3)."""
         if self.spread is None:
-            told, deviation = self.pipeline.predict(X, return_std=True)
-            return told, self.factor * deviation
-        told = self.pipeline.predict(X)
-        return told, self.factor * np.sqrt(self.spread.predict(told))
+            places, deviation = self.pipeline.predict(X, return_std=True)
+            return places, self.factor * deviation
+        places = self.pipeline.predict(X)
+        return places, self.factor * np.sqrt(self.spread.predict(places))

@@ -56,10 +56,10 @@ def learn_classes(
     fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
-    unseen = held_out_indices(splits)
+    scored = held_out_indices(splits)
     again = _retrained(train, estimator, pipeline)
-    held_out = held_out_decisions(again, samples, fits, unseen, pipeline.classes_)
-    index = np.searchsorted(pipeline.classes_, samples.y[unseen])
+    held_out = held_out_decisions(again, samples, fits, scored, pipeline.classes_)
+    index = np.searchsorted(pipeline.classes_, samples.y[scored])
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
     right = probability.argmax(axis=1) == index
@@ -82,19 +82,19 @@ def learn_positions(
     """
     samples = samples.first_sessions(estimator.max_sessions)
     splits = scoring_splits(None, samples.sessions)
-    unseen = held_out_indices(splits)
+    held_out = held_out_indices(splits)
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
     pipeline = train(samples)
-    told, deviation = held_out_positions(_retrained(train, estimator, pipeline), samples, fits)
-    told, residual = told[unseen], (told - samples.y)[unseen]
-    factor, spread = np.ones(told.shape[1]), None
+    predicted, deviation = held_out_positions(_retrained(train, estimator, pipeline), samples, fits)
+    predicted, residual = predicted[held_out], (predicted - samples.y)[held_out]
+    factor, spread = np.ones(predicted.shape[1]), None
     if deviation is None:
-        spread = _spread(told, residual)
+        spread = _spread(predicted, residual)
     else:
-        deviation = deviation[unseen]
-        z = np.divide(residual, deviation, out=np.zeros(told.shape), where=deviation > 0)
+        deviation = deviation[held_out]
+        z = np.divide(residual, deviation, out=np.zeros(predicted.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
     median = float(np.median(np.linalg.norm(residual[:, :2], axis=1)))
     return Regressor(pipeline, _guards(samples, splits, pipeline), factor, spread, median)
@@ -134,7 +134,7 @@ def _guards_of_changes(samples: Samples, splits: Splits) -> Guards | None:
     if samples.changes is None:
         return None
     known = with_known_baseline(samples.changes)
-    apart = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
-    if min(part.size for split in apart for part in split) < MIN_BASELINE_SWEEPS:
+    parts = [[np.flatnonzero(np.isin(known, part)) for part in split] for split in splits]
+    if min(part.size for split in parts for part in split) < MIN_BASELINE_SWEEPS:
         return None
-    return _guards_of(as_changes(samples).part(known), [(a, b) for a, b in apart])
+    return _guards_of(as_changes(samples).part(known), [(a, b) for a, b in parts])

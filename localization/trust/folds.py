@@ -40,10 +40,10 @@ def folds_of(
     _check_number(folds, y, groups)
     splits = _split(y, groups, folds, seed)
     for train, _ in splits:
-        unseen = np.setdiff1d(y, y[train])
-        if unseen.size:
+        missing = np.setdiff1d(y, y[train])
+        if missing.size:
             raise InputError(
-                f"grouping by {grouping} leaves a training without class {unseen[0]}: "
+                f"grouping by {grouping} leaves a training without class {missing[0]}: "
                 f"it needs more than one {grouping}"
             )
     return splits
@@ -82,8 +82,8 @@ def scoring_splits(strata: NDArray | None, sessions: NDArray[np.int64]) -> Split
     if sessions.size <= PLENTY:
         return splits
     train, test = splits[0]
-    asked = np.linspace(0, test.size - 1, min(MAX_SCORED, test.size)).round().astype(np.intp)
-    return [(train, test[asked])]
+    scored = np.linspace(0, test.size - 1, min(MAX_SCORED, test.size)).round().astype(np.intp)
+    return [(train, test[scored])]
 
 
 def held_out_indices(splits: Splits) -> NDArray[np.intp]:
@@ -97,19 +97,23 @@ def by_session(sessions: NDArray[np.int64]) -> bool:
 
 
 def describe_splits(splits: Splits, sessions: NDArray[np.int64], requested: int = 0) -> str:
-    """Text on how sweeps were held out. asked: requested folds, named if there are fewer."""
+    """Text on how sweeps were held out. requested: number of folds that were requested."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
     if len(splits) < requested:
-        folds += f" ({requested} asked: there are no more {_units(sessions)})"
+        folds += f" ({requested} requested, but there are no more {_units(sessions)})"
     if by_session(sessions):
         return f"{folds}, whole sessions held out"
-    return f"{folds} of the one session; what another mounting or skin brings is not judged"
+    return f"{folds} within one session; the effect of another mounting or skin is not included"
 
 
 def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], requested: int) -> str:
     """Text of `describe_splits`, with a remark if the inner folds hold out no whole sessions."""
     within = all(by_session(sessions[train]) for train, _ in splits)
-    but = "; within them not: too few sessions" if by_session(sessions) and not within else ""
+    but = (
+        "; inner folds split sessions, which are too few"
+        if by_session(sessions) and not within
+        else ""
+    )
     return describe_splits(splits, sessions, requested) + but
 
 

@@ -18,23 +18,23 @@ def held_out_decisions(
     train: Callable[[Samples], Pipeline],
     samples: Samples,
     splits: Iterable[Split],
-    unseen: NDArray[np.intp],
+    held_out: NDArray[np.intp],
     classes: NDArray,
 ) -> NDArray[np.float64]:
     """Decisions for each sweep and class by a pipeline that was not trained on the sweep.
 
-    unseen: indices of the sweeps of all tests, ascending. A class that a training lacks takes the
-    decision of the least likely class. Shape (unseen, K).
+    held_out: indices of the sweeps of all tests, ascending. A class that a training lacks takes the
+    decision of the least likely class. Shape (held out, K).
     """
-    told = np.empty((unseen.size, classes.size))
+    decided = np.empty((held_out.size, classes.size))
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
         found = decisions(pipeline, samples.X[test])
-        rows = np.searchsorted(unseen, test)
+        rows = np.searchsorted(held_out, test)
         places = np.searchsorted(classes, pipeline.classes_)
-        told[rows] = found.min(axis=1, keepdims=True)
-        told[np.ix_(rows, places)] = found
-    return told
+        decided[rows] = found.min(axis=1, keepdims=True)
+        decided[np.ix_(rows, places)] = found
+    return decided
 
 
 def held_out_positions(
@@ -45,16 +45,16 @@ def held_out_positions(
     Each has shape (n, 3), NaN if a sweep is in no test. The deviations are None if the regressor
     gives none.
     """
-    told, deviation = np.full((2, *samples.y.shape), np.nan)
+    predicted, deviation = np.full((2, *samples.y.shape), np.nan)
     own = False
     for train_on, test in splits:
         pipeline = train(samples.part(train_on))
         own = has_deviation(pipeline)
         if own:
-            told[test], deviation[test] = pipeline.predict(samples.X[test], return_std=True)
+            predicted[test], deviation[test] = pipeline.predict(samples.X[test], return_std=True)
         else:
-            told[test] = pipeline.predict(samples.X[test])
-    return told, deviation if own else None
+            predicted[test] = pipeline.predict(samples.X[test])
+    return predicted, deviation if own else None
 
 
 def has_deviation(pipeline: Pipeline) -> bool:

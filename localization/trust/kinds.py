@@ -86,37 +86,37 @@ class KindGuard(Guard):
     ):
         """Fit the spread of each kind, and the limit to the distances of held-out sweeps.
 
-        X: shape (n, feature). kinds: a name for each sweep, shape (n,). told: indices of the
-        features to use; None uses all. alike: True if these have equal errors; else each is brought
-        to unit variance. Returns self.
+        X: shape (n, feature). kinds: a name for each sweep, shape (n,). columns: indices of the
+        features to use; None uses all. equal_errors: True if these have equal errors; else each is
+        scaled to unit variance. Returns self.
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         kinds = np.asarray(kinds).astype(str)
         self.told_ = np.arange(X.shape[1]) if columns is None else columns
-        unseen = [self._learn(X[a], kinds[a], equal_errors)._both(X[b]) for a, b in splits]
+        held_out = [self._learn(X[a], kinds[a], equal_errors)._both(X[b]) for a, b in splits]
         self._learn(X, kinds, equal_errors)
-        within, beside = np.concatenate(unseen, axis=1)
+        within, outside = np.concatenate(held_out, axis=1)
         self.limit_ = self.reach * float(np.quantile(within, self.share, method="higher")) or 1.0
-        farthest = float(np.quantile(beside, OUTSIDE_QUANTILE, method="higher"))
+        farthest = float(np.quantile(outside, OUTSIDE_QUANTILE, method="higher"))
         least = MIN_OUTSIDE_DISTANCE * np.sqrt(self.told_.size)
         self.beside_ = self.limit_ / (OUTSIDE_MARGIN * max(farthest, least))
         return self
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance from the nearest kind, or outside all components if larger, shape (n,)."""
-        within, beside = self._both(X)
-        return np.maximum(within, self.beside_ * beside)
+        within, outside = self._both(X)
+        return np.maximum(within, self.beside_ * outside)
 
     def _both(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
         """Distance to the nearest kind within the components, and outside them, shape (2, n)."""
         shown = X[:, self.told_] / self.scale_
-        seen = self.pca_.transform(shown)
+        components = self.pca_.transform(shown)
         squares = (
-            np.square((seen - mean) @ turn).sum(axis=1)
+            np.square((components - mean) @ turn).sum(axis=1)
             for mean, turn in zip(self.means_, self.whitening_, strict=True)
         )
-        beside = np.linalg.norm(shown - self.pca_.inverse_transform(seen), axis=1)
-        return np.array([np.sqrt(reduce(np.minimum, squares)), beside])
+        outside = np.linalg.norm(shown - self.pca_.inverse_transform(components), axis=1)
+        return np.array([np.sqrt(reduce(np.minimum, squares)), outside])
 
     def _learn(
         self, X: NDArray[np.float64], kinds: NDArray[np.str_], equal_errors: bool
@@ -127,9 +127,9 @@ class KindGuard(Guard):
         self.scale_ = np.where(spread > 0, spread, 1.0)
         enough = max(1, (len(X) - names.size) // SWEEPS_FOR_EACH)
         self.pca_ = PCA(min(COMPONENTS, enough, *X.shape), svd_solver="full").fit(X / self.scale_)
-        seen = self.pca_.transform(X / self.scale_)
-        self.means_ = np.array([seen[index == k].mean(axis=0) for k in range(names.size)])
-        self.whitening_ = _whitenings(seen - self.means_[index], index, names)
+        components = self.pca_.transform(X / self.scale_)
+        self.means_ = np.array([components[index == k].mean(axis=0) for k in range(names.size)])
+        self.whitening_ = _whitenings(components - self.means_[index], index, names)
         return self
 
 
@@ -160,8 +160,8 @@ def _whitenings(
     found = []
     for k, name in enumerate(names):
         own = aside[index == k]
-        lent = (own.T @ own + POOLED_WEIGHT * pooled) / (len(own) + POOLED_WEIGHT)
-        spread = pooled if name in NOTHING_PRESSED else lent
+        blended = (own.T @ own + POOLED_WEIGHT * pooled) / (len(own) + POOLED_WEIGHT)
+        spread = pooled if name in NOTHING_PRESSED else blended
         found.append(np.linalg.inv(np.linalg.cholesky(spread)).T)
     return np.array(found)
 

@@ -31,9 +31,9 @@ def rate_text(right: int, total: int) -> str:
     tenths = 10 if total >= MANY else 1
     least = math.floor(100 * tenths * lower_bound(right, total)) / tenths
     rate = 100 * right / total
-    told = "100" if right == total else f"{min(rate, 99.9):.3g}"
+    percent = "100" if right == total else f"{min(rate, 99.9):.3g}"
     bound = f"at least {least:g} % with {100 * CONFIDENCE:g} % confidence"
-    return f"{told} % ({right} of {total}, {bound})"
+    return f"{percent} % ({right} of {total}, {bound})"
 
 
 def interval(right: int, total: int) -> tuple[float, float]:

@@ -59,18 +59,18 @@ class SeveralGuard(Guard):
         """Fit the SVM that separates several touches from fewer, and the limit.
 
         X: sweeps of one touch or none, shape (n, feature). several: sweeps of more touches, shape
-        (m, feature). splits: sweeps of X to train on and to hold out. apart: for each split, the
-        sweeps of `several` to train on. touched: True for sweeps of X with a touch, shape (n,).
-        told: indices of the features to use. Returns self.
+        (m, feature). splits: sweeps of X to train on and to hold out. several_parts: for each
+        split, the sweeps of `several` to train on. touched: True for sweeps of X with a touch,
+        shape (n,). columns: indices of the features to use. Returns self.
         """
         X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
         self.told_ = columns
-        unseen = []
+        distances = []
         for (known, held_out), others in zip(splits, several_parts, strict=True):
             self.parting_ = _separating_svm(X[known][:, columns], several[others][:, columns])
-            unseen.append(self.away(X[held_out[touched[held_out]]]))
+            distances.append(self.away(X[held_out[touched[held_out]]]))
         self.parting_ = _separating_svm(X[:, columns], several[:, columns])
-        self.limit_ = float(np.quantile(np.concatenate(unseen), self.share, method="higher"))
+        self.limit_ = float(np.quantile(np.concatenate(distances), self.share, method="higher"))
         return self
 
     def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -92,17 +92,17 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     here = np.isin(samples.several.sessions, samples.sessions)
     several, sessions = samples.several.X[here], samples.several.sessions[here]
     whole = by_session(samples.sessions)
-    apart = [
+    parts = [
         np.flatnonzero(~np.isin(sessions, samples.sessions[test]) | (not whole))
         for _, test in splits
     ]
-    if min(map(len, apart)) < MIN_SWEEPS:
+    if min(map(len, parts)) < MIN_SWEEPS:
         return None
-    told, _ = press_features(problem.quantities, problem.features)
+    columns, _ = press_features(problem.quantities, problem.features)
     one = problem.continuous or ~np.isin(samples.y.astype(str), NOTHING_PRESSED)
     touched = np.broadcast_to(one, len(samples.X))
     return SeveralGuard().fit(
-        samples.X, several, splits=splits, several_parts=apart, touched=touched, columns=told
+        samples.X, several, splits=splits, several_parts=parts, touched=touched, columns=columns
     )
 
 

@@ -76,8 +76,8 @@ class CenteredModel:
         """Response to one press; `by_cell` is the derivative by the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
-        at_rest = self.model.unpressed_factors(own)[: response.by_cell.shape[-1]]
-        by_rise = at_rest * response.by_cell + response.by_gauge
+        unpressed = self.model.unpressed_factors(own)[: response.by_cell.shape[-1]]
+        by_rise = unpressed * response.by_cell + response.by_gauge
         return replace(response, by_cell=by_rise)
 
     def respond_together(
@@ -91,8 +91,8 @@ class CenteredModel:
         own = self.own(values)
         if self.model.allows_batches(own):
             response = self.model.respond_together(cells, rises, own)
-            at_rest = self.model.unpressed_factors(own)[cells][:, None, None]
-            return replace(response, by_cell=at_rest * response.by_cell)
+            unpressed = self.model.unpressed_factors(own)[cells][:, None, None]
+            return replace(response, by_cell=unpressed * response.by_cell)
         pairs = zip(cells, rises, strict=True)
         each = [(touched, self.respond(touched, raised, values)) for touched, raised in pairs]
         names = each[0][1].by_parameter

@@ -227,11 +227,11 @@ def _readings(
     presses: Sequence[Press | None],
     sessions: Sequence[int],
 ) -> Iterator[SessionSweep]:
-    at_rest: dict[int, list[int]] = {}
+    unpressed: dict[int, list[int]] = {}
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and not press.touches:
-            at_rest.setdefault(session, []).append(k)
-    for session, members in at_rest.items():
+            unpressed.setdefault(session, []).append(k)
+    for session, members in unpressed.items():
         yield _averaged(Z[members], fixed[members], session)
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
         if press is not None and press.touches:

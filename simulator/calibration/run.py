@@ -171,10 +171,10 @@ class _CalibrationRun:
         at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
         fit = (*options.fit, *options.also) if options.fit else ()
-        asked = candidates(measured, free, self.priors, fit, options.fix)
+        chosen = candidates(measured, free, self.priors, fit, options.fix)
         self.names, self.not_fitted = (
-            asked.fitted,
-            {name: self.priors[name] for name in asked.not_fitted},
+            chosen.fitted,
+            {name: self.priors[name] for name in chosen.not_fitted},
         )
         self._ready = self._prepared(at_hand, trained=model is not None)
         self._begin: Mapping[str, float] | None = None
@@ -199,7 +199,7 @@ class _CalibrationRun:
 
     def _fit(self) -> Fit:
         own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
-        asked = FitSpec(
+        spec = FitSpec(
             self.measured,
             self.noise.readout,
             {name: self.priors[name] for name in self.names},
@@ -207,7 +207,7 @@ class _CalibrationRun:
             self.options.strengths,
             self._tail,
         )
-        fit = best_fit(asked, self._ready, self._begin, self._remark)
+        fit = best_fit(spec, self._ready, self._begin, self._remark)
         self._ready, self._begin = fit.problem.model, fit.values
         return fit
 

@@ -132,7 +132,7 @@ def _number(bound: float) -> str:
 def _option(callback: Callable[..., Any], name: str) -> str:
     """The option of a parameter as it is typed on the command line."""
     annotation = inspect.signature(callback, eval_str=True).parameters[name].annotation
-    said = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
-    names = [each for info in said for each in (info.default, *(info.param_decls or ()))]
+    metadata = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+    names = [each for info in metadata for each in (info.default, *(info.param_decls or ()))]
     written = [each for each in names if isinstance(each, str) and each.startswith("-")]
     return written[0] if written else f"--{name.replace('_', '-')}"

@@ -45,22 +45,22 @@ def _distance_charts(findings: GapFindings) -> list[Chart]:
     return [
         Chart(
             f"distance-{kind}",
-            f"Mean of the {findings.trial.pair.label.name} minus mean of the simulation, {told}. "
+            f"Mean of the {findings.trial.pair.label.name} minus mean of the simulation, {where}. "
             f"{stages}. A class separation is the distance between neighbouring "
             f"{findings.trial.options.target}s in the same quantity.",
             lambda path, kind=kind: draw_distances(findings, kind, path),
         )
-        for kind, told in PRESSES.items()
+        for kind, where in PRESSES.items()
         if getattr(findings.stages[BEFORE], kind) is not None
     ]
 
 
 def _accuracy_charts(findings: GapFindings) -> list[Chart]:
-    noun, target = findings.trial.pair.label, findings.trial.options.target
+    label, target = findings.trial.pair.label, findings.trial.options.target
     curves = Chart(
         "accuracy",
-        f"Share of {target}s found in {noun.adjective} sweeps that training did not use, against "
-        f"the number of {noun.adjective} sweeps of each pixel that "
+        f"Share of {target}s found in {label.adjective} sweeps that training did not use, against "
+        f"the number of {label.adjective} sweeps of each pixel that "
         f"{'adapted the model' if findings.model else 'were added to the simulated ones'}. Bars "
         "are one standard deviation over the draws.",
         lambda path: draw_accuracies(findings, path),
@@ -77,28 +77,28 @@ def _accuracy_charts(findings: GapFindings) -> list[Chart]:
 
 
 def _belief_chart(findings: GapFindings) -> list[Chart]:
-    told = (
+    caption = (
         "Share of right answers of the unadapted model against the probability that it states, "
         "with 95 % intervals; and share of wrong answers if only the most probable ones are given."
     )
     if findings.model is None:
         return []
-    judged = findings.model.score
-    shown = judged.answers.probability, judged.right
-    return [Chart("belief", told, lambda path: draw_reliability_and_risk(path, *shown))]
+    score = findings.model.score
+    shown = score.answers.probability, score.right
+    return [Chart("belief", caption, lambda path: draw_reliability_and_risk(path, *shown))]
 
 
 def _distribution_chart(findings: GapFindings) -> list[Chart]:
-    told = (
+    caption = (
         "Distance between the distributions of each feature: energy coefficient (0: equal, 1: far "
         "apart) and unbiased MMD². A star marks a distance that occurs with a chance below 5 % if "
         "there is no gap."
     )
-    chart = Chart("distribution", told, lambda path: draw_distributions(findings, path))
+    chart = Chart("distribution", caption, lambda path: draw_distributions(findings, path))
     return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
 
 
 def _cause_chart(findings: GapFindings) -> list[Chart]:
-    told = "Part of the misfit that goes away if one parameter alone is fitted."
-    chart = Chart("causes", told, lambda path: draw_causes(findings, path))
+    caption = "Part of the misfit that goes away if one parameter alone is fitted."
+    chart = Chart("causes", caption, lambda path: draw_causes(findings, path))
     return [chart] if findings.causes else []

@@ -81,14 +81,14 @@ def _draw_distance(
 
 def draw_accuracies(findings: GapFindings, path: Path) -> None:
     """Draw a panel for each set of features."""
-    noun, target = findings.trial.pair.label, findings.trial.options.target
+    label, target = findings.trial.pair.label, findings.trial.options.target
     with chart(path, 9, 3.9) as figure:
         panels = figure.subplots(1, len(findings.own), sharey=True, squeeze=False)[0]
         for axes, name in zip(panels, findings.own, strict=True):
             _draw_transfer(axes, findings, name)
             _draw_own(axes, findings, name)
             axes.set_title(FEATURE_LABELS[name])
-            axes.set_xlabel(f"{noun.adjective.capitalize()} sweeps of each pixel added")
+            axes.set_xlabel(f"{label.adjective.capitalize()} sweeps of each pixel added")
             axes.set_ylim(0, 103)
         panels[0].set_ylabel(f"{target.capitalize()}s right (%)")
         _legend(figure, panels[0])
@@ -102,7 +102,7 @@ def _draw_transfer(axes: Axes, findings: GapFindings, name: str) -> None:
     }
     if findings.model:
         by_stage = {"the model, adapted by these": (BEFORE, findings.model.accuracies)}
-    for index, (told, (stage, transfer)) in enumerate(by_stage.items()):
+    for index, (label, (stage, transfer)) in enumerate(by_stage.items()):
         aside = 0.06 * (index - 0.5)
         axes.errorbar(
             np.arange(len(transfer)) + aside,
@@ -113,7 +113,7 @@ def _draw_transfer(axes: Axes, findings: GapFindings, name: str) -> None:
             linestyle=STAGE_STYLE[stage],
             capsize=3,
             color=COLOURS[index],
-            label=told,
+            label=label,
         )
         axes.set_xticks(range(len(transfer)), [str(k) for k in transfer])
 
@@ -121,12 +121,12 @@ def _draw_transfer(axes: Axes, findings: GapFindings, name: str) -> None:
 def _draw_own(axes: Axes, findings: GapFindings, name: str) -> None:
     by_grouping = {found.grouping: found for found in findings.own[name].values()}
     for (grouping, found), look in zip(by_grouping.items(), ("-.", ":"), strict=False):
-        told = f"cross-validated by {grouping or 'sweep'}"
+        how = f"cross-validated by {grouping or 'sweep'}"
         axes.axhline(
             100 * found.accuracy.mean,
             linestyle=look,
             color="0.35",
-            label=f"trained on {findings.trial.pair.label.adjective} sweeps, {told}",
+            label=f"trained on {findings.trial.pair.label.adjective} sweeps, {how}",
         )
 
 

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 HTML, JSON = "gap.html", "gap.json"
 HEADINGS = {
-    "distance": "How far apart the mean sweeps are",
-    "accuracy": "How often the localizer is right",
-    "confusion": "What is taken for what",
-    "belief": "Whether the model's probabilities can be believed",
-    "distribution": "How far apart the distributions of the features are",
-    "causes": "Which parameter explains most",
+    "distance": "Distances between the mean sweeps",
+    "accuracy": "Accuracy of the localizer",
+    "confusion": "Confusion of classes",
+    "belief": "Reliability of the model's probabilities",
+    "distribution": "Distances between the distributions of the features",
+    "causes": "Causes of the gap",
 }
 """Headings of the sections, by the beginning of the names of their charts."""
 
@@ -59,53 +59,51 @@ def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[Report
         _accuracies(findings),
         *(ReportSection(title, found) for title, found in shown.items() if found),
         *(
-            [ReportSection("What was calibrated", [TableGrid(calibrated, estimates)])]
+            [ReportSection("Calibrated parameters", [TableGrid(calibrated, estimates)])]
             if estimates
             else []
         ),
-        ReportSection(
-            "What stands behind the numbers", [Items([_error(findings), *findings.notes])]
-        ),
+        ReportSection("Notes on the numbers", [Items([_error(findings), *findings.notes])]),
     ]
 
 
 def _compared(findings: GapFindings) -> str:
-    pair, question = findings.trial.pair, findings.trial.options
+    pair, options = findings.trial.pair, findings.trial.options
     other, names = pair.other, [str(name) for name in pair.other["interface"].values]
     return (
         f"{pair.simulated.sizes['sweep']} simulated sweeps against {other.sizes['sweep']} "
         f"{pair.label.adjective} sweeps at {other.sizes['frequency']} frequencies and the "
-        f"interface{'s' if len(names) > 1 else ''} {', '.join(names)}; {question.target}s by "
-        f"{question.estimator}, seed {question.seed}."
+        f"interface{'s' if len(names) > 1 else ''} {', '.join(names)}; {options.target}s by "
+        f"{options.estimator}, seed {options.seed}."
     )
 
 
 def _cause(findings: GapFindings) -> list[str]:
-    told = cause_sentence(findings)
-    return [told] if told else []
+    sentence = cause_sentence(findings)
+    return [sentence] if sentence else []
 
 
 def _accuracies(findings: GapFindings) -> ReportSection:
     adjective, columns = findings.trial.pair.label.adjective, column_headings(findings)
     rows = [[row.trained, *row.cells] for row in accuracy_rows(findings)]
     done = "adapt the model" if findings.model else "are added to the simulated ones"
-    told = (
+    explanation = (
         f"k {adjective} sweeps of each pixel {done}; ± is one standard deviation over "
-        f"{findings.trial.options.draws} draws of them. No sweep is tested that was trained or "
-        "calibrated on; those that calibrated are the first of the k. dlnZ and dphase are ln|Z| "
-        "and phase less those at rest in the same session."
+        f"{findings.trial.options.draws} draws of them. No tested sweep was used for training or "
+        "calibration; the sweeps that calibrated are the first of the k. dlnZ and dphase are "
+        "changes of ln|Z| and phase from the unpressed skin in the same session."
     )
     numbered = range(1, 1 + len(columns))
     title = f"Accuracy on {adjective} sweeps"
-    return ReportSection(title, [TableGrid(["Trained on", *columns], rows, numbered), told])
+    return ReportSection(title, [TableGrid(["Trained on", *columns], rows, numbered), explanation])
 
 
 def _error(findings: GapFindings) -> str:
     error = findings.trial.reading_deviation
     if error is None:
-        return "The meter's error is unknown: neither a scene nor repeated sweeps tell it."
+        return "The meter's error is unknown: neither a scene nor repeated sweeps give it."
     return (
-        f"The meter's error is that of one reading, by {error.source}: "
+        f"The meter's error of one reading, from {error.source}, is at most "
         f"{100 * error.magnitude.max():.2g} % of |Z| and "
-        f"{np.degrees(error.phase.max()):.2g}° at most."
+        f"{np.degrees(error.phase.max()):.2g}°."
     )

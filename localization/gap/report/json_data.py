@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 ESTIMATED = ("name", "unit", "start", "value", "low", "high")
 """Fields of each calibrated number."""
 KEYS = {
-    "compared": "of each side, simulated and other: sweeps and sessions; noun, what the other side "
-    "is; calibrating, how many of its sweeps calibrated",
-    "question": "target, estimator, seed, draws, calibration_touches: as asked on the command line",
+    "compared": "for each side, simulated and other: number of sweeps and of sessions; noun, name "
+    "of the other side; calibrating, number of its sweeps that calibrated",
+    "question": "target, estimator, seed, draws, calibration_touches: as given on the command line",
     "interfaces, frequency_Hz": "those that both sides have; the order of every table below",
     "meter_error": "standard deviation of one reading at each frequency: magnitude, of |Z| (a "
-    "fraction), and phase_rad; source, where they are from; null where nothing tells them",
+    "fraction), and phase_rad; source, their origin; null if unknown",
     "features": "quantities of each set of features",
     "distance": "stage -> pressed or rest -> Rs or Cp -> tables over (interface, frequency), other "
     "side minus simulation: simulated (mean over the pixels), mean, rms (over the pixels), "
@@ -39,24 +39,25 @@ KEYS = {
     "accuracy.transfer": "stage -> features -> k: trained on simulation and on k sweeps of every "
     "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
     "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
-    "accuracy.model": "of the user's own model, null where none is asked: adapted -> k, as in "
-    "transfer, by how many sweeps of every pixel it was adapted; as it is: of all tested sweeps "
-    "accuracy, answered, accuracy of answers and calibration error, fractions of 1",
+    "accuracy.model": "of the user's own model, null without --model: adapted -> k, as in "
+    "transfer, the number of sweeps of every pixel that adapted it; as it is: accuracy, answered, "
+    "accuracy of answers and calibration error of the unadapted model on all tested sweeps, "
+    "fractions of 1",
     "accuracy.own": "features -> trained and tested on the other side, cross-validated: `grouped` "
-    "leaves out what `grouping` names as a whole, `single` leaves out single sweeps; in so many "
-    "folds",
+    "leaves out whole groups of the kind `grouping`, `single` leaves out single sweeps; folds, "
+    "number of folds",
     "confusion": "in every accuracy: labels, and counts over (target class, output class)",
-    "discrepancy": "stage -> features -> class (`all`: of all together): first (simulated) and "
-    "second sweeps; mmd2, squared maximum mean discrepancy, unbiased; p, chance of one as large "
-    "if there were no gap; energy, energy distance of features of unit spread; coefficient, from "
-    "0 to 1. Features in units of their spread on the other side",
-    "calibration": "numbers of the scene by name, in their unit: start, as it stood; value, as "
-    "calibrated; low and high, the 95 % interval",
-    "causes": "parameter, share, from 0 to 1, of the misfit that goes when it alone is fitted, and "
-    "told, its change in words",
-    "causes_together": "parameters, share of the misfit that goes when these two are fitted "
-    "jointly, and told, what each then is in words; empty where no pair was tried",
-    "notes": "what was left out or changed to make both sides comparable",
+    "discrepancy": "stage -> features -> class (`all`: all classes together): first and second, "
+    "numbers of simulated and of other sweeps; mmd2, squared maximum mean discrepancy, unbiased; "
+    "p, probability of a value as large if there is no gap; energy, energy distance; coefficient, "
+    "from 0 to 1. Features are in units of their spread on the other side",
+    "calibration": "numbers of the scene by name, in their unit: start, the scene's value; value, "
+    "the calibrated value; low and high, the 95 % interval",
+    "causes": "parameter; share, from 0 to 1, of the misfit that it removes if it alone is fitted; "
+    "told, its change as text",
+    "causes_together": "parameters; share of the misfit that both remove if they are fitted "
+    "jointly; told, the value of each as text; empty if no pair was tried",
+    "notes": "parts that were left out, and changes that made both sides comparable",
 }
 
 

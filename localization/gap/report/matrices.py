@@ -22,7 +22,7 @@ TITLE_WIDTH = 46
 
 def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
     """Accuracies that get a matrix, by their training. name: name of the features."""
-    noun, stages = findings.trial.pair.label, list(findings.stages)
+    side, stages = findings.trial.pair.label, list(findings.stages)
     if findings.model:
         cases = {model_label(k).capitalize(): a for k, a in findings.model.accuracies.items()}
         return dict([*cases.items()][:: max(1, len(cases) - 1)])
@@ -32,12 +32,14 @@ def main_cases(findings: GapFindings, name: str) -> dict[str, MeanAccuracy]:
     }
     most, last = max(findings.trial.splits), stages[-1]
     if most:
-        added = f"{most} {noun.adjective} sweeps of each pixel"
-        told = f"Trained on simulation, {last} calibration, and {added}"
-        cases[told] = findings.stages[last].transfer[name][most]
+        added = f"{most} {side.adjective} sweeps of each pixel"
+        label = f"Trained on simulation, {last} calibration, and {added}"
+        cases[label] = findings.stages[last].transfer[name][most]
     for found in list(findings.own[name].values())[:1]:
-        told = f"Trained on {noun.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
-        cases[told] = found.accuracy
+        label = (
+            f"Trained on {side.adjective} sweeps, cross-validated by {found.grouping or 'sweep'}"
+        )
+        cases[label] = found.accuracy
     return cases
 
 
@@ -48,9 +50,9 @@ def draw_confusions(findings: GapFindings, name: str, path: Path) -> None:
     down, side = -(-len(cases) // 2), max(SIDE, EACH_CLASS * classes)
     with chart(path, 2 * side + 1, down * (side + 0.8)) as figure:
         panels = figure.subplots(down, 2, squeeze=False).ravel()
-        for axes, (told, accuracy) in zip(panels, cases.items(), strict=False):
+        for axes, (label, accuracy) in zip(panels, cases.items(), strict=False):
             draw_confusion(axes, accuracy.confusion)
-            lines = [*textwrap.wrap(told, TITLE_WIDTH, break_on_hyphens=False), axes.get_title()]
+            lines = [*textwrap.wrap(label, TITLE_WIDTH, break_on_hyphens=False), axes.get_title()]
             axes.set_title("\n".join(lines), fontsize=9)
         for axes in panels[len(cases) :]:
             axes.set_axis_off()

@@ -45,9 +45,9 @@ def accuracy_rows(findings: GapFindings) -> list[AccuracyRow]:
     for kind in ("grouped", "single"):
         found = [each.get(kind) for each in findings.own.values()]
         if all(found):
-            told = next(each.grouping for each in found if each) or "sweep"
+            grouping = next(each.grouping for each in found if each) or "sweep"
             cells = tuple(_percent(each.accuracy) for each in found if each)
-            rows.append(AccuracyRow(f"{adjective}, cross-validated by {told}", cells))
+            rows.append(AccuracyRow(f"{adjective}, cross-validated by {grouping}", cells))
     return list(dict.fromkeys(rows))
 
 
@@ -63,29 +63,28 @@ def model_label(k: int) -> str:
 
 def summary(findings: GapFindings) -> list[str]:
     """The most important findings, one sentence each."""
-    noun, target = findings.trial.pair.label, findings.trial.options.target
+    label, target = findings.trial.pair.label, findings.trial.options.target
     before = _largest(findings, BEFORE)
-    told = [f"Over the pressed pixels the mean {noun.name} is {before} from the simulation."]
+    sentences = [f"Over the pressed pixels the mean {label.name} is {before} from the simulation."]
     if AFTER in findings.stages:
-        told.append(f"After calibration it is {_largest(findings, AFTER)}.")
+        sentences.append(f"After calibration it is {_largest(findings, AFTER)}.")
     if findings.model:
-        judged = findings.model.score
-        told.append(
-            f"Of the {noun.adjective} sweeps' {target}s the model tells "
-            f"{rate_text(*judged.rates()['accuracy'])} right, and answers "
-            f"{rate_text(*judged.rates()['answered'])}."
+        rates = findings.model.score.rates()
+        sentences.append(
+            f"Accuracy of the model on the {label.adjective} sweeps ({target}s): "
+            f"{rate_text(*rates['accuracy'])}; answered: {rate_text(*rates['answered'])}."
         )
-        return told
+        return sentences
     for name in findings.own:
         names = [
             f"{_percent(found.transfer[name][0])} {stage} calibration"
             for stage, found in findings.stages.items()
         ]
-        told.append(
-            f"Trained on simulation alone and by {FEATURE_LABELS[name]}, {' and '.join(names)} of "
-            f"the {noun.adjective} sweeps' {target}s are right."
+        sentences.append(
+            f"Accuracy on the {label.adjective} sweeps ({target}s), trained on simulation alone by "
+            f"{FEATURE_LABELS[name]}: {' and '.join(names)}."
         )
-    return told
+    return sentences
 
 
 def cause_sentence(findings: GapFindings) -> str:
@@ -95,14 +94,14 @@ def cause_sentence(findings: GapFindings) -> str:
     first, *others = findings.causes
     name, share = cause_label(first), f"{100 * first.removed:.0f} % of the misfit"
     if first.removed >= MAIN_SHARE:
-        told = f"{name} explains most of the gap: fitted alone, it removes {share}"
+        sentence = f"{name} explains most of the gap: fitted alone, it removes {share}"
     elif first.removed >= NOTABLE_SHARE:
-        told = f"{name} explains a part of the gap: fitted alone, it removes {share}"
+        sentence = f"{name} explains a part of the gap: fitted alone, it removes {share}"
     else:
-        told = f"no parameter alone explains the gap: {name}, the first of them, removes {share}"
+        sentence = f"no parameter alone explains the gap: {name}, the best one, removes {share}"
     if others and others[0].removed >= MENTIONED_SHARE:
-        told += f"; next is {cause_label(others[0])} with {100 * others[0].removed:.0f} %"
-    return told[0].upper() + told[1:] + "." + _pairs(findings)
+        sentence += f"; next is {cause_label(others[0])} with {100 * others[0].removed:.0f} %"
+    return sentence[0].upper() + sentence[1:] + "." + _pairs(findings)
 
 
 def _pairs(findings: GapFindings) -> str:

@@ -82,7 +82,7 @@ def test_without_a_model_scores_are_of_outer_folds(run, files):
 
 def test_more_folds_than_sessions_are_told(run, files):
     code, out, _ = run("evaluate", files / "known.nc", "--folds", 9)
-    assert code == 0 and "3 folds (9 asked: there are no more sessions" in out
+    assert code == 0 and "3 folds (9 requested, but there are no more sessions" in out
 
 
 def test_a_session_without_rest_is_left_out_and_counted(run, make_sweeps, tmp_path):
@@ -119,19 +119,19 @@ def test_answers_at_a_rate_are_told_with_confidence_and_coverage(run, make_sweep
 
 def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
     code, out, _ = run("train", files / "pressed.nc", "-o", tmp_path / "m.skops")
-    assert code == 0 and "cannot tell that nothing is pressed" in out
+    assert code == 0 and "never answers 'nothing pressed'" in out
 
 
 @pytest.mark.parametrize("command", ["train", "evaluate"])
 def test_without_the_unpressed_skin_readings_are_taken_as_they_stand(run, files, tmp_path, command):
     output = ("-o", tmp_path / "m.skops") if command == "train" else ()
     code, _, err = run(command, files / "pressed.nc", *output)
-    assert code == 0 and err.startswith("rcskin: note: --features Rs,Cp is taken, for most")
+    assert code == 0 and err.startswith("rcskin: note: --features Rs,Cp is used because most")
     assert "--features" not in run(command, files / "pressed.nc", "--features", "Rs,Cp", *output)[2]
 
 
 def test_raw_readings_of_several_skins_are_advised_against(run, files, tmp_path):
-    advised = "mostly tell more: --features dlnZ,dphase"
+    advised = "usually more accurate: --features dlnZ,dphase"
     model = ("-o", tmp_path / "m.skops")
     assert advised in run("train", files / "known.nc", "--features", "Rs,Cp", *model)[1]
     assert advised not in run("train", files / "known.nc", *model)[1]
@@ -139,20 +139,22 @@ def test_raw_readings_of_several_skins_are_advised_against(run, files, tmp_path)
 
 
 def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path):
-    model, known = tmp_path / "m.skops", read(files / "known.nc")
-    write(known.isel(sweep=known["row"].values == 0), tmp_path / "rest.nc")
+    model, sweeps = tmp_path / "m.skops", read(files / "known.nc")
+    write(sweeps.isel(sweep=sweeps["row"].values == 0), tmp_path / "rest.nc")
     assert run("train", files / "known.nc", "--features", "Rs,Cp", "-o", model)[0] == 0
     code, out, err = run("localize", model, files / "pressed.nc")
-    *_, unguarded, taught = err.splitlines(keepends=True)
-    assert taught.startswith(f"rcskin: note: {model}: 54 of these 54 sweeps taught it")
+    *_, unguarded, known = err.splitlines(keepends=True)
+    assert known.startswith(
+        f"rcskin: note: {model}: was trained or adapted on 54 of these 54 sweeps"
+    )
     assert code == 0 and unguarded == (
-        "rcskin: note: 54 sweeps have no skin at rest before them; two touches may pass for one, "
-        "which --rest guards from\n"
+        "rcskin: note: 54 sweeps have no baseline sweep before them, so two touches may be taken "
+        "for one; --rest adds baseline sweeps\n"
     )
     code, guarded, err = run(
         "localize", model, files / "pressed.nc", "--rest", tmp_path / "rest.nc"
     )
-    assert (code, err) == (0, taught) and "cannot tell" not in out + guarded
+    assert (code, err) == (0, known) and "cannot tell" not in out + guarded
 
 
 def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tmp_path):

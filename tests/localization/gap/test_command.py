@@ -101,14 +101,15 @@ def test_a_model_leaves_no_choice_of_target(gap, files, tmp_path):
     model = tmp_path / "m.skops"
     save(model, train(read(files[0])))
     code, _, err = gap(*files, "--model", model, "--target", "row", "-o", tmp_path / "gap")
-    assert (code, err) == (2, "rcskin: --model tells target and estimator: leave these out\n")
+    both = "rcskin: --model already sets target and estimator: leave out --target and --estimator\n"
+    assert (code, err) == (2, both)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("absent.nc", 1), "absent.nc: no such file"),
-        ((1, 0), "twin.nc: holds twin sweeps; the simulated sweeps are to be named first"),
+        ((1, 0), "twin.nc: contains twin sweeps; name the simulated sweeps first"),
         ((0, 1, "--target", "position"), "--target must be one of column, row, pixel"),
         ((0, 1, "--estimator", "oracle"), "'oracle'"),
         ((0, 1, "--scene", "no-such-scene"), "no-such-scene: no such file"),

@@ -67,7 +67,7 @@ def test_without_the_skin_at_rest_relative_features_are_left_out(make_skin_sweep
     findings = make_findings(make_skin_sweeps(rest=False), make_skin_sweeps(rest=False, seed=1))
     assert list(findings.own) == ["absolute"]
     assert findings.stages["before"].rest is None
-    assert told(findings, "less those at rest: session 0 has no sweep of the skin at rest")
+    assert told(findings, "from the unpressed skin: session 0 has no sweep of the unpressed skin")
 
 
 def test_rest_on_one_side_only_is_no_class(make_skin_sweeps, make_findings):
@@ -81,7 +81,7 @@ def test_rest_on_one_side_only_is_no_class(make_skin_sweeps, make_findings):
 def test_too_few_sweeps_leave_a_number_of_touches_out(make_skin_sweeps, make_findings):
     findings = make_findings(make_skin_sweeps(), make_skin_sweeps(2, seed=1))
     assert set(findings.trial.splits) == {0, 1}
-    assert told(findings, "no more than k = 1 and a test: without k = 2, 5")
+    assert told(findings, "too few sweeps for k > 1 and a test: k = 2, 5 is left out")
 
 
 def test_without_a_scene_nothing_is_calibrated_or_explained(make_skin_sweeps, make_findings):
@@ -116,7 +116,7 @@ def test_features_that_an_estimator_does_not_take_are_left_out(
     monkeypatch.setattr("rcskin.localization.gap.comparison.chosen", lambda *_: picky)
     findings = make_findings(make_skin_sweeps(), make_skin_sweeps(seed=1), estimator="picky")
     assert list(findings.own) == ["relative"]
-    assert told(findings, "Nothing is told by Rs and Cp: takes no Rs.")
+    assert told(findings, "There are no results for Rs and Cp: takes no Rs.")
     assert [len(row.cells) for row in accuracy_rows(findings)] == [1] * len(accuracy_rows(findings))
 
 

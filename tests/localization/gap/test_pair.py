@@ -38,7 +38,7 @@ def test_the_noun_is_taken_from_the_attributes(make_skin_sweeps, attributes, nou
 
 def test_measured_sweeps_cannot_stand_for_simulated_ones(make_skin_sweeps):
     for model, told in (("measured", "measured"), ("virtual meter", "twin")):
-        with pytest.raises(InputError, match=f"run.nc: holds {told} sweeps"):
+        with pytest.raises(InputError, match=f"run.nc: contains {told} sweeps"):
             check_simulated(make_skin_sweeps(1, attributes={"model": model}), "run.nc")
 
 

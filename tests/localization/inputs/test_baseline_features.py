@@ -80,7 +80,9 @@ def test_of_touches_that_change_nothing_no_classifier_knows_rest_by_its_referenc
 
 
 def test_sweeps_before_the_first_at_rest_are_named():
-    with pytest.raises(InputError, match="sweep 0: too few sweeps of the skin at rest come before"):
+    with pytest.raises(
+        InputError, match="sweep 0: too few sweeps of the unpressed skin come before"
+    ):
         features(recorded([1, 0, 1], 0), ["dlnZ"])
 
 

@@ -56,7 +56,7 @@ def test_a_drift_of_the_session_drops_out_but_for_that_since_the_last_rest(strip
 
 def test_a_session_without_rest_is_named(strip):
     pressed = strip.isel(sweep=strip["column"].values > 0)
-    with pytest.raises(InputError, match="session 0 has no sweep of the skin at rest"):
+    with pytest.raises(InputError, match="session 0 has no sweep of the unpressed skin"):
         features(pressed, ("dphase",))
 
 

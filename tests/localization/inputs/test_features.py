@@ -36,7 +36,7 @@ def test_a_press_of_no_single_pixel_has_no_label(strip):
         row=strip["row"].where(strip["press"] != "1,3:2.0", -1),
         column=strip["column"].where(strip["press"] != "1,3:2.0", -1),
     )
-    with pytest.raises(InputError, match="sweep 3: its press '1,3:2.0' is no single pixel"):
+    with pytest.raises(InputError, match="sweep 3: its press '1,3:2.0' is not a single pixel"):
         labels(touched)
 
 

@@ -75,7 +75,7 @@ def test_a_press_of_another_kind_is_refused(pressed, text, message):
 
 
 def test_a_pixel_has_no_place_without_a_scene(pressed):
-    with pytest.raises(InputError, match="the sweeps carry no scene"):
+    with pytest.raises(InputError, match="the sweeps store no scene"):
         positions(pressed(["1,1:2.0"], scene=""))
 
 

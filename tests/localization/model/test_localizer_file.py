@@ -48,7 +48,7 @@ def test_a_model_read_back_is_the_same_model(sheet, tmp_path, classifier, target
 
 @pytest.mark.parametrize(
     ("scene", "message"),
-    [("", "on sweeps that carry no scene"), ('name = "line"\n', "`skin.length`, .* are missing")],
+    [("", "on sweeps without a scene"), ('name = "line"\n', "`skin.length`, .* are missing")],
 )
 def test_where_a_scene_is_needed_a_file_without_a_whole_one_is_named(
     model, tmp_path, scene, message
@@ -99,9 +99,9 @@ def earlier(schema):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("ksvm-ovo", "a model of another layout .* train it anew"),
-        ("svc", "its estimator svc is gone, .*: take ksvm-ovo, and train it anew"),
-        ("knn", "its estimator knn is gone, .*: take ksvm-components, and train it anew"),
+        ("ksvm-ovo", "a model of another layout .* train it again"),
+        ("svc", "its estimator svc was removed, .*: use ksvm-ovo, and train it again"),
+        ("knn", "its estimator knn was removed, .*: use ksvm-components, and train it again"),
     ],
 )
 def test_a_model_of_an_earlier_version_is_told_what_to_take(model, tmp_path, name, message):
@@ -169,5 +169,7 @@ def test_a_file_of_before_all_had_one_name_is_told_to_be_trained_anew(model, tmp
         tmp_path / "old.skops",
         lambda schema: schema.replace("rcskin.localization.", "localization."),
     )
-    with pytest.raises(InputError, match=r"old\.skops: a model of another layout .* train it anew"):
+    with pytest.raises(
+        InputError, match=r"old\.skops: a model of another layout .* train it again"
+    ):
         load(tmp_path / "old.skops")

@@ -48,7 +48,9 @@ def test_answers_above_the_threshold_are_right_at_the_rate_asked(overconfident):
     assert right[2000:][told].mean() > 0.87 > right.mean()
 
 
-@pytest.mark.parametrize(("certain", "message"), [(1.0, "between 0 and 1"), (0.99, "out of reach")])
+@pytest.mark.parametrize(
+    ("certain", "message"), [(1.0, "between 0 and 1"), (0.99, "cannot be reached")]
+)
 def test_a_rate_that_cannot_be_kept_is_refused(certain, message):
     with pytest.raises(InputError, match=message):
         threshold_of(np.linspace(0.5, 0.6, 10), np.arange(10) % 2 == 0, certain)

@@ -134,8 +134,8 @@ def test_every_estimator_is_asked_by_its_name():
     [
         ("mlp", "column", "one of ksvm-ovo, .* for `target` column, got 'mlp'"),
         ("ksvm-ovo", "position", "one of kernel-ridge, .*got 'ksvm-ovo'"),
-        ("knn", "column", "`estimator` knn is gone, .*: take ksvm-components$"),
-        ("gaussian-process", "position", "gaussian-process is gone, .*: take kernel-ridge$"),
+        ("knn", "column", "`estimator` knn was removed, .*: use ksvm-components$"),
+        ("gaussian-process", "position", "gaussian-process was removed, .*: use kernel-ridge$"),
         (None, "depth", "`target` must be one of column, row"),
     ],
 )

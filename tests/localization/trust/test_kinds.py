@@ -104,7 +104,7 @@ def test_the_guard_looks_at_what_it_is_told_to():
         np.repeat(random.normal(0, 50, (12, 3)), 50, 0),
     )
     X = np.hstack([change, curve])
-    guard = guarded(X, told=np.arange(3))
+    guard = guarded(X, columns=np.arange(3))
     assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
     assert (guard.predict(X[:50] + np.array([0, 0, 0, 99, 0, 0])) == 1).mean() > 0.9
 
