@@ -69,20 +69,22 @@ CLASSES = {
 
 def page() -> str:
     """The whole page, in Markdown."""
-    purposes = {name: _first(getattr(rcskin, name)) for name in EXAMPLES}
-    index = [f"| [`{name}`](#{name}) | {purpose} |" for name, purpose in purposes.items()]
+    index = [f"| [`{name}`](#{name}) | {_first(getattr(rcskin, name))} |" for name in EXAMPLES]
+    index += [
+        f"| [`{name}`](#class-{name.lower()}) | {_first(_class_of(name))} |" for name in CLASSES
+    ]
+    table = ["| name | purpose |", "| --- | --- |", *index, ""]
     functions = [line for name in EXAMPLES for line in _function(name)]
     classes = [line for name in CLASSES for line in _class(name)]
-    table = ["| function | purpose |", "| --- | --- |", *index, ""]
-    return "\n".join([HEAD, *table, *functions, "# Classes", "", *classes]).rstrip() + "\n"
+    return "\n".join([HEAD, *table, *functions, *classes]).rstrip() + "\n"
 
 
 def _function(name: str) -> Iterator[str]:
     """A heading, what the function does, its arguments, its errors and the example."""
     function = getattr(rcskin, name)
     signature = inspect.signature(function)
-    text, arguments, errors = parts(function)
-    yield from (f"## {name}", "", " ".join([_first(function), *text]), "")
+    text, arguments, errors = parts(function, list(signature.parameters))
+    yield from (f"## {name}", "", f"{_first(function)} {text}".strip(), "")
     yield from ("| argument | type | default | meaning |", "| --- | --- | --- | --- |")
     for each in signature.parameters.values():
         default = "must be given" if each.default is each.empty else f"`{each.default!r}`"
@@ -93,40 +95,39 @@ def _function(name: str) -> Iterator[str]:
 
 
 def _class(name: str) -> Iterator[str]:
-    """A heading, the docstring, and the first sentence of each explained member."""
-    module, members = CLASSES[name]
-    kind = getattr(import_module(f"rcskin.{module}"), name)
-    yield from (f"## {name}", "", *_paragraphs(kind))
+    """A heading, what the class is, and a line for each attribute and explained member."""
+    kind, members = _class_of(name), CLASSES[name][1]
+    text, attributes, _ = parts(kind, list(getattr(kind, "__annotations__", ())) or ["times"])
+    yield from (f"## Class {name}", "", f"{_first(kind)} {text}".strip(), "")
+    yield from (f"- `{each}`: {meaning}" for each, meaning in attributes.items())
     for each in members:
         member = getattr(kind, each)
         call = "" if isinstance(member, property) else "(...)"
-        yield f"- `{each}{call}`: {' '.join(inspect.getdoc(member).split())}"
-    yield ""
+        yield f"- `{each}{call}`: {' '.join((inspect.getdoc(member) or '').split())}"
+    yield from [""] if attributes or members else []
 
 
-def parts(function: Any) -> tuple[list[str], dict[str, str], list[str]]:
-    """Sentences of a docstring after its first line: general ones, by argument, and on errors."""
-    names = list(inspect.signature(function).parameters)
+def _class_of(name: str) -> type:
+    return getattr(import_module(f"rcskin.{CLASSES[name][0]}"), name)
+
+
+def parts(documented: Any, names: list[str]) -> tuple[str, dict[str, str], list[str]]:
+    """The text of a docstring after its first line: in general, by name, and on errors."""
     one = "|".join(names)
-    body = " ".join((inspect.getdoc(function) or "").split("\n", 1)[-1].split())
+    body = " ".join((inspect.getdoc(documented) or "").partition("\n")[2].split())
     general, *rest = re.split(rf"(?:^|(?<=\. ))(?=(?:(?:{one})(?:, (?:{one}))*: |Raises ))", body)
-    arguments, errors = {}, []
+    meanings, errors = {}, []
     for part in filter(None, rest):
         if part.startswith("Raises "):
             errors.append(part.strip())
             continue
         called, _, meaning = part.partition(": ")
-        arguments |= dict.fromkeys(called.split(", "), _sentence(meaning))
-    return [general.strip()] if general.strip() else [], arguments, errors
+        meanings |= dict.fromkeys(called.split(", "), _sentence(meaning))
+    return general.strip(), meanings, errors
 
 
 def _first(documented: Any) -> str:
-    return (inspect.getdoc(documented) or "").split("\n", 1)[0]
-
-
-def _paragraphs(documented: Any) -> list[str]:
-    text = inspect.getdoc(documented) or ""
-    return [line for each in text.split("\n\n") for line in (" ".join(each.split()), "")]
+    return (inspect.getdoc(documented) or "").partition("\n")[0]
 
 
 def _sentence(text: str) -> str:

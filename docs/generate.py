@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rcskin.docs import commands, rooms
+from rcskin.docs import api, commands, rooms
 from rcskin.simulator.scene.keys import listing
 
 HERE = Path(__file__).parent
@@ -18,6 +18,7 @@ def pages() -> dict[Path, str]:
     return {
         HERE / "reference" / "keys.md": listing.page(),
         HERE / "reference" / "commands.md": commands.page(),
+        HERE / "reference" / "api.md": api.page(),
         HERE / "explanation" / "rooms.md": rooms.page(),
     }
 

@@ -22,8 +22,9 @@ Figures = Mapping[str, tuple[float, float | None]]
 class Evaluation(Tabular):
     """Accuracy of a localizer on sweeps whose presses are known.
 
-    target: predicted target. validation: text on the scored sweeps. left_out: text on the sweeps
-    that were left out.
+    score: predictions and truth of each sweep. target: predicted target. figures: value of each
+    figure by name, and its spread over folds if there are any. validation: text on how the sweeps
+    were scored. left_out: text on the sweeps that were left out.
     """
 
     score: Score

@@ -31,8 +31,9 @@ Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
 class Study(Tabular):
     """Accuracy of localization at every value of one or two numbers of a scene.
 
-    findings: `execution.VARIABLES` over dimensions named by the keys. axes: keys and values that
-    varied. experiment: the scene, its frequencies, noise and presses, in one line.
+    findings: accuracy, separation of classes, and the band that separates neighbours best, over
+    dimensions named by the keys. axes: keys and values that varied. experiment: the scene, its
+    frequencies, noise and presses, in one line.
     """
 
     findings: xr.Dataset

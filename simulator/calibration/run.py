@@ -49,13 +49,13 @@ ROUNDED = 1e-6
 class Calibration(Tabular):
     """Result of a calibration.
 
-    values: all parameters, relative to the given scene as `Forward` counts them. intervals:
-    marginal 95 % intervals of all unknown parameters. identified: for each of them, True if the
-    data determine it, False if its prior does. not_fitted: unknown parameters that kept the scene's
-    values. scene: the calibrated scene. quantities: the fitted quantities in physical units.
-    noise: of the meter. unclear: combinations that the data do not identify, a line each. remarks:
-    notes on the fit. ideal: comparison with an ideal capacitance, where the exponent was fitted
-    below 1.
+    values: value of each parameter by name; of a factor on the given scene it is the logarithm.
+    intervals: marginal 95 % interval of each unknown parameter. identified: for each of them, True
+    if the data determine it, False if its prior does. quantities: the fitted quantities in physical
+    units. scene: the calibrated scene. not_fitted: unknown parameters that kept the scene's values.
+    noise: the meter's noise. unclear: combinations that the data do not identify, a line each.
+    remarks: notes on the fit. ideal: comparison with an ideal capacitance, if the exponent was
+    fitted below 1.
     """
 
     values: dict[str, float]

@@ -48,7 +48,7 @@ class Press:
 
     @property
     def plain(self) -> bool:
-        """Whether it is nothing but factors of pixels and rectangles, by rods."""
+        """True if all touches are factors of pixels and rectangles, by rods."""
         return not self.fingers and self.boxes
 
     @property
