@@ -80,8 +80,8 @@ def _note_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -
     unguarded = 0 if changes is None else len(changes) - with_known_baseline(changes).size
     if unguarded:
         say(
-            f"rcskin: note: {unguarded} sweeps have no baseline sweep before them, so two touches "
-            "may be taken for one; --rest adds baseline sweeps",
+            f"rcskin: note: without a baseline sweep before: {unguarded} sweeps, in which two "
+            "touches may be taken for one; --rest FILE gives one",
             err=True,
         )
 

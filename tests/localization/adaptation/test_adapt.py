@@ -118,7 +118,7 @@ def test_no_touch_judges_places_that_it_taught(placing, other):
 
 def test_places_told_by_the_simulator_are_not_moved(placing, other):
     inverting = replace(placing, estimator="model-adapted")
-    with pytest.raises(InputError, match="by model-adapted cannot be adapted: it knows the skin"):
+    with pytest.raises(InputError, match="by model-adapted cannot be adapted: calibrate its scene"):
         adapt_positions(inverting, placing.samples(_placed(other(1))))
 
 

@@ -74,7 +74,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
     code, out, _ = gap(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)
     assert code == 0
-    assert "simulated anew" in out and "free of noise" in out and "after calibration" in out
+    assert "simulated again" in out and "free of noise" in out and "after calibration" in out
 
 
 @pytest.mark.usefixtures("unpainted")
@@ -85,7 +85,7 @@ def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path,
     code, out, err = gap(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
     assert code == 0 and earth_alone(err), err
     assert "the model as it is" in out and "the model, adapted by k = 2" in out
-    assert "sweeps' columns the model tells" in out and "Trained on simulation" not in out
+    assert "Accuracy of the model on the twin sweeps" in out and "simulation alone" not in out
     found = json.loads((tmp_path / "gap" / "gap.json").read_text())
     by_model, own = found["accuracy"]["model"]["adapted"], load(model)
     assert found["features"] == {"model": ["Rs", "Cp"]}

@@ -92,7 +92,7 @@ def test_without_a_scene_nothing_is_calibrated_or_explained(make_skin_sweeps, ma
         findings.trial.reading_deviation is not None
         and "repeatability" in findings.trial.reading_deviation.source
     )
-    assert told(findings, "the scene is unknown; --scene names it")
+    assert told(findings, "the scene is unknown; give it with --scene")
 
 
 @pytest.mark.usefixtures("uncalibrated")
@@ -100,7 +100,7 @@ def test_sweeps_free_of_noise_are_read_before_they_train(make_skin_sweeps, make_
     findings = make_findings(make_skin_sweeps(noisy=False), make_skin_sweeps(seed=1))
     version = findings.trial.versions["before"]
     assert "readout" not in version.exact.attrs and "readout" in version.read.attrs
-    assert told(findings, "were free of noise")
+    assert told(findings, "have no noise: for training")
 
 
 @pytest.mark.usefixtures("uncalibrated")
@@ -129,7 +129,9 @@ def test_where_all_would_calibrate_nothing_is_left_to_test(make_skin_sweeps, mak
 @pytest.mark.usefixtures("uncalibrated")
 def test_one_class_alone_cannot_be_asked_for(make_skin_sweeps, make_findings):
     strip = make_skin_sweeps(rest=False)
-    with pytest.raises(InputError, match="`target` row: the simulated sweeps are of 1 class"):
+    with pytest.raises(
+        InputError, match="`target` row: the simulated sweeps must have 2 classes, got 1"
+    ):
         make_findings(strip, strip, target="row")
 
 

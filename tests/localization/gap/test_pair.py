@@ -55,7 +55,7 @@ def test_other_frequencies_are_simulated_anew(make_skin_sweeps):
     pair = pair_sweeps(make_skin_sweeps(), make_skin_sweeps(frequency=f), None, 0)
     np.testing.assert_array_equal(pair.simulated["frequency"], f)
     assert pair.noise_free
-    assert "simulated anew" in pair.notes[0]
+    assert "simulated again" in pair.notes[0]
     named = make_skin_sweeps().drop_attrs()
     scene = parse_scene(make_skin_sweeps().attrs["scene"], "named")
     assert pair_sweeps(named, make_skin_sweeps(frequency=f), scene, 0).scene == scene

@@ -164,7 +164,7 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
          "next is sheet with 30 %."),
         ((0.3, 0.001), "Foam explains a part of the gap: fitted alone, it removes 30 % of the "
          "misfit."),
-        ((0.01, 0.0), "No parameter alone explains the gap: foam, the first of them, removes 1 % "
+        ((0.01, 0.0), "No parameter alone explains the gap: foam, the best one, removes 1 % "
          "of the misfit."),
     ],
 )  # fmt: skip

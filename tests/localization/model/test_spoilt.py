@@ -159,6 +159,6 @@ def test_what_does_not_fit_is_told_where_the_digest_is_right(model, tmp_path):
     path = tmp_path / "model.skops"
     save(path, replace(model, learned=put(model.learned, place, array + 1)))
     with pytest.raises(
-        InputError, match=r"model\.skops: spoilt or made up: `pipeline\.classify` must"
+        InputError, match=r"model\.skops: damaged or forged: `pipeline\.classify` must"
     ):
         load(path)

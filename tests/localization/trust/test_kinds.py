@@ -79,7 +79,7 @@ def test_what_lies_off_the_training_is_novel_whatever_the_units():
     random = np.random.default_rng(1)
     flat = random.standard_normal((400, 2)) @ random.standard_normal((2, 12))
     X = (flat + 1e-3 * random.standard_normal(flat.shape)) * np.geomspace(1e-12, 1e6, 12)
-    guard = guarded(X[:300], alike=False)
+    guard = guarded(X[:300], equal_errors=False)
     assert (guard.predict(X[300:]) == 1).mean() > 0.97
     for feature in (2, 11):
         off = X[300:] * (1 + 0.3 * np.eye(12)[feature])
