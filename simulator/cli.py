@@ -153,11 +153,10 @@ def sweep(
     press: Annotated[
         list[str] | None,
         typer.Option(
-            help="ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR], "
-            "both around their centre X,Y, or poly(X1,Y1,X2,Y2,...)[:FACTOR], in m, a depth (2mm), "
-            "a force (5N) or 'touch' in place of FACTOR, behind it what touches (:finger, :rod, "
-            ":5.3pF), touches joined by '+', or 'none'; may be repeated. Without it: nothing "
-            "pressed, then every pixel."
+            help="ROW,COLUMN, rect(X,Y,WIDTH,HEIGHT), disc(X,Y,RADIUS) or poly(X1,Y1,X2,Y2,...), "
+            "in m, X,Y the centre; then :FACTOR, a depth (:2mm), a force (:5N) or :touch; then "
+            ":finger, :rod or a capacitance to earth (:5.3pF). '+' joins touches; 'none' is the "
+            "unpressed skin. May be repeated. Default: the unpressed skin, then every pixel."
         ),
     ] = None,
     rtol: Annotated[

@@ -65,7 +65,7 @@ class FrequencyDesign:
 
     def comparison(self, name: str) -> str:
         """Text of a set: its figure, and its ratio to the best."""
-        figure = f"{self.figure_text(name)}, {self.ratio(name):.3g} of the best"
+        figure = f"{self.figure_text(name)}, {self.ratio(name):.3g} times the best"
         return f"median error {figure} by the rms bound" if self.errors else figure
 
     def ratio(self, name: str) -> float:

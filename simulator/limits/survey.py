@@ -148,7 +148,13 @@ def with_finger(scene: Scene, text: str | None) -> Scene:
         return scene
     if text == FLOATING:
         return scene.with_({"press.finger": FLOATING})
-    (touch,) = parse_touches(f"1,1:1:{text}")
+    try:
+        (touch,) = parse_touches(f"1,1:1:{text}")
+    except InputError as error:
+        raise InputError(
+            "--finger must be finger, floating, rod or a capacitance from 0 to 1e-6 F such as "
+            f"5.3pF, got {text}"
+        ) from error
     return scene.with_({"press.finger": touch.finger or None})
 
 

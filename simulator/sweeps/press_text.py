@@ -12,17 +12,16 @@ from .schema import UNPRESSED
 from .units import PREFIXES, plain_number, suggestion
 
 SYNTAX = (
-    "ROW,COLUMN[:FACTOR], rect(X,Y,WIDTH,HEIGHT)[:FACTOR], disc(X,Y,RADIUS)[:FACTOR] or "
-    "poly(X1,Y1,X2,Y2,X3,Y3,...)[:FACTOR], a depth (2mm, 0.2cm, 0.002m), a force (5N) or 'touch' "
-    "in place of FACTOR, what touches behind it (:finger, :rod or its capacitance :5.3pF), touches "
-    "joined by '+', or 'none'"
+    "ROW,COLUMN, rect(X,Y,WIDTH,HEIGHT), disc(X,Y,RADIUS) or poly(X1,Y1,X2,Y2,X3,Y3,...); behind "
+    "it :FACTOR, a depth (:2mm), a force (:5N) or :touch; then :finger, :rod or a capacitance to "
+    "earth (:5.3pF); '+' joins touches; 'none' is the unpressed skin"
 )
 
 EARTHED: Literal["earthed"] = "earthed"
 FREE_TOUCH: Literal["touch"] = "touch"
 """A touch without pressure: by the scene's finger, or an earthed one if it has none."""
 WrittenFinger = float | Literal["earthed", "touch"]
-"""What touches: a capacitance to earth in F, or a named finger that has one."""
+"""Touching object: a capacitance to earth in F, or a named finger that has one."""
 
 MIN_FACTOR, MAX_FACTOR = 1e-6, 1e6
 """Limits of the capacitance factor, far beyond what foam can be lifted or pressed to."""
@@ -146,16 +145,16 @@ def _finger(given: str, text: str) -> WrittenFinger:
     match = FARAD.fullmatch(given)
     if match is None:
         raise InputError(
-            f"press {text!r}: what touches must be finger, rod or a capacitance such as 5.3pF, "
-            f"got {given}"
+            f"press {text!r}: the touching object must be finger, rod or a capacitance such as "
+            f"5.3pF, got {given}"
         )
     _number(match["number"], f"capacitance in {match['prefix']}F", text)
     power = PREFIXES.get(match["prefix"], 0)
     farad = float(Decimal(match["number"].strip()).scaleb(power))
     if not 0 <= farad <= MAX_FINGER:
         raise InputError(
-            f"press {text!r}: the capacitance of what touches must be from 0 to {MAX_FINGER:g} F, "
-            f"got {given}"
+            f"press {text!r}: the capacitance of the touching object must be from 0 to "
+            f"{MAX_FINGER:g} F, got {given}"
         )
     return farad
 

@@ -153,7 +153,7 @@ def test_line_and_sheet_agree_on_the_strip(run, tmp_path):
         (["sweep", "no-such-scene"], "no-such-scene: no such file, and no built-in scene"),
         (["sweep", "absent.toml"], "absent.toml: no such file"),
         (["sweep", "sheet-3x3", "--press", "4,1"], "row must be in 1..3 on sheet-3x3, got 4"),
-        (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN[:FACTOR]"),
+        (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN, rect("),
         (["sweep", "sheet-3x3", "--press", "1,1:-2"], "FACTOR must be finite and > 0, got -2"),
         (["sweep", "sheet-3x3", "--rtol", "0"], "--rtol must be from 1e-08 to 0.01, got 0"),
         (["sweep", "sheet-3x3", "--rtol", "nan"], "--rtol must be from 1e-08 to 0.01, got nan"),

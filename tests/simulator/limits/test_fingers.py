@@ -92,7 +92,7 @@ def test_fingers_are_given_as_in_texts_of_presses():
     [
         (ROD, "5pF", "needs the table [surroundings]"),
         (EARTH, "finger", "cover"),
-        (EARTH, "thumb", "what touches must be"),
+        (EARTH, "thumb", "--finger must be finger, floating, rod or"),
     ],
 )
 def test_an_impossible_finger_is_refused(scene, finger, told):

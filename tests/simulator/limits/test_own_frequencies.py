@@ -100,6 +100,6 @@ def test_limits_of_own_frequencies_are_written(run, written, shared, tmp_path):
 def test_frequencies_are_chosen_for_all_interfaces_or_for_one(run, written, shared):
     path = written(shared.with_(OWN))
     code, out, err = run("frequencies", path, "-n", "2", "--grid", "8")
-    assert code == 0 and len(out.split()) == 2 and "of the best" in err
+    assert code == 0 and len(out.split()) == 2 and "times the best" in err
     code, out, _ = run("frequencies", path, "-n", "2", "--grid", "8", "--interface", "bottom")
     assert code == 0 and min(map(float, out.split())) >= 1e4

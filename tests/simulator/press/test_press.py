@@ -162,11 +162,17 @@ def test_a_depth_has_no_factor():
         ("1,2:inf", "FACTOR must be finite and > 0, got inf"),
         ("1,2:two", "FACTOR must be finite and > 0, got two"),
         ("1,2+1,2:3", "a pixel is named twice"),
-        ("1,2:2:hand", "what touches must be finger, rod or a capacitance such as 5.3pF, got hand"),
-        ("1,2:2:3", "what touches must be finger, rod or a capacitance such as 5.3pF, got 3"),
+        (
+            "1,2:2:hand",
+            "the touching object must be finger, rod or a capacitance such as 5.3pF, got hand",
+        ),
+        (
+            "1,2:2:3",
+            "the touching object must be finger, rod or a capacitance such as 5.3pF, got 3",
+        ),
         ("1,2:2:finger:3", "must be ROW,COLUMN"),
-        ("1,2:-1pF", "the capacitance of what touches must be from 0 to 1e-06 F, got -1pF"),
-        ("1,2:5F", "the capacitance of what touches must be from 0 to 1e-06 F, got 5F"),
+        ("1,2:-1pF", "the capacitance of the touching object must be from 0 to 1e-06 F, got -1pF"),
+        ("1,2:5F", "the capacitance of the touching object must be from 0 to 1e-06 F, got 5F"),
         ("1,2:xpF", "capacitance in pF must be a finite number, got x"),
     ],
 )
