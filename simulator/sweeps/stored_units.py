@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 UNITS = {"frequency": "Hz", **{name: unit for name, (_, unit) in {**QUANTITIES, **ERRORS}.items()}}
-SPELLINGS = {"ohms": "ohm", "Ohm": "ohm", "Ω": "ohm", "hz": "Hz"}
-"""Other names of the units themselves."""
+OHM = re.compile(r"ohms?|Ω|Ω", re.IGNORECASE)
 
 
 def conventional(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
@@ -27,8 +27,10 @@ def conventional(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
     units is not installed.
     """
     for name, unit in UNITS.items():
-        given = str(sweeps[name].attrs.get("units", unit)) if name in sweeps.variables else unit
-        if SPELLINGS.get(given, given) != unit:
+        if name not in sweeps.variables:
+            continue
+        given = OHM.sub("ohm", str(sweeps[name].attrs.get("units", unit)))
+        if given != unit:
             values = sweeps[name].values * _factor(name, given, unit, path)
             if name == "frequency":
                 values = np.array([float(f"{each:.12g}") for each in values])

@@ -69,7 +69,8 @@ LABELS = {
     "interface": "interface",
     "session": "session",
     "repetition": "repetition rep repeat",
-    "status": "status stat err error errorcode statuscode errcode measstatus measurementstatus",
+    "status": "status stat err error errorcode statuscode errcode measstatus "
+    "measurementstatus overload overrange ovl",
 }
 WITHOUT_USUAL_UNIT = {"omega", "ω", "angularfrequency"}
 """Names of a frequency that need a unit, as every angle does."""

@@ -25,7 +25,7 @@ UNITS = {
     **dict.fromkeys(("G", "B", "admittance"), SIEMENS),
     **dict.fromkeys(("Cp", "Cs"), {"f": 1.0, "farad": 1.0}),
     **dict.fromkeys(("Lp", "Ls"), {"h": 1.0, "henry": 1.0}),
-    **dict.fromkeys(("D", "Q"), {}),
+    **dict.fromkeys(("D", "Q"), {"u": 1.0, "1": 1.0, "%": 0.01}),
 }
 """Spellings of units in lower case, and the factor to SI without a prefix."""
 USUAL = {
@@ -55,6 +55,8 @@ BOUND = re.compile(r"(?P<name>.+?)\s*(?:\(\s*(?P<a>[^()]*)\)|\[\s*(?P<b>[^\[\]]*
 LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
 TRACE = re.compile(r"(?:measured\s|(?:trace|channel|ch)\s*\d*\s*:?\s*(?=\S))", re.IGNORECASE)
 """Words before a name that say where a quantity was shown."""
+PART = re.compile(r"(?:impedance|admittance)\s*:\s*(?=(?:[rxcl][sp]|q|d|tan)\b)", re.IGNORECASE)
+"""The quantity before one of its parts."""
 SHOWN = re.compile(r"\s*-\s*data$", re.IGNORECASE)
 MAY_BE_FREQUENCY = re.compile(
     "|".join(name for name in NAMES["frequency"] if len(name) > 1 or not name.isascii())
@@ -87,7 +89,7 @@ def recognised(name: str, place: int = 0) -> Column | None:
     text = spelled(name)
     if _key(text) in LABEL_OF:
         return Column(name, LABEL_OF[_key(text)], place=place)
-    sign, text = _without_sign(SHOWN.sub("", TRACE.sub("", text, count=1)))
+    sign, text = _without_sign(SHOWN.sub("", PART.sub("", TRACE.sub("", text, count=1))))
     for stem, unit, marked in _splits(text):
         quantity = QUANTITY_OF.get(_key(stem))
         if quantity is None or (stem in AMBIGUOUS and not unit):

@@ -47,11 +47,9 @@ class NumberFormat:
 @functools.cache
 def _pattern(form: NumberFormat) -> re.Pattern[str]:
     decimal, thousands = re.escape(form.decimal), re.escape(form.thousands)
-    grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+|" if thousands else ""
-    exponent = "(?:[eEdD][+-]?[0-9]+)?"
-    return re.compile(
-        rf"[+-]?(?:(?:{grouped}\d+)(?:{decimal}\d*)?|{decimal}\d+){exponent}", re.ASCII
-    )
+    fraction, exponent = rf"(?:{decimal}\d*)?", "(?:[eEdD][+-]?[0-9]+)?"
+    grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+{fraction}|" if thousands else ""
+    return re.compile(rf"[+-]?(?:{grouped}(?:\d+{fraction}|{decimal}\d+){exponent})", re.ASCII)
 
 
 POINT, COMMA = NumberFormat(".", ""), NumberFormat(",", "")

@@ -36,6 +36,7 @@ class Scan:
     line of readings on. rows: number and cells. left_out: number and text of lines that are no
     readings. misfit: describes a line of numbers above them with other cells. foreign: number of
     a line that may name other columns. fresh: no reading stands below the header yet.
+    ended: text stands below readings.
     """
 
     line: int
@@ -51,6 +52,7 @@ class Scan:
     misfit: str = ""
     foreign: int = 0
     fresh: bool = True
+    ended: bool = False
 
 
 def recognised_all(names: list[str]) -> list[Column]:
@@ -194,7 +196,7 @@ def _add(path: Path, scan: Scan, number: int, text: str) -> bool:
     if not scan.rows:
         return _begin(path, scan, number, text)
     if is_comment(text, scan.separator):
-        return not scan.commented
+        return _is_reading_in_comment(scan, number, text) or not scan.commented
     try:
         cells = trimmed(line_cells(text, scan.separator), len(scan.names))
     except csv.Error as error:
@@ -213,6 +215,18 @@ def _add(path: Path, scan: Scan, number: int, text: str) -> bool:
     scan.rows.append((number, cells))
     scan.fresh = False
     return True
+
+
+def _is_reading_in_comment(scan: Scan, number: int, text: str) -> bool:
+    """Leaves out a comment that holds as many cells as a line of readings, with numbers."""
+    try:
+        cells = trimmed(line_cells(text, scan.separator), len(scan.names))
+    except csv.Error:
+        return False
+    found = len(cells) == len(scan.names) and _has_number(scan.columns, cells)
+    if found:
+        scan.left_out.append((number, text.strip()))
+    return found
 
 
 def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
@@ -308,13 +322,14 @@ def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
         return
     cells = trimmed(line_cells(text, scan.separator))
     first = next(filter(None, cells), "")
-    if number_like(first) and not scan.left_out and not scan.foreign:
+    if number_like(first) and not scan.ended:
         head = f"the header in line {scan.line}" if scan.line else "--columns"
         raise InputError(
             f"{path}: line {number}: has {len(cells)} cells where {head} has {len(scan.names)}"
         )
     if len(cells) == len(scan.names) and not scan.fresh:
         scan.foreign = number
+    scan.ended = True
     scan.left_out.append((number, text.strip()))
 
 

@@ -73,7 +73,9 @@ def _legacy(content: bytes) -> Iterator[str]:
 
 def is_comment(text: str, separator: str | None = None) -> bool:
     """True for a line that begins with a comment sign other than the separator."""
-    return text.lstrip().startswith(tuple(COMMENTS.replace(separator or "\n", "")))
+    bare = text.lstrip(" ")
+    signs = tuple(COMMENTS.replace(separator or "\n", ""))
+    return bare.startswith(signs) and not bare.upper().startswith("#N/A")
 
 
 def header_cells(text: str, separator: str) -> list[str]:

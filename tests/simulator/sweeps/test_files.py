@@ -244,7 +244,14 @@ def saved_again(sweeps, path, change):
 
 @pytest.mark.parametrize(
     ("name", "factor", "unit"),
-    [("Rs", 1e3, "kohm"), ("X", 1e-3, "mohm"), ("Cp", 1e-12, "pF"), ("frequency", 1e3, "kHz")],
+    [
+        ("Rs", 1e3, "kohm"),
+        ("Rs", 1e6, "MOhms"),
+        ("Rs", 1e3, "kΩ"),
+        ("X", 1e-3, "mohm"),
+        ("Cp", 1e-12, "pF"),
+        ("frequency", 1e3, "kHz"),
+    ],
 )
 def test_units_of_other_programs_are_converted(make_sweeps, tmp_path, name, factor, unit):
     def change(sweeps):

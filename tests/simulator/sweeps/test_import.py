@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
+from rcskin.simulator.sweeps.importing.columns import recognised
 from rcskin.simulator.sweeps.importing.labels import Defaults
 from rcskin.simulator.sweeps.imports import ImportOptions, import_file, import_files
 
@@ -314,6 +315,7 @@ def test_columns_may_be_named_by_hand(tmp_path):
         (["1'234'567", "-2.5"], (1234567, -2.5)),
         (["1 234", "-2.5E-03"], (1234, -2.5e-3)),
         (["0,123", "-1,234"], (0.123, -1.234)),
+        (["1,234E+02", "-1,234E+02"], (123.4, -123.4)),
         (["1.234", "-5.678"], (1.234, -5.678)),
     ],
 )
@@ -348,6 +350,48 @@ def test_codes_of_failed_readings(table, junk):
 def test_a_status_that_is_never_0_has_another_meaning(table):
     sweeps = table("f/Hz,R,X,Status", "1,1,-1,53", "2,1,-1,53", "3,1,-1,21")
     assert sweeps.sizes["frequency"] == 3 and "left_out" not in sweeps.attrs
+
+
+def test_a_reading_in_a_comment_is_left_out_and_named(table):
+    sweeps = table("f/Hz,R,X", "1,1,-1", "# 2,1,-1", "# a note, of 3, cells", "#N/A,1,-1", "3,1,-1")
+    assert sweeps["frequency"].values.tolist() == [1, 3]
+    assert sweeps.attrs["left_out"] == "line 3 (`# 2,1,-1`); line 5 (`f/Hz` is no reading)"
+
+
+NAMES = {
+    "D(U)-data": "D",
+    "|Y|(S)-data": "admittance",
+    "theta-y(deg)-data": "admittance phase",
+    "Trace 1: Impedance: Rs (\u03a9)": "Rs",
+    "Trace 2: Impedance: Imag (k\u03a9)": "X",
+    "Trace Cp (F)": "Cp",
+    "Impedance Phase Degrees (')": "phase",
+    "-Phase (\u00b0)": "phase",
+    "neg. Phase / \u00b0": "phase",
+    "Z(Phz) [deg]": "phase",
+    "tan(\u03b4)": "D",
+    "Frequency in kHz": "frequency",
+    "\u5468\u6ce2\u6570[Hz]": "frequency",
+    "\uff3a\uff3b\u03a9\uff3d": "magnitude",
+    "Zs'' [Ohms]": "X",
+    "Z''(b)": "X",
+    "Re(Y)/Ohm-1": "G",
+    "Meas. Status": "status",
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_many_instruments(name):
+    column = recognised(name)
+    assert column is not None and column.holds == NAMES[name] and not column.problem
+
+
+@pytest.mark.parametrize(
+    "name", ["y", "q", "b", "Rs_error", "Gain: Magnitude (dB)", "Log f", "Q/mAh"]
+)
+def test_names_of_other_columns(name):
+    column = recognised(name)
+    assert column is None or column.problem
 
 
 def test_text_ends_a_table_or_stands_within_it(table):

@@ -90,3 +90,68 @@ def test_failed_readings_are_left_out_and_named(name, note):
     assert sweeps.attrs["left_out"].startswith(note)
     with pytest.raises(InputError, match=r"line 6 .* no reading, as --strict asks"):
         import_file(path, options=ImportOptions(strict=True))
+
+
+F3, Z3 = [1e5, 1e4, 1e3], [110.1 - 7.2j, 115.8 - 71.9j, 463.3 - 439.5j]
+
+
+def lines(pattern, start=0):
+    """A line for each reading: f, z, phase p in degrees, Cs c, admittance y, number n."""
+    return [
+        pattern.format(
+            **{"f": f, "r": z.real, "x": z.imag, "m": -z.imag, "z": abs(z), "y": 1 / z, "n": n},
+            **{"p": np.degrees(np.angle(z)), "q": -np.degrees(np.angle(z))},
+            **{"c": -1 / (2 * np.pi * f * z.imag)},
+        )
+        for n, (f, z) in enumerate(zip(F3, Z3, strict=True), start)
+    ]
+
+
+PALMSENS = ["freq / Hz,neg. Phase / \u00b0,Idc / uA,Z / Ohm,Z' / Ohm,-Z'' / Ohm,Cs / F"]
+FORMS = {
+    "PalmSens": (
+        ["Date and time:,2025-01-01 00:00:00", "CH 1: Fixed at 3 freqs", *PALMSENS]
+        + lines("{f:E},{q:.6g},1,{z:.7g},{r:.7g},{m:.7g},{c:.6g}")
+        + ["CH 2: Fixed at 3 freqs", *PALMSENS]
+        + lines("{f:E},{q:.6g},1,{z:.7g},{r:.7g},{m:.7g},{c:.6g}"),
+        "utf-16",
+    ),
+    "Zahner": (
+        ["Thales", "", "  Number  Frequency/Hz  Impedance/Ohm  Phase/deg  Significance  Time/s", ""]
+        + lines("  {n}   {f:.6E}   {z:.8E}   {p:.7E}   9.9E-01   1.2E+01"),
+        "utf-8",
+    ),
+    "Nova": (
+        ["Index;Frequency (Hz);Z' (\u03a9);-Z'' (\u03a9);Z (\u03a9);-Phase (\u00b0);Time (s)"]
+        + [
+            line.replace(".", ",")
+            for line in lines("{n};{f};{r:.8g};{m:.8g};{z:.8g};{q:.8g};1.5", 1)
+        ],
+        "utf-8",
+    ),
+    "E4990A": (
+        ["!CSV A.01.01", "BEGIN CH1_DATA", "Frequency(Hz), G(S)-data, B(S)-data"]
+        + lines("{f}, {y.real:.9g}, {y.imag:.9g}")
+        + ["END"],
+        "utf-8",
+    ),
+    "IM3523": (
+        ["HIOKI", '"FREQ[Hz]","RS[ohm]","X[ohm]","STATUS"'] + lines("{f:.4E},{r:.6E},{x:.6E},0"),
+        "utf-8",
+    ),
+    "Solartron": (
+        ["Frequency (Hz)\tZ'\tZ''\t|Z|\ttheta"] + lines("{f}\t{r:.7g}\t{x:.7g}\t{z:.7g}\t{p:.4g}"),
+        "utf-8",
+    ),
+    "4192A": (["Frequency /Hz, Z_r, Z_im, remark"] + lines("{f}\t{r:.7g}\t{x:.7g}\tx"), "utf-8"),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_tables_in_the_form_of_instruments(tmp_path, name):
+    text, encoding = FORMS[name]
+    (tmp_path / "file.txt").write_text("\n".join(text), encoding=encoding)
+    sweeps = import_file(tmp_path / "file.txt")
+    assert sweeps["frequency"].values.tolist() == F3[::-1]
+    for each in impedance(sweeps)[:, 0]:
+        np.testing.assert_allclose(each, Z3[::-1], rtol=1e-6)
