@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 ENDING = ".html"
 DASHES = ("solid", "dash", "dot", "dashdot", "longdashdot")
-"""Of the recordings, like `charts.LINE_STYLES`."""
+"""Line styles of the recordings on the page, one after the other."""
 PANEL_HEIGHT = 380
 
 

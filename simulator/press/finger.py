@@ -26,9 +26,10 @@ SAMPLES_PER_SIDE = 256
 
 
 def finger_of(place: Place, written: WrittenFinger | None, scene: Scene | None) -> float:
-    """Capacitance to earth in F of whatever touches a place, from its text, or else from the scene.
+    """Capacitance to earth of the touching object at a place, F.
 
-    Raises InputError if it follows from no scene, or the scene has no earth or no cover.
+    It is the one in the text of the touch, else that of the scene. Raises InputError if the text
+    needs a scene and there is none, or if the scene has no earth or no cover.
     """
     given = scene.press.finger if scene else None
     how = given if written is None else (given or EARTHED) if written == FREE_TOUCH else written

@@ -90,7 +90,7 @@ class Press:
 
 
 def require_plain(press: Press) -> None:
-    """Raises InputError unless the press is plain."""
+    """Raise InputError unless all touches are factors of pixels and rectangles, by rods."""
     if not press.plain:
         raise InputError(
             f"press {press}: must be capacitance factors of pixels or rect here, "

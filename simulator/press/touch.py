@@ -73,7 +73,7 @@ class Rectangle(Placed):
 
     @property
     def box(self) -> Box:
-        """Its own box."""
+        """The rectangle itself."""
         x, y, half_width, half_height = self.x, self.y, self.width / 2, self.height / 2
         return Box(x - half_width, x + half_width, y - half_height, y + half_height)
 
@@ -94,7 +94,7 @@ class Disc(Placed):
 
     @property
     def box(self) -> Box:
-        """Rectangle around it."""
+        """Rectangle around the disc."""
         x, y, radius = self.x, self.y, self.radius
         return Box(x - radius, x + radius, y - radius, y + radius)
 
@@ -113,7 +113,7 @@ class Polygon(Placed):
 
     @property
     def box(self) -> Box:
-        """Rectangle around it."""
+        """Rectangle around the polygon."""
         x, y = zip(*self.points, strict=True)
         return Box(min(x), max(x), min(y), max(y))
 

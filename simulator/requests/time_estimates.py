@@ -12,7 +12,7 @@ from .console import note
 Item = TypeVar("Item")
 
 MIN_NOTED_SECONDS = 60.0
-"""Work that takes at least so many seconds is announced."""
+"""Shortest duration of work that is announced, s."""
 
 
 def note_if_long(name: str, seconds: float, work: str) -> None:
