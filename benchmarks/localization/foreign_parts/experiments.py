@@ -58,7 +58,6 @@ COLUMN_WAYS = (
 PIXEL_WAYS = (
     Way("gaussian, as it was", WAS, "gaussian", ALL_FEATURES),
     Way("gaussian, with terms", TERMS, "gaussian", ALL_FEATURES),
-    Way("SVM by the curve, with terms", TERMS, quantities=WHOLE),
 )
 POSITION_WAYS = (
     Way("network, as it was", WAS, "network", WHOLE),
@@ -85,7 +84,7 @@ def pixels(quick: bool, searches: Path) -> Experiment:
     trial = replace(_designed("pixel", quick, searches), goal=PIXELS_GOAL)
     title = "Pixels found on {skins} skins that another model made, as designed, % (answered)"
     found = Experiment("foreign_twin_pixels", title, trial, _cases(PIXEL_WAYS, ALL), MORE_SWEEPS)
-    return _quick(found, PIXEL_WAYS[:2]) if quick else found
+    return _quick(found, PIXEL_WAYS) if quick else found
 
 
 def positions(quick: bool, searches: Path) -> Experiment:
