@@ -36,8 +36,8 @@ def answer(found: SearchResult, settings: SearchSettings) -> str:
     request, best = settings.request, found.best
     scale = scale_of(found.evaluator.scene, request)
     text = (
-        f"{scale.of} {scale.text(best.tenth)} {scale.unit} on nine of ten samples "
-        f"(scene before: {scale.text(found.before.tenth)} {scale.unit}), "
+        f"{scale.of}: {scale.text(best.tenth)} {scale.unit} on nine of ten samples "
+        f"(given scene: {scale.text(found.before.tenth)} {scale.unit}), with "
         f"{counted(len(best.layout.readings), 'reading')} of "
         f"{counted(len(found.evaluator.wired), 'wire')}"
     )
