@@ -34,7 +34,7 @@ def test_lawful_sweeps_end_with_code_0(run, two_sweeps, ending):
     assert "0 of 2 spectra break a law" in out
 
 
-def test_a_clock_that_went_back_is_told_in_each_session_alone(run, two_sweeps):
+def test_a_clock_that_went_back_is_reported_for_each_session(run, two_sweeps):
     path = two_sweeps(2)
     sweeps = read(path).assign_coords(time=("sweep", [1e9, 1e9 - 60]))
     write(sweeps, path)
@@ -46,14 +46,14 @@ def test_a_clock_that_went_back_is_told_in_each_session_alone(run, two_sweeps):
     assert run("check", again)[2] == ""
 
 
-def test_a_broken_law_ends_with_code_1_and_is_told_with_sweep_and_frequencies(run, two_sweeps):
+def test_a_broken_law_ends_with_code_1_and_names_sweep_and_frequencies(run, two_sweeps):
     code, out, err = run("check", two_sweeps(-1))
     assert (code, err) == (1, "")
     assert "sweep 1, interface meter: Re Z >= 0 is broken at 12 frequencies" in out
     assert "1 of 2 spectra break a law" in out
 
 
-def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, make_scene, tmp_path):
+def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scene, tmp_path):
     """A finger on a line makes Rs rise with frequency: some of the current goes to earth."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist(), top=5e5, bottom=5e5)
     scene = line.with_({"surroundings": {}})
@@ -71,7 +71,7 @@ def test_laws_of_passive_networks_do_not_bind_what_a_virtual_earth_reads(run, ma
         assert "a body or a finger that takes current to earth also breaks these laws" in out
 
 
-def test_foam_that_creeps_while_it_is_read_is_said_to_creep(run, make_scene, tmp_path):
+def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     """More and more pressed from one frequency to the next, so that Cp rises."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist())
     relaxation = [{"share": 0.3, "time_constant": 1.0}]
@@ -89,7 +89,7 @@ def test_foam_that_creeps_while_it_is_read_is_said_to_creep(run, make_scene, tmp
     assert "foam creeps during a sweep" in err
 
 
-def test_the_chart_is_written_where_it_is_asked_for(run, two_sweeps, tmp_path):
+def test_the_chart_is_written_to_the_given_path(run, two_sweeps, tmp_path):
     for ending, begins in ((".png", b"\x89PNG"), (".svg", b"<?xml")):
         chart = tmp_path / f"chart{ending}"
         assert run("check", two_sweeps(2), "-o", chart)[0] == 0

@@ -49,7 +49,7 @@ def test_what_cannot_be_drawn_is_one_line(refused, file, words, told):
     assert told in refused("plot", file, *words)
 
 
-def test_changes_without_rest_are_refused(refused, make_sweeps, tmp_path):
+def test_changes_without_a_baseline_are_refused(refused, make_sweeps, tmp_path):
     pressed = make_sweeps(2, press=["1,1", "1,2"], row=[1, 1], column=[1, 2])
     write(pressed, tmp_path / "run.nc")
     output = tmp_path / "out.png"
@@ -59,7 +59,7 @@ def test_changes_without_rest_are_refused(refused, make_sweeps, tmp_path):
     assert not output.exists()
 
 
-def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
+def test_changes_are_from_the_mean_baseline_of_their_session(make_sweeps):
     press = ["none", "1,1", "none", "none", "1,1"]
     sweeps = make_sweeps(
         5, press=press, row=[0, 1, 0, 0, 1], column=[0, 1, 0, 0, 1], session=[0, 0, 0, 1, 1]
@@ -68,7 +68,7 @@ def test_changes_are_from_the_mean_at_rest_of_their_session(make_sweeps):
     assert _baseline(values, sweeps)[:, 0].tolist() == [1.0, 1.0, 1.0, 3.0, 3.0]
 
 
-def test_many_presses_are_told_by_their_column(make_sweeps):
+def test_many_presses_are_coloured_by_column(make_sweeps):
     press = ["none", "rect(0.01,0.02,0.005,0.005):2", "1,1+2,2:1.5"]
     press += [f"{row},{column}" for row in range(1, 5) for column in range(1, 5)]
     column = [0, 0, 0] + [column for _ in range(4) for column in range(1, 5)]
@@ -121,7 +121,7 @@ def two_files(make_sweeps, tmp_path):
     return [tmp_path / name for name in kinds]
 
 
-def test_measured_and_simulated_are_told_apart_in_the_legend(run, two_files, tmp_path):
+def test_the_legend_distinguishes_measured_and_simulated_sweeps(run, two_files, tmp_path):
     assert run("plot", *two_files, "-o", tmp_path / "out.svg")[0] == 0
     text = (tmp_path / "out.svg").read_text()
     assert "all.nc (simulated)" in text and "run.nc (measured)" in text
@@ -138,7 +138,7 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
         assert text.count(f'"name":"{name}"') == 2 * len(QUANTITIES)
 
 
-def test_a_page_without_plotly_is_told_in_one_line(refused, file, tmp_path, monkeypatch):
+def test_a_page_without_plotly_is_refused_in_one_line(refused, file, tmp_path, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.sweeps.optional_packages.find_spec", lambda name: None)
     assert "needs plotly: pip install 'rcskin[view]'" in refused(
         "plot", file, "-o", tmp_path / "page.html"
@@ -155,7 +155,7 @@ def test_every_file_of_sweeps_is_drawn(run, make_sweeps, tmp_path, ending):
     assert (code, err) == (0, "") and out.startswith("3 sweeps x 2 interfaces")
 
 
-def test_of_very_many_sweeps_some_are_drawn_and_that_is_told(run, make_sweeps, tmp_path):
+def test_of_very_many_sweeps_some_are_drawn_with_a_note(run, make_sweeps, tmp_path):
     path, many = tmp_path / "many.nc", MAX_DRAWN + 1
     labels = {"press": ["1,1"] * many, "row": [1] * many, "column": [1] * many}
     write(make_sweeps(many, ["left"], **labels), path)

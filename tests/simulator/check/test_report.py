@@ -44,7 +44,7 @@ def laws(judgements):
     return [{each.law for each in judgement.broken} for judgement in judgements]
 
 
-def test_each_interface_is_judged_at_the_frequencies_that_it_was_read_at(make_sweeps):
+def test_each_interface_is_checked_at_its_own_frequencies(make_sweeps):
     Z = np.stack([noisy(line(np.full(4, 1e-5)), 1), noisy(line(np.full(4, 2e-5)), 2)], axis=1)
     taken = np.ones((2, FREQUENCY.size), dtype=bool)
     taken[1, ::3] = False
@@ -67,13 +67,13 @@ def test_noise_alone_breaks_no_law(judge, seed, noise):
     assert laws(judge(noisy(line(spread), seed, noise))) == [set()] * 6
 
 
-def test_noise_is_told_from_the_residuals(judge):
+def test_noise_is_estimated_from_the_residuals(judge):
     judged = judge(noisy(line(np.geomspace(1e-6, 1e-5, 10)), 1))
     assert judged[0].noise_from == "fit"
     assert np.median(judged[0].noise) == pytest.approx(NOISE, rel=0.2)
 
 
-def test_noise_is_told_from_repeats_of_presses_of_unequal_strength(judge):
+def test_noise_is_estimated_from_repeats_of_presses_of_unequal_strength(judge):
     Z = noisy(line(1e-5 * (1 + 0.02 * np.arange(10))), 1)
     judged = judge(Z, press=["1,1"] * 10)
     assert judged[0].noise_from == "repeats"
@@ -97,7 +97,7 @@ def test_a_spectrum_without_noise_has_that_of_the_fit(judge):
 
 
 @given(place=st.integers(0, 19), sweep=st.integers(0, 4), factor=st.sampled_from([0.97, 1 + 0.03j]))
-def test_one_bad_reading_is_flagged_where_it_stands(judge, place, sweep, factor):
+def test_one_bad_reading_is_flagged_at_its_frequency(judge, place, sweep, factor):
     Z = noisy(line(np.geomspace(1e-6, 1e-5, 5)), 3, 2e-4)
     Z[sweep, place] *= factor
     judged = judge(Z)
@@ -130,7 +130,7 @@ def test_a_misfit_beyond_the_tolerance_is_flagged_however_smooth(judge):
     assert KRAMERS_KRONIG in {each.law for each in judged.broken}
 
 
-def test_inductive_readings_are_set_aside_and_the_rest_is_judged_behind_them(judge):
+def test_inductive_readings_are_excluded_and_the_others_are_checked_behind_the_inductance(judge):
     Z = noisy(50 + 1 / (S * 1e-6) + S * 5e-6, 1)
     (judged,) = judge(Z)
     (found,) = judged.broken
@@ -156,12 +156,12 @@ def test_a_sign_that_noise_may_have_turned_is_no_inductance(judge):
         ({}, "noise cannot be estimated from 3 frequencies: at least 6 are needed"),
     ],
 )
-def test_what_cannot_be_judged_is_told(make_sweeps, arguments, told):
+def test_sweeps_that_cannot_be_checked_are_refused(make_sweeps, arguments, told):
     with pytest.raises(InputError, match=told):
         examine(make_sweeps(), **arguments)
 
 
-def test_few_frequencies_are_judged_by_a_given_noise(make_sweeps):
+def test_few_frequencies_are_checked_with_a_given_noise(make_sweeps):
     f = np.array([1e3, 2e3, 4e3])
     Z = np.broadcast_to(50 + 1 / (2j * np.pi * f * 1e-6), (2, 2, 3)).copy()
     Z[1, 1] = Z[1, 1].conj()
@@ -215,7 +215,7 @@ def test_a_folder_holds_the_chart_every_verdict_and_every_residual(judge, tmp_pa
     assert "Im Z <= 0" in verdicts[2]
 
 
-def test_where_no_report_can_be_written_is_told_first(tmp_path):
+def test_an_unwritable_report_is_refused_first(tmp_path):
     (tmp_path / "taken").write_text("")
     for name, told in [
         ("report.html", r"must end in \.png, \.svg, \.pdf or be a folder"),
@@ -246,7 +246,7 @@ def test_the_law_of_Kramers_and_Kronig_is_broken_where_residuals_are_beyond_what
         assert bool(told) or judged.spectrum.misfit <= 0.02
 
 
-def test_tables_say_of_each_reading_which_laws_it_breaks(judge, tmp_path):
+def test_tables_name_the_broken_laws_of_each_reading(judge, tmp_path):
     Z = line()
     Z[4] *= 1.5
     judged = judge(noisy(Z, 1))

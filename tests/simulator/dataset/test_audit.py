@@ -62,14 +62,14 @@ def test_presses_beyond_the_tolerance_are_solved_in_full(presses, bound):
     assert found == Audit(sample=500, fallbacks=double.sum(), bound=3e-5)
 
 
-def test_what_is_not_a_number_is_solved_in_full_or_fails_loudly(presses):
+def test_a_value_that_is_not_finite_is_solved_in_full_or_fails(presses):
     Z, found = audit(Skin({0: 0.0, 1: 0.0, 2: 0.0}, Z=np.nan), presses)
     assert (Z == 2).all() and found.fallbacks == 500
     with pytest.raises(ToleranceError, match="no finite impedance"):
         audit(Skin({0: 0.0, 1: 0.0, 2: 0.0}, Z=np.nan, exact=np.nan), presses)
 
 
-def test_a_data_set_says_how_much_of_it_was_solved_in_full(make, toy):
+def test_a_data_set_states_how_many_sweeps_were_solved_in_full(make, toy):
     plan = toy.small_plan(400)
     sweeps = open_zarr(make("out", plan, doubtful=1))
     family = toy.ToyFamily(plan.scene, doubtful=1)

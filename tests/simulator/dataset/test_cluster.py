@@ -56,7 +56,7 @@ def test_what_a_lost_worker_had_begun_to_write_is_no_part_of_it(make, toy, tmp_p
     assert toy.bytes_of(output) == toy.bytes_of(make("alone"))
 
 
-def test_a_scheduler_that_is_not_there_is_told(toy, tmp_path, monkeypatch):
+def test_a_missing_scheduler_is_refused(toy, tmp_path, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.dataset.workers.SECONDS_TO_CONNECT", 0.3)
     with pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:1: cannot be reached"):
         generate(

@@ -100,7 +100,7 @@ def test_cells_creep_as_the_touches_that_they_are_of():
         ),
     ],
 )
-def test_what_data_sets_do_not_take_is_said_in_one_line(changes, told):
+def test_unsupported_scenes_are_refused_in_one_line(changes, told):
     scene = load_scene("strip-1x5").with_(changes)
     with pytest.raises(InputError) as refused:
         Plan(foldable(scene, "a data set", creeps=True), 12, 3, 1e-4)

@@ -61,9 +61,7 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
         np.testing.assert_allclose(sweeps["Cp"][k], Cp, rtol=1e-4)
 
 
-def test_what_was_certified_is_told_beside_the_sessions_that_it_was_drawn_from(
-    run, scene_file, tmp_path
-):
+def test_the_audit_states_its_sample_and_sweeps(run, scene_file, tmp_path):
     code, out, _ = run("dataset", scene_file, "--sweeps", 10, "-o", tmp_path / "few.zarr")
     assert code == 0 and "certified 20 of the 20 sweeps of whole sessions" in out
     assert (
@@ -135,7 +133,7 @@ def test_workers_make_the_same_data_set_on_windows(scene_file, tmp_path):
     assert {path.suffix for path in tmp_path.iterdir()} == {".toml", ".zarr"}
 
 
-def test_export_writes_what_its_ending_says(run, make_sweeps, tmp_path):
+def test_export_writes_the_format_of_its_ending(run, make_sweeps, tmp_path):
     write(make_sweeps(), tmp_path / "data.zarr")
     code, out, err = run("export", tmp_path / "data.zarr", "-o", tmp_path / "out.nc")
     told = f"2 sweeps x 2 interfaces x 3 frequencies -> {tmp_path / 'out.nc'}\n"

@@ -23,7 +23,7 @@ CHANCES = (np.arange(100_000) + 0.5) / 100_000
         ),
     ],
 )
-def test_draws_have_the_mean_and_the_deviation_told(drawn, mean, deviation):
+def test_draws_have_the_given_mean_and_deviation(drawn, mean, deviation):
     values = drawn.at(CHANCES)
     assert np.mean(values) == pytest.approx(mean, rel=1e-4)
     assert np.std(values) == pytest.approx(deviation, rel=1e-3, abs=1e-12)
@@ -47,7 +47,7 @@ def test_draws_rise_with_the_chance_from_low_to_high(drawn):
     assert drawn.low <= values.min() and values.max() <= drawn.high
 
 
-def test_a_plain_number_is_fixed_and_scenes_are_written_and_read_back():
+def test_a_number_is_a_fixed_distribution_and_scenes_are_read_back():
     scene = parse_scene(
         TEXT
         + "[dataset.session]\ncapacitance = 1.1\n"
@@ -99,7 +99,7 @@ def test_a_plain_number_is_fixed_and_scenes_are_written_and_read_back():
         ),
     ],
 )
-def test_tables_that_make_no_sense_are_told_in_one_line(table, told):
+def test_invalid_tables_are_refused_in_one_line(table, told):
     with pytest.raises(InputError, match=told) as caught:
         parse_scene(f"{TEXT}[dataset.{table}\n", "text")
     assert "\n" not in str(caught.value)

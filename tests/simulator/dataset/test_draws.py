@@ -47,7 +47,7 @@ def test_streams_differ_by_seed_session_and_purpose_only():
     assert stream(1, 0, SKIN).random() == draws[0]
 
 
-def test_presses_on_pixels_are_what_their_texts_say():
+def test_presses_on_pixels_equal_their_texts():
     presses = drawn_presses(SCENE, stream(1, 0, PRESSES), 300, GRID)
     rest = SCENE.skin.foam.unpressed_capacitance_per_area
     for k, (text, cells) in enumerate(zip(presses.text, maps(presses, GRID), strict=True)):
@@ -70,7 +70,7 @@ def test_presses_on_pixels_are_what_their_texts_say():
             assert factor == touch.factor
 
 
-def test_touches_come_as_often_as_told_and_everywhere_alike():
+def test_touches_have_the_given_probabilities_uniformly():
     presses = drawn_presses(with_press(touches=(0.2, 0.5, 0.3)), stream(3, 0, 0), 20_000, (3, 3))
     shares = np.bincount(presses.touches) / 20_000
     np.testing.assert_allclose(shares, [0.2, 0.5, 0.3], atol=0.015)
@@ -90,7 +90,7 @@ def test_without_a_chance_there_is_never_a_touch_and_two_fit_on_two_pixels():
     )
 
 
-def test_touches_anywhere_lie_on_the_skin_and_cover_what_the_foam_says():
+def test_touches_anywhere_are_on_the_skin_and_match_the_foam():
     scene = with_press(place="anywhere", size=Uniform(low=0.01, high=0.03))
     presses = drawn_presses(scene, stream(1, 0, PRESSES), 60, (12, 12))
     kinds = " ".join(presses.text)
@@ -118,7 +118,7 @@ def skins(scene, count=400, modes=4):
     return [drawn_skin(scene, 5, session, (3, 3), modes) for session in range(count)]
 
 
-def test_skins_vary_as_much_as_told():
+def test_skins_vary_by_the_given_spread():
     drawn = skins(
         with_session(sheet_resistance=1.0, foam_spread=0.05).model_validate(
             with_session(foam_spread=0.05).model_dump(by_alias=True)
@@ -134,7 +134,7 @@ def test_skins_vary_as_much_as_told():
     assert (c / c.mean(axis=(1, 2), keepdims=True)).std() == pytest.approx(0.05, rel=0.1)
 
 
-def test_no_skin_leaves_the_range_told():
+def test_no_skin_leaves_the_given_range():
     scene = with_session(foam_pattern="smooth")
     session = scene.dataset.session
     for skin in skins(scene, 100):
@@ -155,7 +155,7 @@ def test_fewer_modes_are_the_first_of_the_same_draw():
         np.testing.assert_array_equal(more.variation.capacitance, fewer.variation.capacitance)
 
 
-def test_rests_are_promised_as_a_lab_takes_them_and_other_presses_stay_as_they_were():
+def test_baseline_sweeps_are_scheduled_and_other_presses_are_unchanged():
     scene = load_scene("sheet-3x3")
     session = scene.dataset.session.model_copy(update={"rest_every": 4})
     often = scene.model_copy(

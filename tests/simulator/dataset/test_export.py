@@ -53,7 +53,7 @@ def test_sweeps_of_other_origin_are_exported_too(make_sweeps, tmp_path):
     assert list(pd.read_parquet(tmp_path / "out.parquet")["press"]) == ["none", "1,1:2.0"]
 
 
-def test_what_cannot_be_exported_is_told(data, tmp_path):
+def test_unsupported_exports_are_refused(data, tmp_path):
     with pytest.raises(InputError, match=r"must end in \.nc or \.csv or \.parquet, got '\.txt'"):
         export(data, tmp_path / "out.txt")
     with pytest.raises(InputError, match=r"absent\.zarr: no such file"):

@@ -28,7 +28,7 @@ def drawn(scene, count=60, grid=(6, 6)):
 
 
 @pytest.mark.parametrize("place", [{}, ANYWHERE])
-def test_fingers_are_what_texts_say_and_lie_where_the_touches_do(place):
+def test_fingers_equal_their_texts_and_have_the_places_of_their_touches(place):
     presses = drawn(FINGERS.with_(place))
     foam = parts_of(FINGERS, (6, 6)).foam
     for k, text in enumerate(presses.text):
@@ -82,7 +82,7 @@ def test_some_touches_do_not_press():
     assert text == "none" or ":1.0:" in text
 
 
-def test_the_finger_of_the_scene_serves_where_none_is_drawn():
+def test_the_finger_of_the_scene_is_the_default():
     scene = EARTH.with_({"press.finger": "floating"})
     presses, one = drawn(scene), Touch(1, 1, 1.0)
     own = finger_capacitance(EARTH.with_({"surroundings.body": None}), one, "floating")
@@ -155,7 +155,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_what_is_not_there_is_not_drawn(name):
+def test_draws_of_missing_parts_are_refused(name):
     scene, changes, told = WRONG[name]
     with pytest.raises(InputError) as error:
         Plan(scene.with_(changes), 10, 1, 1e-3)

@@ -46,7 +46,7 @@ def test_seeds_give_other_sweeps(make, toy):
     assert not np.isclose(first["Rs"], second["Rs"], rtol=1e-6).any()
 
 
-def test_it_is_sweeps_with_their_scene_and_what_was_drawn(make, toy):
+def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
     plan = toy.small_plan(95)
     path = make("out", plan)
     sweeps = xr.open_zarr(path)
@@ -84,7 +84,7 @@ def test_more_digits_than_single_precision_keeps_are_stored_in_double(make, toy)
     np.testing.assert_array_equal(sweeps["Rs"], displayed(sweeps["Rs"].values, 9))
 
 
-def test_the_meter_errs_as_the_scene_tells(make, toy):
+def test_the_meters_errors_are_those_of_the_scene(make, toy):
     noise = Readout(magnitude_accuracy=0.01, magnitude_noise=0.003, phase_noise=0.002)
     plain = toy.small_plan(2000, **NOTHING)
     exact, noisy = (
@@ -107,7 +107,7 @@ def test_finishing_twice_changes_nothing(make, toy):
     assert toy.bytes_of(path) == before
 
 
-def test_it_is_read_in_chunks_where_asked(make, toy):
+def test_a_data_set_is_read_in_chunks_on_request(make, toy):
     path = make("out", toy.small_plan(40))
     lazy, loaded = open_zarr(path), read(path)
     assert lazy["Rs"].chunks is not None and loaded["Rs"].chunks is None

@@ -66,7 +66,7 @@ def assert_solved(sweeps, scene, rtol=RTOL):
 
 
 @pytest.mark.parametrize("contact_resistance", [0.0, 200.0])
-def test_what_is_drawn_changes_the_skin_as_the_scene_would(tmp_path, contact_resistance):
+def test_a_draw_changes_the_skin_like_the_scene(tmp_path, contact_resistance):
     generate(
         Plan(scene_of(contact_resistance=contact_resistance), 12, 1, RTOL), tmp_path / "o.zarr"
     )
@@ -76,7 +76,7 @@ def test_what_is_drawn_changes_the_skin_as_the_scene_would(tmp_path, contact_res
     assert_solved(sweeps, scene)
 
 
-def test_a_family_is_trained_on_touches_also_where_sessions_begin_at_rest(tmp_path):
+def test_a_family_is_trained_on_touches_although_sessions_start_unpressed(tmp_path):
     scene = scene_of()
     session = scene.dataset.session.model_copy(update={"rest_every": 2})
     drawn = scene.dataset.model_copy(update={"session": session})
@@ -100,7 +100,7 @@ def test_presses_outside_the_trained_range_are_solved_in_full(tmp_path, factor):
     assert_solved(sweeps, scene_of(**expected_skin()))
 
 
-def test_touches_anywhere_are_as_near_as_their_cells_are_told_to_be(tmp_path):
+def test_touches_anywhere_are_within_the_stated_error_of_cells(tmp_path):
     scene = scene_of()
     press = scene.dataset.press.model_copy(update={"place": "anywhere", "cells_per_pixel": 3})
     dataset = scene.dataset.model_copy(update={"press": press})
@@ -111,6 +111,6 @@ def test_touches_anywhere_are_as_near_as_their_cells_are_told_to_be(tmp_path):
     assert_solved(sweeps, scene_of(**expected_skin()), 2 * sweeps.attrs["cells_error"] + 1e-3)
 
 
-def test_fixed_values_are_what_every_session_draws():
+def test_every_session_draws_the_fixed_values():
     session = scene_of().dataset.session
     assert session.capacitance == Fixed(value=1.1)

@@ -107,7 +107,7 @@ def test_a_whole_data_set_is_left_alone(make, toy):
     assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns == before
 
 
-def test_what_is_no_data_set_is_never_replaced(make, toy, tmp_path):
+def test_other_files_are_never_replaced(make, toy, tmp_path):
     (tmp_path / "out.zarr").mkdir()
     (tmp_path / "out.zarr" / "kept.txt").write_text("mine")
     with pytest.raises(InputError, match="was not made by rcskin"):
@@ -125,7 +125,7 @@ def test_a_store_that_was_not_yet_made_is_made(make, toy, tmp_path, lost):
     assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
 
 
-def test_what_is_left_of_half_a_write_does_not_stay(make, toy, tmp_path):
+def test_remains_of_interrupted_writes_are_removed(make, toy, tmp_path):
     plan = toy.small_plan(100, block=2)
     interrupted(toy, tmp_path / "out.zarr", plan)
     chunks = tmp_path / ".out.zarr.unfinished" / "data.zarr" / "Rs" / "c" / "3" / "0"
@@ -152,7 +152,7 @@ def flipped(path):
         {"finished/0.json": flipped, "data.zarr/Cp/zarr.json": emptied},
     ],
 )
-def test_what_was_spoilt_since_it_was_finished_is_made_again(make, toy, tmp_path, spoils):
+def test_damaged_blocks_are_made_again(make, toy, tmp_path, spoils):
     plan = toy.small_plan(60, block=2)
     interrupted(toy, tmp_path / "out.zarr", plan)
     for path, spoil in spoils.items():
@@ -160,7 +160,7 @@ def test_what_was_spoilt_since_it_was_finished_is_made_again(make, toy, tmp_path
     assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
 
 
-def test_spoilt_files_of_the_work_are_told_with_what_to_do(make, toy, tmp_path):
+def test_damaged_work_files_are_refused_with_advice(make, toy, tmp_path):
     plan = toy.small_plan(60, block=2)
     interrupted(toy, tmp_path / "out.zarr", plan)
     folder = tmp_path / ".out.zarr.unfinished"

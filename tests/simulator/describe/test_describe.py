@@ -81,7 +81,7 @@ def test_the_papers_sheet_in_words(run):
         ("press", {"press": {"capacitance_factor": 3.0, "factor_spread": 0.1}}, "varies by 10 %"),
     ],
 )
-def test_what_is_not_plain_is_said(about, changes, told):
+def test_heterogeneous_properties_are_described(about, changes, told):
     assert told in said(skin(changes))[about]
 
 
@@ -102,14 +102,14 @@ def test_area_and_capacitance_are_those_within_the_outline():
     assert disc["capacitance"].startswith(prefixed(np.pi * 0.06**2 * 4.861e-9, "F"))
 
 
-def test_a_meter_without_noise_is_told(run, tmp_path):
+def test_a_meter_without_noise_is_described(run, tmp_path):
     text = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
     (tmp_path / "mine.toml").write_text(text.partition("[readout]")[0], encoding="utf-8")
     _, out, _ = run("describe", tmp_path / "mine.toml")
     assert "none: readings are exact" in out and "the defaults of [readout]" in out
 
 
-def test_what_the_file_says_is_not_assumed():
+def test_keys_of_the_file_are_not_listed_as_assumed():
     told = assumed(load_scene("glove"))
     assert "skin.foam.loss_tangent = 0.0" in told and "the defaults of [leads]" in told
     assert not any("sheet_resistance" in key or "readout" in key for key in told)
@@ -137,13 +137,13 @@ def test_pixels_without_skin_are_left_out():
         ({"contact.bottom-left.edge": "right"}, 4),
     ],
 )
-def test_pixels_look_alike_only_where_the_skin_is_symmetric(changes, groups):
+def test_pixels_have_equal_sweeps_only_on_symmetric_skins(changes, groups):
     scene = skin(changes)
     assert len(equal_sweep_groups(scene, pixels_with_skin(scene))) == groups
 
 
 @pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
-def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
+def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
     scene = skin({**changes, "sweep.frequencies": (2e4,)})
     solver = Solver(scene, 1e-3)
 
@@ -159,7 +159,7 @@ def test_what_is_said_to_look_alike_has_the_same_impedance(changes):
     assert np.abs(shown(*other) / first - 1).max() > 5e-3
 
 
-def test_a_skin_without_symmetry_says_so():
+def test_a_skin_without_symmetry_is_described():
     told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
     assert told.startswith("none: every pixel gives a sweep of its own")
 
@@ -269,6 +269,6 @@ BELOW = {"distance": 5e-3}
         ),
     ],
 )
-def test_what_two_sheets_leave_out_is_told_with_its_size(about, changes, told):
+def test_neglected_effects_are_described_with_their_size(about, changes, told):
     """Named in the scene or not."""
     assert told in said(skin(changes))[about]

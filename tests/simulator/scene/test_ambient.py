@@ -139,7 +139,7 @@ def test_what_sessions_draw_counts_among_their_spread(strip):
         ),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(strip, changes, told):
+def test_invalid_scenes_are_refused_in_one_line(strip, changes, told):
     with pytest.raises(InputError) as refused:
         strip.with_(changes)
     assert told in str(refused.value) and "\n" not in str(refused.value)

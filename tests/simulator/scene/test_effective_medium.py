@@ -109,7 +109,7 @@ def test_closed_pores_leave_the_solid():
         ({"tension": -1.0}, "must be from 0 to 1e8 N/m"),
     ],
 )
-def test_bad_properties_are_told(changed, told):
+def test_bad_properties_are_refused(changed, told):
     with pytest.raises(ValidationError, match=told):
         foam(**changed)
 

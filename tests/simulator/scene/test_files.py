@@ -49,7 +49,7 @@ def test_defaults(make_scene):
     assert scene.contacts[0].resistance == 0
 
 
-def test_every_press_is_rest_and_each_pixel_row_by_row():
+def test_presses_are_the_unpressed_skin_and_each_pixel_row_by_row():
     presses = every_press(load_scene("sheet-3x3"))
     assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
     assert len(presses) == 1 + 9
@@ -199,7 +199,7 @@ def replaced(*pairs):
         (["repetitions = 6", "repetitions = 0"], "`experiment.repetitions` must be >= 1, got 0"),
     ],
 )
-def test_bad_input_is_told_in_one_line(tmp_path, pairs, told):
+def test_bad_input_is_refused_in_one_line(tmp_path, pairs, told):
     path = tmp_path / "mine.toml"
     path.write_text(replaced(*pairs), encoding="utf-8")
     with pytest.raises(InputError) as error:
@@ -210,7 +210,7 @@ def test_bad_input_is_told_in_one_line(tmp_path, pairs, told):
     assert "\n" not in message
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path):
+def test_unreadable_files_are_refused(tmp_path):
     with pytest.raises(InputError, match=r"absent\.toml: no such file$"):
         load_scene(tmp_path / "absent.toml")
     with pytest.raises(
@@ -273,14 +273,14 @@ def test_values_of_another_kind_are_refused(old, new, told):
         ("[skin]", "[skin", "[skin"),
     ],
 )
-def test_a_line_that_is_no_TOML_is_shown_with_what_was_likely_meant(old, new, told):
+def test_an_invalid_line_of_TOML_is_shown_with_a_suggestion(old, new, told):
     with pytest.raises(InputError, match=r"mine\.toml: not valid TOML: .* line") as refused:
         parse_scene(replaced(old, new), "mine.toml")
     assert told in str(refused.value)
 
 
 @pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.skops", "a model")])
-def test_what_is_no_scene_is_told_by_what_it_is(name, told, tmp_path):
+def test_other_files_than_scenes_are_refused_by_their_kind(name, told, tmp_path):
     (tmp_path / name).write_bytes(b"\x89HDF")
     with pytest.raises(InputError, match=f"{told}, a scene is expected here"):
         load_scene(str(tmp_path / name))

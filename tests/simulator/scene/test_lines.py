@@ -10,7 +10,7 @@ LINES = st.lists(st.floats(1e-4, 1), min_size=1, max_size=5).map(lambda at: dist
 
 
 @given(lines=LINES, cells=st.integers(1, 3), growth=st.sampled_from([2.0, 4.0, np.inf]))
-def test_cells_grow_no_faster_than_asked(lines, cells, growth):
+def test_cells_grow_no_faster_than_required(lines, cells, growth):
     at = nodes(lines, cells, {}, growth)
     width = np.diff(at)
     assert (width > 0).all()
@@ -20,7 +20,7 @@ def test_cells_grow_no_faster_than_asked(lines, cells, growth):
 
 
 @given(lines=LINES, width=st.floats(1e-4, 1), which=st.integers(0, 5))
-def test_cells_beside_a_line_are_as_narrow_as_asked(lines, width, which):
+def test_cells_next_to_a_line_are_as_narrow_as_required(lines, width, which):
     line = lines[which % len(lines)]
     at = nodes(lines, 1, {float(line): width})
     beside = np.flatnonzero(at == line)[0]

@@ -21,7 +21,7 @@ def mapped(tmp_path):
     return mapped
 
 
-def test_a_table_is_read_beside_its_scene_first_line_at_the_bottom(mapped, tmp_path):
+def test_a_table_is_read_from_the_folder_of_its_scene_first_line_at_the_bottom(mapped, tmp_path):
     (tmp_path / "map.csv").write_text("1.0,2.0,3\n4,5,6e0\n\n")
     scene = load_scene(mapped("map.csv"))
     assert scene.skin.top.map.values == ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
@@ -29,7 +29,7 @@ def test_a_table_is_read_beside_its_scene_first_line_at_the_bottom(mapped, tmp_p
 
 
 @pytest.mark.parametrize("mode", ["L", "RGB", "I;16"])
-def test_a_picture_is_read_as_it_is_seen_from_dark_to_light(mapped, tmp_path, mode):
+def test_a_picture_is_read_upright_from_dark_to_light(mapped, tmp_path, mode):
     if mode == "I;16":
         seen = Image.fromarray(np.array([[0, 65535], [13107, 52428]], dtype=np.uint16))
     else:
@@ -40,7 +40,7 @@ def test_a_picture_is_read_as_it_is_seen_from_dark_to_light(mapped, tmp_path, mo
     np.testing.assert_allclose(scene.skin.foam.map.values, expected, rtol=1e-12)
 
 
-def test_large_pictures_are_reduced_to_means_where_asked(mapped, tmp_path):
+def test_large_pictures_are_reduced_to_means_on_request(mapped, tmp_path):
     values = np.arange(300 * 200).reshape(200, 300) % 251
     Image.fromarray(values.astype(np.uint8)).save(tmp_path / "map.png")
     with pytest.raises(InputError, match="200 rows of 300 values; at most 128 .* `rows` and"):
@@ -69,7 +69,7 @@ def test_large_pictures_are_reduced_to_means_where_asked(mapped, tmp_path):
         ("a.csv", "1,2\n", ["colour = 1"], "`colour` is not a known key"),
     ],
 )
-def test_bad_files_are_told_in_one_line(run, mapped, tmp_path, name, content, lines, told):
+def test_bad_files_are_refused_in_one_line(run, mapped, tmp_path, name, content, lines, told):
     if content is not None:
         (tmp_path / name).write_text(content)
     scene = mapped(name, *lines)

@@ -29,7 +29,7 @@ def test_a_mesh_in_another_unit_is_refused(factor, hint):
 
 
 @pytest.mark.parametrize(("shift", "warned"), [(0, False), (0.005, False), (-0.06, True)])
-def test_a_mesh_beside_the_grid_is_warned_of(shift, warned):
+def test_a_mesh_off_the_grid_is_warned_of(shift, warned):
     moved = surface(SQUARE + shift)
     check_extent(moved, 0.12, 0.12)
     found = list(off_grid(moved, 0.12, 0.12))

@@ -107,7 +107,7 @@ def test_outlines_that_bound_no_skin_are_refused(outline, told):
     assert "\n" not in str(refused.value)
 
 
-def test_the_command_line_tells_in_one_line(tmp_path, refused):
+def test_the_command_line_refuses_in_one_line(tmp_path, refused):
     path = tmp_path / "bad.toml"
     path.write_text(text_of("circle = [0, 0, 0.1]"), encoding="utf-8")
     assert f"{path}: `skin` outline must lie within x = 0..0.12 m, got -0.1..0.1 m" in refused(
@@ -125,7 +125,7 @@ def test_the_command_line_tells_in_one_line(tmp_path, refused):
         (["outline.0", "outline"], "got 'outline.0'"),
     ],
 )
-def test_edges_that_an_outline_lacks_are_told(edges, told):
+def test_edges_that_an_outline_lacks_are_refused(edges, told):
     with pytest.raises(InputError) as refused:
         scene_of(f"points = {L}\nholes = [{{circle = [0.02, 0.02, 0.01]}}]", *edges)
     assert told in str(refused.value)

@@ -97,7 +97,7 @@ def test_a_scene_is_written_with_its_interfaces():
         ('every = "pairs"', "readings.every"),
     ],
 )
-def test_what_is_no_reading_is_told(asked, told):
+def test_invalid_readings_are_refused(asked, told):
     with pytest.raises(InputError, match=told):
         read(f"[readings]\n{asked}")
 
@@ -107,7 +107,7 @@ def test_without_any_reading_interfaces_are_missing():
         read("")
 
 
-def test_crossed_pairs_of_sheets_that_are_alike_repeat():
+def test_crossed_pairs_of_equal_sheets_repeat_readings():
     scene = read('[readings]\nall = ["pairs", "tied", "sheets"]')
     assert repeated(scene) == [
         ("top-bottom to bottom-left", "top-left to bottom-bottom"),

@@ -69,7 +69,7 @@ def test_the_pairs_of_foils_on_two_edges_do_not_touch():
     assert [drive.high for drive in two_fields(scene).excitations] == [(0,), (2,)]
 
 
-def test_what_a_scene_is_changed_by_stays_as_it_was():
+def test_changes_of_a_scene_are_not_modified():
     """Tables that are given, and what later keys change within them."""
     changes = {"skin.top.map": {"kind": "gradient", "x": 0.2}, "skin.top.map.y": 0.1}
     given = deepcopy(changes)

@@ -122,7 +122,7 @@ def test_a_key_of_one_body_is_changed_by_its_name():
         ),
     ],
 )
-def test_what_cannot_be_is_told_in_one_line(changes, why):
+def test_impossible_surroundings_are_refused_in_one_line(changes, why):
     with pytest.raises(InputError) as error:
         load_scene("sheet-5x5").with_(changes)
     assert why in str(error.value)
@@ -160,7 +160,7 @@ def test_wide_foils_of_one_sheet_do_not_overlap_unless_they_are_one(make_scene, 
         ({"contact.top-left.width": 1e-3}, "contact[1].width"),
     ],
 )
-def test_what_takes_two_bare_sheets_alone_says_so(changes, key):
+def test_uses_that_need_two_bare_sheets_refuse_others(changes, key):
     scene = load_scene("sheet-3x3").with_(changes)
     assert scene.beyond_uniform == [key]
     for model in ("line", "lumped"):
@@ -187,7 +187,7 @@ def test_what_takes_two_bare_sheets_alone_says_so(changes, key):
         ),
     ],
 )
-def test_crossed_sheets_are_alike_where_their_surroundings_are(changes, exchanged):
+def test_crossed_sheets_are_equal_if_their_surroundings_are(changes, exchanged):
     """Pixels (1, 2) and (2, 1) of two equal sheets, one fed at the left, one at the bottom edge."""
     of = representative(load_scene("sheet-5x5-crossed").with_(changes))
     assert (of((2, 1)) == (1, 2)) == exchanged
@@ -203,7 +203,7 @@ def test_earth_alone_changes_nothing_until_a_finger_touches():
     np.testing.assert_allclose(Solver(earthed, 1e-4).solve(finger).Z, expected, rtol=2e-4)
 
 
-def test_the_press_of_a_scene_is_told_with_its_finger(run, tmp_path):
+def test_the_press_of_a_scene_includes_its_finger(run, tmp_path):
     path = tmp_path / "touched.toml"
     path.write_text(scene_text(around(cover=COVER).with_({"sweep.frequencies": [1e4]})))
     asked = ("--press", "2,3:touch", "--press", "2,3:2:5.3pF", "-o", tmp_path / "out.nc")

@@ -130,7 +130,7 @@ def test_no_command_opens_a_file_that_received_sweeps_name(received, run, tmp_pa
         assert "give the command the scene's own file" in err
 
 
-def test_a_scene_file_names_files_and_a_travelling_one_is_told_what_to_do(mapped):
+def test_a_stored_scene_that_names_files_is_refused_with_advice(mapped):
     with pytest.raises(InputError, match="`skin.top.map` names the file 'it.png', and a scene"):
         parse_scene(tomli_w.dumps(mapped), "sweeps")
     assert "names" not in scene_text(load_scene("glove"))

@@ -112,7 +112,7 @@ PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "bottom") for sheet in ("top
         ({"top-left": {}, "top-bottom": {}}, ("bottom-right", "top-right"), []),
     ],
 )
-def test_a_floating_foil_that_touches_a_driven_one_is_told(make_scene, contacts, driven, told):
+def test_a_floating_foil_that_touches_a_driven_one_is_reported(make_scene, contacts, driven, told):
     far = dict.fromkeys({"bottom-right", "top-right"} - contacts.keys(), {"span": (0.4, 1.0)})
     scene = make_scene({**contacts, **far}, {"meter": driven})
     assert [str(found) for found in scene.driven_by_touch] == told
@@ -138,7 +138,7 @@ def test_high_and_low_that_touch_are_refused(make_scene, between):
         make_scene({**ends, **between}, {"meter": tuple(ends)})
 
 
-def test_what_is_told_is_what_is_solved(make_scene):
+def test_reported_terminals_are_those_that_are_solved(make_scene):
     """Driven by touch or by name: the same impedance, and another one where a gap parts them."""
 
     def Z(high, span=(0.0, 1.0)):

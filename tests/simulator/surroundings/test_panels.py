@@ -58,7 +58,7 @@ def test_on_a_panel_the_field_across_it_is_the_mean_of_both_sides():
     assert slope == pytest.approx([2 * np.pi, 0.0, -2 * np.pi], abs=1e-4)
 
 
-def test_a_plane_is_at_zero_whatever_lies_before_it():
+def test_a_plane_has_zero_potential_behind_any_layer():
     at, charge = np.array([0.1, 0.0, -0.5]), np.array([0.3, 0.2, 0.4])
     sign, shift, weight = images(Layer(0.5, 1.0)).T
     across = np.hypot(*(at - charge)[:2])

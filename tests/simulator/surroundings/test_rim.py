@@ -138,6 +138,6 @@ def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
         (IN_SPACE, "needs a flat skin; `skin.mesh` lies in space"),
     ],
 )
-def test_what_is_not_computed_is_refused(skin, changes, line):
+def test_rims_that_cannot_be_computed_are_refused(skin, changes, line):
     with pytest.raises(InputError, match="strip-1x5: `surroundings.rim = true` " + line):
         rim_densities(skin("strip-1x5").with_(changes))

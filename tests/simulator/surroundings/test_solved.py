@@ -33,7 +33,7 @@ def around(skin, name="strip-1x5", **surroundings):
 
 
 @pytest.mark.parametrize("body", [{}, {"body": {"distance": 5e-3}}])
-def test_even_potentials_have_the_charges_of_the_rim(skin, body):
+def test_uniform_potentials_have_the_charges_of_the_rim(skin, body):
     matrix, rim = (
         surroundings_matrix(around(skin, **body)),
         rim_densities(skin("strip-1x5", **body)),
@@ -80,7 +80,7 @@ def zeros(scene):
     return np.zeros((2, count, 2, count))
 
 
-def test_a_folder_that_cannot_be_written_is_as_none(skin, monkeypatch, tmp_path):
+def test_an_unwritable_cache_folder_is_ignored(skin, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setattr(array_cache, "folder", lambda: tmp_path / "file")
     assert surroundings_matrix(around(skin)).matrix.any()
@@ -129,7 +129,7 @@ def test_what_is_solved_for_is_about_what_rim_and_thickness_leave(skin):
     assert full[1, 0] > 1.12
 
 
-def test_the_answer_says_how_closely_surroundings_were_solved_for(skin):
+def test_the_result_states_the_error_of_the_surroundings(skin):
     scene = around(skin)
     told = Solver(scene, 1e-3).solve(Press()).lines()[0]
     assert f"surroundings solved to {surroundings_matrix(scene).error:.0e}" in told
@@ -153,7 +153,7 @@ OUTLINE = {
         ),
     ],
 )
-def test_what_is_not_solved_for_is_refused(skin, changes, line):
+def test_surroundings_that_cannot_be_solved_are_refused(skin, changes, line):
     scene = around(skin).with_(changes)
     with pytest.raises(InputError, match="strip-1x5: `surroundings.solved` " + line):
         Solver(scene, 1e-3).solve(Press())

@@ -74,7 +74,7 @@ def test_constant_permittivity(rng):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_capacitance_at_rest(law, rng):
+def test_unpressed_capacitance(law, rng):
     """
     c0 = 8.8541878128e-12 eps_r / d
     eps_r = eps(0)

@@ -45,7 +45,7 @@ def test_creep_and_recovery(creeping, solids, rng):
     assert strain(let_go, t) == pytest.approx((y * np.exp(-t / T)).sum(), rel=1e-6)
 
 
-def test_a_held_depth(solids, rng):
+def test_a_constant_depth(solids, rng):
     """
     t_k dy_k/dt = s_k (e - y_1 - y_2) - y_k
     F / F(0) = (1 + s_1 exp(-(1 + s_1) t / t_1)) / (1 + s_1)

@@ -30,7 +30,7 @@ def test_default_width_and_poisson_ratios(rng):
     assert (Stretch().sheet_poisson_ratio, Stretch().foam_poisson_ratio) == (0.5, 0.3)
 
 
-def test_even_stretch(make_scene, changed, rng):
+def test_uniform_stretch(make_scene, changed, rng):
     """
     J = lx ly
     R' = R J^(nu / (1 - nu))
@@ -96,7 +96,7 @@ def test_where_a_bent_skin_lies(make_scene, changed, rng):
 
 
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
-def test_conductance_and_capacitance_at_rest_of_a_bent_skin(make_scene, changed, rng, kind):
+def test_conductance_and_unpressed_capacitance_of_a_bent_skin(make_scene, changed, rng, kind):
     """
     G = F^T F,  J = sqrt(det(G)),  U = sqrt(G)
     S = J U^-1 A U^-1 / R'

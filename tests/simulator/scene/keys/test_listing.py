@@ -17,7 +17,7 @@ def test_the_page_is_what_the_command_prints(run):
     assert out == PAGE, "python docs/generate.py"
 
 
-def test_every_key_stands_on_the_page():
+def test_every_key_is_on_the_page():
     names = {str(place[-1]) for place in paths(Scene)}
     assert len(names) > 80
     absent = {name for name in names if f"`{name}`" not in PAGE and f"`{name} = " not in PAGE}
@@ -38,5 +38,5 @@ def test_every_key_stands_on_the_page():
         '`{distribution = "uniform", low = 0.0, high = 2.0}` | from 0 to 1e12 |',
     ],
 )
-def test_a_row_tells_type_unit_default_and_range(row):
+def test_a_row_has_type_unit_default_and_range(row):
     assert row in PAGE.splitlines()

@@ -23,7 +23,7 @@ def sheet(*pairs):
     return text
 
 
-def test_all_that_is_missing_is_told_at_once():
+def test_all_missing_keys_are_named_together():
     assert told('name = "empty"') == (
         "`skin.length`, `skin.width`, `skin.top.sheet_resistance`, "
         "`skin.bottom.sheet_resistance`, `skin.foam`, `contact`, `interface`, `pixels.rows`, "
@@ -59,12 +59,12 @@ def test_a_missing_key_does_not_hide_another_problem():
         ("[sweep]", "[sweep]\npoints = 3", "`sweep.frequencies.points` or `skin.outline.points`?"),
     ],
 )
-def test_an_unknown_key_is_told_with_the_one_that_was_meant(old, new, meant):
+def test_an_unknown_key_is_refused_with_a_suggestion(old, new, meant):
     _, _, suggested = told(sheet(old, new)).split("; `")[0].partition("; did you mean ")
     assert suggested == (meant or "")
 
 
-def test_a_misspelt_key_is_not_told_as_missing_too():
+def test_a_misspelt_key_is_not_also_named_as_missing():
     found = told(sheet("length", "lenght", "sheet_resistance", "resistance", "rows = 3", ""))
     assert found == (
         "`skin.top.resistance` is not a known key, got 50000.0; did you mean "
@@ -73,7 +73,7 @@ def test_a_misspelt_key_is_not_told_as_missing_too():
     )
 
 
-def test_keys_of_kinds_and_distributions_are_told_too():
+def test_unknown_keys_of_kinds_and_distributions_are_named():
     foam = "[skin.foam]\nmap = {kind = 'random', deviaton = 0.1}\n"
     assert "did you mean `deviation`?; `correlation_length` is missing" in told(
         sheet("[skin.foam]\n", foam)
