@@ -80,7 +80,7 @@ def test_potentials_that_cost_no_current_are_so_exactly(network, excitation, cur
 
 
 def test_errors_of_excitations_add(network):
-    """Both off by the same: their difference hides it, what is told does not."""
+    """Both have the same error: their difference hides it, the estimate does not."""
     excitations = through_virtual_earth(HIGH, LOW)
     Q = np.stack([network.form(excitation) for excitation in excitations])
     combined, off = combination(excitations), 1e-3 * np.exp(0.3j) * np.abs(Q[0])

@@ -39,13 +39,13 @@ def creeping(strip):
     return strip.with_({"skin.foam.relaxation": ONE, **SLOWLY})
 
 
-def held(scene, text, seconds=0.0):
-    """The state of a foam that is at rest at first and is pressed then."""
+def pressed_foam(scene, text, seconds=0.0):
+    """State of a foam that is unpressed at first and pressed after that time."""
     return FoamState(scene).then(press_on(scene, text), seconds)
 
 
 def strain(press):
-    """Of its only touch, by constant permittivity."""
+    """Strain under its only touch, at constant permittivity."""
     (touch,) = press.touches
     return 1 - 1 / touch.factor
 
@@ -53,12 +53,12 @@ def strain(press):
 @pytest.mark.parametrize("t", [0.0, 0.5, 60.0])
 def test_a_factor_creeps_in_strain(creeping, t):
     """e = (1 - 1 / factor) (1 + share (1 - exp(-t / time)))"""
-    now = held(creeping, "1,2:2.0").after(t)
+    now = pressed_foam(creeping, "1,2:2.0").after(t)
     assert strain(now) == pytest.approx(0.5 * (1 + 0.1 * (1 - np.exp(-t))), rel=1e-12)
 
 
 def test_a_released_press_leaves_a_trace_that_goes(creeping):
-    left = held(creeping, "1,2:2.0").then(Press(), 3.0)
+    left = pressed_foam(creeping, "1,2:2.0").then(Press(), 3.0)
     trace = 0.5 * 0.1 * (1 - np.exp(-3.0))
     assert strain(left.after(0.0)) == pytest.approx(trace, rel=1e-12)
     assert strain(left.after(2.0)) == pytest.approx(trace * np.exp(-2.0), rel=1e-12)
@@ -66,7 +66,7 @@ def test_a_released_press_leaves_a_trace_that_goes(creeping):
 
 
 def test_a_trace_adds_to_the_next_press_of_its_place_alone(creeping):
-    state = held(creeping, "1,2:2.0").then(Press(), 3.0)
+    state = pressed_foam(creeping, "1,2:2.0").then(Press(), 3.0)
     again = state.then(press_on(creeping, "1,2:1.5+1,4:1.5"), 1.0).after(0.0)
     here, there = again.touches
     trace = 0.05 * (1 - np.exp(-3.0)) * np.exp(-1.0)
@@ -76,14 +76,14 @@ def test_a_trace_adds_to_the_next_press_of_its_place_alone(creeping):
 
 @pytest.mark.parametrize("text", ["1,2:0.7", "1,2:1.0"])
 def test_what_is_not_compressed_does_not_creep(creeping, text):
-    state = held(creeping, text)
+    state = pressed_foam(creeping, text)
     assert state.after(9.0) == state.press
     assert state.then(Press(), 9.0).after(0.0) == Press()
 
 
-def test_a_held_depth_is_what_it_is_and_leaves_its_trace(strip):
+def test_a_fixed_depth_stays_and_leaves_its_trace(strip):
     scene = strip.with_(FOAM)
-    state = held(scene, "1,2:2mm")
+    state = pressed_foam(scene, "1,2:2mm")
     assert state.after(7.0) == state.press
     (trace,) = state.then(Press(), 7.0).after(0.4).touches
     relaxed = 2e-3 * 0.1 / 1.1 * (1 - np.exp(-1.1 * 7.0))
@@ -93,7 +93,7 @@ def test_a_held_depth_is_what_it_is_and_leaves_its_trace(strip):
 def test_a_force_creeps_from_the_depth_that_it_takes_at_once(strip):
     scene = strip.with_({**FOAM, "skin.foam.mechanics.stress_strain": "linear"})
     area = 20e-3 * 20e-3
-    (touch,) = held(scene, "1,2:3N").after(2.0).touches
+    (touch,) = pressed_foam(scene, "1,2:3N").after(2.0).touches
     at_once = 3 / area / 30e3
     grown = at_once * 4e-3 * (1 + 0.1 * (1 - np.exp(-2.0)))
     assert touch.by.value == pytest.approx(grown, rel=1e-9)
@@ -101,7 +101,7 @@ def test_a_force_creeps_from_the_depth_that_it_takes_at_once(strip):
 
 def test_hysteresis_counts_as_a_press_is_lessened_and_not_let_go(strip):
     scene = strip.with_({"skin.foam.hysteresis": 0.2})
-    up, down = (held(scene, text) for text in ("1,2:1.5", "1,2:2.0"))
+    up, down = (pressed_foam(scene, text) for text in ("1,2:1.5", "1,2:2.0"))
     less = down.then(press_on(scene, "1,2:1.5"), 1.0)
     assert strain(up.after(5.0)) == pytest.approx(1 / 3, rel=1e-14)
     lagging = 1 / 3 + 3 * 0.2 / 3 * (1 - 2 / 3)
@@ -156,7 +156,7 @@ def one_by_one(scene, texts):
         {"skin.foam.relaxation": ONE, "interface": TWICE, **SLOWLY},
     ],
 )
-def test_sweeps_in_time_are_their_readings_within_the_error_they_tell(strip, changes):
+def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, changes):
     scene, texts = strip.with_(changes), ["1,1", "none", "1,1+1,4"]
     sweeps = simulate(Solver(scene, 1e-4), [press_on(scene, text) for text in texts])
     Z, read = impedance(sweeps), np.broadcast_to(scene.reading.read, (3, *scene.reading.shape))
@@ -168,7 +168,7 @@ def test_sweeps_in_time_are_their_readings_within_the_error_they_tell(strip, cha
 
 
 def test_foam_that_creeps_not_at_all_reads_as_before(strip):
-    """Nothing named, hysteresis of presses that are let go, or creep too slow to be seen."""
+    """No key, hysteresis of released presses, or creep too slow to be observed."""
     presses = [press_on(strip, text) for text in ("none", "1,1", "1,3")]
     plain = simulate(Solver(strip), presses)
     for foam in ({"hysteresis": 0.1}, {"relaxation": [{"share": 1e-6, "time_constant": 1e7}]}):
@@ -178,7 +178,7 @@ def test_foam_that_creeps_not_at_all_reads_as_before(strip):
 
 
 @pytest.mark.parametrize(
-    ("changes", "texts", "told"),
+    ("changes", "texts", "message"),
     [
         (
             {"skin.foam.relaxation": [{"share": 0.99, "time_constant": 1.0}]},
@@ -200,15 +200,15 @@ def test_foam_that_creeps_not_at_all_reads_as_before(strip):
         ),
     ],
 )
-def test_presses_that_creep_too_far_are_refused(strip, changes, texts, told):
+def test_presses_that_creep_too_far_are_refused(strip, changes, texts, message):
     scene = strip.with_(changes)
     presses = [press_on(scene, text) for text in texts]
-    if not told:  # a held depth stays
+    if not message:  # a fixed depth stays
         assert simulate(Solver(scene, 1e-2), presses).sizes["sweep"] == 1
         return
     with pytest.raises(InputError) as refused:
         simulate(Solver(scene, 1e-2), presses)
-    assert told in str(refused.value) and "\n" not in str(refused.value)
+    assert message in str(refused.value) and "\n" not in str(refused.value)
 
 
 def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
@@ -247,8 +247,8 @@ def test_commands_that_take_presses_as_they_are_at_once_say_so(
     write(simulate(Solver(creeping, 1e-2), [Press()]), "mine.nc")
     named = {"SCENE": "mine.toml", "SWEEPS": "mine.nc"}
     code, _, err = run(*(named.get(word, word) for word in command))
-    told = f"strip-1x5: {what} cannot take `skin.foam.relaxation`"
-    assert code == 2 and err.count(told) == 1 and "Traceback" not in err
+    message = f"strip-1x5: {what} cannot take `skin.foam.relaxation`"
+    assert code == 2 and err.count(message) == 1 and "Traceback" not in err
 
 
 def test_a_localizer_by_a_model_of_the_skin_says_so_too(creeping):

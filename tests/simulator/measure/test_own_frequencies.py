@@ -54,15 +54,15 @@ def test_a_scene_keeps_them_and_one_without_says_nothing(shared, own):
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ({"interface.1.frequencies": [5e3]}, "'left': `frequencies` must be among .* 5000 Hz"),
         ({"interface.1.frequencies": [1e3, 1e3]}, "distinct"),
         ({f"interface.{k}.frequencies": [1e3] for k in (1, 2)}, "no interface is read at 10000"),
     ],
 )
-def test_what_is_wrong_with_them_is_told(shared, given, told):
-    with pytest.raises(InputError, match=told):
+def test_wrong_frequencies_are_refused_by_key(shared, given, message):
+    with pytest.raises(InputError, match=message):
         shared.with_(given)
 
 
@@ -107,7 +107,7 @@ def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
         np.testing.assert_allclose(again["X"].values, found["X"].values, rtol=1e-9)
 
 
-def test_recordings_are_joined_where_they_were_read_alike(own, shared):
+def test_recordings_are_joined_if_their_readings_are_equal(own, shared):
     part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
     both = join([part, part.isel(interface=[1, 0])], ["one.nc", "other.nc"])
     np.testing.assert_array_equal(both["taken"].values, TAKEN)
@@ -183,7 +183,7 @@ def own_skin(own):
 
 
 @pytest.mark.parametrize("against_rest", [0, 3])
-def test_two_bounds_agree_and_less_is_told_by_less(shared, own, own_skin, against_rest):
+def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, against_rest):
     known = {"draws": 300, "against_rest": against_rest}
     part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
@@ -191,7 +191,7 @@ def test_two_bounds_agree_and_less_is_told_by_less(shared, own, own_skin, agains
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 
-def test_places_are_told_as_by_a_scene_of_what_is_read(shared):
+def test_positions_are_those_of_a_scene_with_the_readings_alone(shared):
     alone = {"interface": [shared.interfaces[0].model_dump(mode="json")]}
     lowest = shared.with_(alone | {"sweep.frequencies": [1e3]})
     frequencies = {"interface.1.frequencies": [1e3], "interface.2.frequencies": [1e4, 1e5]}

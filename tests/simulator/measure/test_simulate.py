@@ -19,16 +19,16 @@ def none_of(scene):
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "simulated",
     [
         lambda scene: simulate(Solver(scene), []),
         lambda scene: gather(Solver(scene), iter([])),
         lambda scene: resimulated(none_of(scene), scene, scene.frequencies),
     ],
 )
-def test_no_press_at_all_is_refused(scene, asked):
+def test_no_press_at_all_is_refused(scene, simulated):
     with pytest.raises(InputError, match="^`presses` must hold at least one press, got none$"):
-        asked(scene)
+        simulated(scene)
 
 
 def test_no_sweeps_are_not_joined():

@@ -123,7 +123,7 @@ def edges(t):
 
 
 def lengths(domain, lines):
-    """Of edges, straight or bent, m."""
+    """Lengths of edges, straight or bent, m."""
     straight = np.linalg.norm(domain.p[:, lines[0]] - domain.p[:, lines[1]], axis=0)
     every, _ = edges_of(domain.t)
     curvature = domain.arcs.of(every)[edge_numbers(lines, every)]
@@ -138,7 +138,7 @@ def length_along(domain, segment, same=1e-9):
 
 
 def least_angle(domain):
-    """Of all triangles, degrees."""
+    """Angles of all triangles, degrees."""
     corners = [domain.p[:, number] for number in domain.t]
     cosines = []
     for turn in range(3):

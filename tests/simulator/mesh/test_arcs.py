@@ -19,7 +19,7 @@ POINTS, WEIGHTS = get_quadrature(RefTri, 14)
 
 
 def covered_areas(mesh):
-    """Of the touches and of the whole mesh, by quadrature over bent triangles that are upright."""
+    """Areas of the touches and of the mesh, by quadrature over upright bent triangles."""
     _, along, across = mapped(mesh.p, mesh.t, mesh.curvature, POINTS)
     signed = along[0] * across[1] - along[1] * across[0]
     assert (np.sign(signed) == np.sign(signed[:, :1])).all()

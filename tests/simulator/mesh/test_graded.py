@@ -57,7 +57,7 @@ def test_circles_have_no_corners(tools):
     assert list(ends.values()) == [pytest.approx(0.5, rel=1e-6)] * 2
 
 
-def test_towards_a_corner_triangles_are_halved_as_its_exponent_asks(mesh, tools):
+def test_towards_a_corner_triangles_are_halved_by_its_exponent(mesh, tools):
     exponents = corner_exponents(mesh, [SheetAtCorners(["top-end"])])
     there, parts = parts_at(mesh, CORNER)
     levels = 3
@@ -82,7 +82,7 @@ def test_a_smooth_part_is_halved_once_where_once_is_enough(mesh):
     assert found.areas[at_corner].min() == pytest.approx(mesh.areas[before].min() / 4)
 
 
-def test_every_error_is_seen_to(mesh):
+def test_every_error_is_reduced(mesh):
     exponents = corner_exponents(mesh, [SheetAtCorners(["top-end"])])
     _, corner = parts_at(mesh, CORNER)
     far, other = parts_at(mesh, (0.0, 0.0))
@@ -99,7 +99,7 @@ def test_what_is_enough_stays_as_it_is(mesh):
     assert graded(mesh, parts, 1.0, ORDER, np.empty(0))[0] is mesh
 
 
-def test_the_fewest_triangles_hold_what_is_asked():
+def test_the_fewest_triangles_hold_the_target():
     parts = np.array([0.1, 0.4, 0.2, 0.3])
     assert fewest(parts, 0.65).tolist() == [1, 3]
     assert fewest(parts, 0.0).tolist() == [1]

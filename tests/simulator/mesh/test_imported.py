@@ -118,7 +118,7 @@ def curved(tools, path, lift):
     return [f"part={int(read.field_data[name][0])}" for name in ("feed", "far")]
 
 
-def test_surfaces_in_space_are_cut_as_seen_from_above(tmp_path, tools):
+def test_surfaces_in_space_are_cut_along_z(tmp_path, tools):
     foils = curved(tools, tmp_path / "l.vtu", lambda x, y: 0.5 * x)
     mesh = domain(tools.on_mesh(tmp_path / "l.vtu", foils), PRESS, 1.0)
     assert mesh.p.shape[0] == 3
@@ -159,7 +159,7 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 
 
 @pytest.mark.parametrize(
-    ("points", "triangles", "told"),
+    ("points", "triangles", "message"),
     [
         ([*SQUARE, (2, 0)], [(0, 1, 2), (0, 2, 3), (0, 1, 4)], "must have an area, got 1 without"),
         (
@@ -186,16 +186,16 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
         ([(0, 0), (1, 0), (np.nan, 1)], [(0, 1, 2)], "must have finite coordinates"),
     ],
 )
-def test_meshes_that_cannot_be_computed_on_are_refused(tmp_path, tools, points, triangles, told):
+def test_meshes_that_cannot_be_computed_on_are_refused(tmp_path, tools, points, triangles, message):
     path = write(tmp_path / "bad.vtu", points, triangles)
     with pytest.raises(InputError) as refused:
         domain(tools.on_mesh(path, ["part=1", "part=1"]), REST, 1.0)
     assert str(refused.value).startswith(f"{path.name}: the triangles of `skin.mesh` must ")
-    assert told in str(refused.value)
+    assert message in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
-def test_groups_that_are_not_there_are_told_with_those_that_are(file, tools):
+def test_missing_groups_are_reported_with_the_known_ones(file, tools):
     with pytest.raises(
         ValueError, match=r"'nowhere' must be a group of boundary lines of .*'feed'"
     ):
@@ -211,7 +211,7 @@ def test_groups_that_are_not_there_are_told_with_those_that_are(file, tools):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({'edge = "feed"': 'edge = "left"'}, "contact edge 'left' must be a group of boundary"),
         (
@@ -222,7 +222,7 @@ def test_groups_that_are_not_there_are_told_with_those_that_are(file, tools):
         ({"l.msh": "l.toml"}, "l.toml: must end in .msh, .vtk, .vtu, .inp, got '.toml'"),
     ],
 )
-def test_the_command_line_tells_in_one_line(tmp_path, tools, refused, change, told):
+def test_the_command_line_reports_in_one_line(tmp_path, tools, refused, change, message):
     path = tools.write_l(tmp_path / "l.msh")
     tables = tools.on_mesh(path).model_dump(by_alias=True, exclude_none=True)
     tables["skin"]["mesh"] = path.name
@@ -231,4 +231,4 @@ def test_the_command_line_tells_in_one_line(tmp_path, tools, refused, change, to
         assert old in text
         text = text.replace(old, new, 1)
     (tmp_path / "l.toml").write_text(text, encoding="utf-8")
-    assert told in refused("sweep", tmp_path / "l.toml", "-o", tmp_path / "out.csv")
+    assert message in refused("sweep", tmp_path / "l.toml", "-o", tmp_path / "out.csv")

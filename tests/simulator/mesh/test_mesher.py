@@ -71,7 +71,7 @@ def test_holes_are_left_out():
     assert twice_areas(found.p, found.t).sum() / 2 == pytest.approx(1 - polygon, rel=1e-12)
 
 
-def test_lengths_rise_no_faster_than_told():
+def test_lengths_rise_no_faster_than_their_growth():
     points, pieces, *_ = circle(1e-3)
     sizing = Sizing(points, pieces, 0.3)
     along = np.stack([np.linspace(0.4, 1, 400), np.full(400, 0.3)], axis=1)
@@ -80,7 +80,7 @@ def test_lengths_rise_no_faster_than_told():
     assert np.abs(np.diff(found)).max() <= GROWTH * (along[1, 0] - along[0, 0]) * (1 + 1e-9)
 
 
-def test_lines_are_as_long_as_asked():
+def test_lines_are_as_long_as_requested():
     points, pieces, curvature, _ = circle(1e-3)
     sizing = Sizing(points, pieces, 0.3)
     p, lines, piece = divided(points, pieces, curvature, sizing)
@@ -113,7 +113,7 @@ def test_meshes_are_the_same_in_threads_and_processes(tools):
 
     with ThreadPoolExecutor(4) as pool:
         here = set(pool.map(bits, range(8)))
-    told = f"""
+    script = f"""
 from pathlib import Path
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press
@@ -122,5 +122,7 @@ from rcskin.simulator.scene.scene_files import load_scene
 mesh = domain(load_scene(Path({str(path)!r})), Press((Disc(0.07, 0.07, 0.01, 2.0),)), 0.01)
 print(mesh.p.tobytes().hex() + mesh.t.tobytes().hex())
 """
-    there = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    there = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     assert here == {there.stdout.strip()}

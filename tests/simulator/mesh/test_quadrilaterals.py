@@ -21,7 +21,7 @@ RESOLUTIONS = st.builds(
 
 
 def areas(cells):
-    """Of quadrilaterals, from their points."""
+    """Areas of quadrilaterals, from their points."""
     (x, y), (x_next, y_next) = cells.p[:, cells.t], cells.p[:, np.roll(cells.t, -1, axis=0)]
     return abs((x * y_next - x_next * y).sum(axis=0)) / 2
 
@@ -70,7 +70,7 @@ def test_every_foil_covers_its_span(random, data, resolution):
 
 
 @given(width=st.sampled_from([1e-2, 1e-3, 1e-5]))
-def test_cells_at_a_fed_edge_are_as_thin_as_asked(make_scene, width):
+def test_cells_at_a_fed_edge_are_as_thin_as_requested(make_scene, width):
     scene = make_scene(columns=2)
     x = np.unique(pixel_mesh(scene, scene.contacts, Resolution(2, edge_cell=width)).mesh.p[0])
     assert x[1] - x[0] <= width * (1 + 1e-9)
@@ -83,8 +83,8 @@ HALF = {"top-left": {"span": (0.0, 0.5)}, "bottom-left": {}}
 
 @pytest.mark.parametrize("layers", [1, 3, 6, 14])
 def test_rings_shrink_towards_the_end_of_a_foil(make_scene, layers):
-    """By one ratio each, with cells of one shape; the last ones keep theirs although their points
-    are too near to each other to tell it."""
+    """They shrink by one ratio, with cells of one shape. The last cells keep that shape, although
+    their points are too close to resolve it."""
     scene = make_scene(HALF)
     cells = pixel_mesh(scene, scene.contacts, Resolution(2, layers=layers)).cells
     distance = np.linalg.norm(cells.p - TIP[:, None], axis=0)

@@ -12,16 +12,16 @@ SURE = 1e-6
 @pytest.mark.parametrize("angle", ANGLES)
 @pytest.mark.parametrize("conductance", [1e-5, 1.0])
 def test_one_wedge(angle, conductance):
-    """pi / angle between alike sides, half of that between a foil and a bare edge."""
+    """pi / angle between equal sides, half of that between a foil and a bare edge."""
     wedges = [(0.3 * angle, conductance), (0.7 * angle, conductance)]
-    for held in (False, True):
-        assert between(wedges, held, held) == pytest.approx(np.pi / angle)
-        assert between(wedges, held, not held) == pytest.approx(np.pi / 2 / angle)
+    for fixed in (False, True):
+        assert between(wedges, fixed, fixed) == pytest.approx(np.pi / angle)
+        assert between(wedges, fixed, not fixed) == pytest.approx(np.pi / 2 / angle)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_half_a_plane_of_two_conductances(ratio):
-    """Held on one side: tan²(p pi / 2) is the ratio of the held one to the other."""
+    """Fixed on one side: tan²(p pi / 2) is the ratio of the fixed one to the other."""
     wedges = [(np.pi / 2, 1.0), (np.pi / 2, ratio)]
     power = 2 / np.pi * np.arctan(np.sqrt(ratio))
     assert between(wedges, False, True) == pytest.approx(power, abs=SURE)
@@ -49,7 +49,7 @@ def test_smooth_lines_and_even_sheets_are_no_corners():
     assert around([(2.0, 1.0), (1.0, 1.0), (2 * np.pi - 3.0, 1.0)]) == pytest.approx(1.0)
 
 
-def test_powers_beyond_what_elements_feel_are_not_told():
+def test_powers_beyond_the_resolution_of_elements_are_infinite():
     assert between([(0.2, 1.0)], False, False) == np.inf
     assert around([(np.pi / 2, 1.0), (np.pi / 2, 1e-9)] * 2) == MIN_EXPONENT
 
@@ -60,8 +60,8 @@ def test_a_sheet_that_conducts_along_a_direction_is_stretched(turn):
     cos, sin = np.cos(turn), np.sin(turn)
     S = np.array([4 * cos**2 + sin**2, 4 * sin**2 + cos**2, 3 * cos * sin])
     Q = np.array([[cos, -sin], [sin, cos]])
-    angle, alike = stretched(Q @ [2.0, 0.0], Q @ [2.0, 1.0], S)
+    angle, isotropic = stretched(Q @ [2.0, 0.0], Q @ [2.0, 1.0], S)
     assert angle == pytest.approx(np.pi / 4)
-    assert alike == pytest.approx(2.0)
+    assert isotropic == pytest.approx(2.0)
     both, _ = stretched(Q @ [1.0, 0.0], Q @ [-1.0, 0.5], S)
     assert both == pytest.approx(3 * np.pi / 4)

@@ -74,7 +74,7 @@ def test_a_rim_that_is_computed_stays_what_it_was_beside_a_body_that_is_nearer(s
 
 @pytest.mark.parametrize("factor", [2.0, 0.1])
 def test_foam_keeps_its_thickness_where_the_field_around_it_counts(scene, factor):
-    """Of less capacitance than vacuum it would be thicker."""
+    """With less capacitance than vacuum the foam would be thicker."""
     given = {"skin.foam": {"thickness": 4e-3, "relative_permittivity": 2.0}}
     around = scene.with_(given | {"surroundings": {"thickness": True}})
     changed = {"capacitance": math.log(factor)}

@@ -68,13 +68,18 @@ def ends(key):
     """Both ends of what a key may be, and numbers slightly inside."""
     *parents, name = [part for part in key.split(".") if not part.isdigit()]
     fields = [keys(table).get(name) for table in at(Scene, tuple(parents))]
-    told = [
+    annotations = [
         getattr(each, "func", each) for field in fields if field for each in constraints_of(field)
     ]
-    found = {end for each in told if isinstance(each, NumberRange) for end in (each.low, each.high)}
+    found = {
+        end
+        for each in annotations
+        if isinstance(each, NumberRange)
+        for end in (each.low, each.high)
+    }
     found |= {
         getattr(each, name)
-        for each in told
+        for each in annotations
         for name in ("ge", "gt", "le", "lt")
         if getattr(each, name, None) is not None
     }
@@ -104,8 +109,8 @@ def hold(scene, changes, pressed):
 @pytest.mark.parametrize("scene", QUICK.values(), ids=QUICK)
 def test_each_key_at_its_ends_is_answered_or_refused_in_a_line(scene):
     drawn = random.Random(4).sample(extremes(scene), 20)
-    held = [hold(scene, {key: end}, pressed=k % 2) for k, (key, end) in enumerate(drawn)]
-    assert any(held) and not all(held)
+    kept = [hold(scene, {key: end}, pressed=k % 2) for k, (key, end) in enumerate(drawn)]
+    assert any(kept) and not all(kept)
 
 
 @given(st.data())
@@ -130,7 +135,7 @@ def test_narrow_skins_that_vary_are_refused_before_they_are_meshed(changes):
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", EVERY.values(), ids=EVERY)
 def test_every_key_of_every_kind_of_skin_at_its_ends(scene):
-    held = [
+    kept = [
         hold(scene, {key: end}, pressed=1) for key, end in extremes(scene) if math.isfinite(end)
     ]
-    assert any(held)
+    assert any(kept)

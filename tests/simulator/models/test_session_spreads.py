@@ -43,25 +43,27 @@ def drawn(scene, sessions=3000):
 
 
 def test_spreads_are_those_of_drawn_skins(scene):
-    told = session_spreads(scene)
+    spreads = session_spreads(scene)
     for name, values in drawn(scene).items():
-        assert told[name].deviation == pytest.approx(values.std(), rel=0.05)
-        assert told[name].shift == pytest.approx(values.mean(), abs=0.1 * values.std())
+        assert spreads[name].deviation == pytest.approx(values.std(), rel=0.05)
+        assert spreads[name].shift == pytest.approx(values.mean(), abs=0.1 * values.std())
 
 
 def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
-    told = {name: each for name, each in session_spreads(scene).items() if each.deviation > 0}
+    spreads = {name: each for name, each in session_spreads(scene).items() if each.deviation > 0}
     prior = priors(measurements_of(scene, simulate(Solver(scene), [Press()])), "session")
-    for name, each in told.items():
+    for name, each in spreads.items():
         assert prior[name].deviation == each.deviation
         assert prior[name].center == each.shift
     frequency = np.array(scene.frequencies)
     limits = SkinUnknowns(
         FullFields(scene, 1e4), frequency, error_model(scene, len(frequency))
     ).deviations
-    assert {name: limits[name] for name in told} == {n: s.deviation for n, s in told.items()}
+    assert {name: limits[name] for name in spreads} == {n: s.deviation for n, s in spreads.items()}
     inversion = UnknownSkin(Forward(scene, rtol=1e-3))
-    assert {name: inversion.values[name] for name in told} == {n: s.shift for n, s in told.items()}
+    assert {name: inversion.values[name] for name in spreads} == {
+        n: s.shift for n, s in spreads.items()
+    }
 
 
 def test_only_resistive_contacts_share_the_spread_of_contacts(make_scene):

@@ -1,4 +1,4 @@
-"""Errors of Rs and Cp as they are told, also where Cp is nothing beside the conductance."""
+"""Estimated errors of Rs and Cp, also where Cp is negligible next to the conductance."""
 
 import numpy as np
 import pytest
@@ -40,9 +40,9 @@ def test_a_resistor_has_errors_that_are_numbers():
 def test_leads_that_cancel_the_capacitance_leave_errors_that_are_numbers():
     leads = Leads(resistance=1.0, inductance=1.0)
     Z = 5e4 - 2j * np.pi * FREQUENCY * 1.0
-    seen = answered(Z).at_meter(leads)
-    assert (seen.Z.imag == 0).all()
-    assert np.isfinite(np.stack(seen.relative_errors)).all()
+    measured = answered(Z).at_meter(leads)
+    assert (measured.Z.imag == 0).all()
+    assert np.isfinite(np.stack(measured.relative_errors)).all()
 
 
 def test_certificates_of_a_conductance_are_numbers():

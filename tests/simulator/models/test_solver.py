@@ -22,7 +22,7 @@ def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
 
 
 @pytest.mark.parametrize(
-    ("contacts", "press", "told"),
+    ("contacts", "press", "message"),
     [
         ({"top-left": {}, "bottom-left": {}}, "1,1", "press 1,1:2.0 varies across scene"),
         ({"top-left": {}, "bottom-right": {}}, "none", "not fed in pairs"),
@@ -38,9 +38,9 @@ def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
         ),
     ],
 )
-def test_what_is_no_line_is_told(make_scene, contacts, press, told):
+def test_what_is_no_line_is_refused_with_the_reason(make_scene, contacts, press, message):
     scene = make_scene(contacts, rows=2)
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         Solver(scene, model="line").solve(parse_press(press, 2.0))
 
 
@@ -51,7 +51,7 @@ def test_a_resistor_has_no_lumped_capacitor(make_scene):
     assert Solver(scene).solve(Press()).model.startswith("2-D elements, two fields")
 
 
-def test_a_model_asked_for_by_name_is_not_replaced(make_scene):
+def test_a_model_chosen_by_name_is_not_replaced(make_scene):
     with pytest.raises(ToleranceError, match="one R and one C: estimated error"):
         Solver(make_scene(frequencies=[1e5]), model="lumped").solve(Press())
     answer = Solver(make_scene(), model="sheet").solve(Press())
@@ -59,7 +59,7 @@ def test_a_model_asked_for_by_name_is_not_replaced(make_scene):
     assert answer.rejected == ()
 
 
-def test_what_was_rejected_is_told_in_order(make_scene):
+def test_rejected_models_are_listed_in_order(make_scene):
     answer = Solver(make_scene(rows=2)).solve(ACROSS)
     assert [reason.split(":")[0] for reason in answer.rejected] == [
         "line",
@@ -94,14 +94,14 @@ def test_a_press_beside_the_pixels_is_refused(make_scene):
 
 
 @pytest.mark.parametrize("model", ["auto", "sheet", "line", "lumped"])
-def test_frequencies_asked_are_those_answered_as_if_the_scene_swept_them(make_scene, model):
-    asked = [10.0, 30.0] if model == "lumped" else [2e3, 7e3]
+def test_given_frequencies_are_solved_like_those_of_the_scene(make_scene, model):
+    requested = [10.0, 30.0] if model == "lumped" else [2e3, 7e3]
     scene = make_scene({"top-left": {}, "bottom-left": {}}, rows=1)
-    own = Solver(scene.with_({"sweep": {"frequencies": asked}}), model=model).solve(ACROSS)
+    own = Solver(scene.with_({"sweep": {"frequencies": requested}}), model=model).solve(ACROSS)
     solver = Solver(scene, model=model)
     solver.solve(ACROSS, 5.0)
-    answer = solver.solve(ACROSS, asked)
-    assert answer.model == own.model and answer.frequency.tolist() == asked
+    answer = solver.solve(ACROSS, requested)
+    assert answer.model == own.model and answer.frequency.tolist() == requested
     np.testing.assert_array_equal(answer.Z, own.Z)
     np.testing.assert_array_equal(answer.Cp_error, own.Cp_error)
 
@@ -116,13 +116,16 @@ def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
     """Beyond them elements do, and why is said in one line."""
     scene = make_scene()
     low, high = scene.frequencies[[0, -1]]
-    asked = [low / 2, low, math.sqrt(low * high), high, 2 * high]
+    requested = [low / 2, low, math.sqrt(low * high), high, 2 * high]
     solver = Solver(scene, rtol=1e-3, model="reduced")
-    answer, truth = solver.solve(ACROSS, asked), Solver(scene, rtol=1e-5).solve(ACROSS, asked)
+    answer, truth = (
+        solver.solve(ACROSS, requested),
+        Solver(scene, rtol=1e-5).solve(ACROSS, requested),
+    )
     assert ["reduced" in model for model in answer.models] == [False, True, True, True, False]
     assert relative_difference(answer.Z, truth.Z).max() <= 1e-3
-    (told,) = (reason for reason in answer.rejected if "from" in reason)
-    assert told == (
+    (message,) = (reason for reason in answer.rejected if "from" in reason)
+    assert message == (
         f"reduced: the model is trained for frequencies from {low:g} to {high:g} Hz, "
         f"got {low / 2:g}, {2 * high:g}"
     )

@@ -1,4 +1,4 @@
-"""What a tolerance needs is told from the first answers, and never more than it does."""
+"""The first results show what a tolerance needs, and never more than it does."""
 
 import logging
 
@@ -22,8 +22,8 @@ class Clock:
         return self.now
 
 
-def saw(clock, outlook, *answers):
-    one = outlook.of("1,1")
+def reported_errors(clock, estimate, *answers):
+    one = estimate.of("1,1")
     for clock.now, error in answers:
         one(error)
 
@@ -47,33 +47,33 @@ def test_large_parts_take_no_more_than_the_most_cells_each(part):
 
 def test_what_is_out_of_reach_says_how_much_larger_a_tolerance_would_be_kept():
     check_within_reach(100, 100, 3, "cells")
-    with pytest.raises(ToleranceError, match="more than 100 cells") as told:
+    with pytest.raises(ToleranceError, match="more than 100 cells") as refused:
         check_within_reach(200, 100, 3, "cells")
-    assert told.value.times == pytest.approx(64)
+    assert refused.value.times == pytest.approx(64)
 
 
-def test_a_press_that_takes_minutes_is_told_once(caplog):
+def test_a_press_that_takes_minutes_is_reported_once(caplog):
     clock = Clock()
-    outlook = TimeEstimate(1e-8, clock)
+    estimate = TimeEstimate(1e-8, clock)
     with caplog.at_level(logging.INFO, "rcskin"):
         for _ in range(2):
             clock.now = 0.0
-            saw(clock, outlook, (5, 1e-3), (10, 1e-4), (20, 1e-5), (40, 1e-6))
+            reported_errors(clock, estimate, (5, 1e-3), (10, 1e-4), (20, 1e-5), (40, 1e-6))
     assert caplog.messages == [
         "press 1,1: error 1e-04 after 10 s, tolerance 1e-08; about 2 minutes remaining"
     ]
 
 
-def test_a_press_that_is_done_soon_is_not_told(caplog):
+def test_a_press_that_is_done_soon_is_not_reported(caplog):
     clock = Clock()
     with caplog.at_level(logging.INFO, "rcskin"):
-        saw(clock, TimeEstimate(1e-4, clock), (6, 1e-3), (9, 2e-4), (70, 1e-5))
+        reported_errors(clock, TimeEstimate(1e-4, clock), (6, 1e-3), (9, 2e-4), (70, 1e-5))
     assert not caplog.messages
 
 
 @pytest.fixture
 def foreseen(monkeypatch):
-    """Cells that were needed at least, as they were told on the way."""
+    """Cells that were needed at least, as they were estimated on the way."""
     found = []
 
     def noted(needed, most, order, what):
@@ -106,8 +106,8 @@ def test_an_outline_needed_what_was_foreseen(foreseen):
     assert max(foreseen) <= cells[0] <= 4 * min(foreseen)
 
 
-def test_a_press_out_of_reach_is_told_on_a_small_mesh(monkeypatch):
+def test_a_press_out_of_reach_is_refused_on_a_small_mesh(monkeypatch):
     monkeypatch.setattr(adaptive, "MAX_PRESS_TRIANGLES", 3000)
-    with pytest.raises(ToleranceError, match="more than 3000 triangles under the press") as told:
+    with pytest.raises(ToleranceError, match="more than 3000 triangles under the press") as refused:
         Solver(load_scene("foam"), 1e-7).solve(parse_press("3,3:2mm", 2.0))
-    assert 1 < told.value.times < 1e3
+    assert 1 < refused.value.times < 1e3

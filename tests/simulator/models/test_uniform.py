@@ -40,7 +40,7 @@ def test_a_plain_scene_is_returned_as_it_is(name):
     assert require_uniform(scene, "anything") is scene
 
 
-def test_a_stretch_is_folded_by_hand_derived_figures(make_scene):
+def test_a_stretch_gives_derived_values(make_scene):
     """J = 0.96; rubber of constant volume R J, foam J^(1/3) = J^(0.25 / 0.75)."""
     scene = skin_with(make_scene(rows=2, columns=3), stretch=STRETCH)
     folded = equivalent_scene(scene)

@@ -28,17 +28,17 @@ def test_the_lateral_error_is_the_first_term_of_laplaces_equation():
 
 
 @pytest.mark.parametrize(
-    ("scene", "told"),
+    ("scene", "message"),
     [
         ({"frequencies": [1e3, 1e7]}, "currents along the foam change Rs and Cp"),
         ({"length": 0.02}, "fields around the edges add"),
         ({"columns": 20}, "pixels of 5 mm are less than 2 times"),
     ],
 )
-def test_each_limit_is_told(make_scene, scene, told):
+def test_each_limit_is_reported(make_scene, scene, message):
     scene = with_foam(make_scene, thickness=4e-3, relative_permittivity=2.2, scene=scene)
     (warning,) = warnings(scene)
-    assert told in warning
+    assert message in warning
 
 
 def test_a_capacitance_alone_is_of_a_foam_of_assumed_permittivity(make_scene):
@@ -60,7 +60,7 @@ def test_the_fringe_weighs_more_the_less_the_foam_holds(make_scene, permittivity
 
 
 @pytest.mark.parametrize("key", ["rim", "thickness", "solved"])
-def test_a_thickness_that_is_assumed_where_it_counts_is_told(key):
+def test_an_assumed_thickness_is_reported_where_it_counts(key):
     scene = load_scene("sheet-5x5").with_({f"surroundings.{key}": True})
     (warning,) = warnings(scene)
     assert (
@@ -79,11 +79,11 @@ def test_a_thickness_that_is_assumed_where_it_counts_is_told(key):
     ],
 )
 def test_earth_is_warned_of_where_nothing_is_said_of_it(changes, warned):
-    told = earth_left_out(load_scene("sheet-5x5").with_(changes))
-    assert (told is not None) == warned
-    if told is not None:
-        assert "5 mm behind the bottom sheet would raise Rs by about 22 %" in told
-        assert "a finger of 5.31 pF by up to 5.7 %" in told
+    message = earth_left_out(load_scene("sheet-5x5").with_(changes))
+    assert (message is not None) == warned
+    if message is not None:
+        assert "5 mm behind the bottom sheet would raise Rs by about 22 %" in message
+        assert "a finger of 5.31 pF by up to 5.7 %" in message
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ def test_conductance_scales_as_one_over_resistance_and_not_with_the_foam(changed
     np.testing.assert_allclose(twice.capacitance(X), 3 * one.capacitance(X), rtol=1e-14)
 
 
-def test_conductance_does_not_depend_on_size_where_all_lengths_grow_alike(changed, make_scene):
+def test_conductance_does_not_depend_on_size_where_all_lengths_grow_equally(changed, make_scene):
     """Two dimensions: a sphere, its skin and its places three times as large."""
     radius = {"kind": "sphere", "radius": 0.12}
     small = Materials(changed(make_scene(), {"skin.shape": SPHERE}))
@@ -114,26 +114,26 @@ def test_strain_of_a_factor_at_constant_permittivity():
     assert strain_of(0.4) == 0
 
 
-def test_sheets_are_alike_where_all_that_varies_is_the_same(changed, make_scene):
-    def alike(keys):
+def test_sheets_are_the_same_if_all_that_varies_is_equal(changed, make_scene):
+    def same(keys):
         return Materials(changed(make_scene(), keys)).same_sheets
 
     both = {f"skin.{name}.map": RANDOM for name in ("top", "bottom")}
     turned = {"ratio": 2.0, "angle": 0.3}
-    assert alike(both)
-    assert alike({"skin.shape": SPHERE, "skin.stretch": STRETCH, "skin.foam.map": GRID})
-    assert alike({"skin.top.map": {"kind": "constant", "value": 2.0}})
-    assert alike({"skin.top.anisotropy": {"ratio": 1.0, "angle": 0.4}})
-    assert alike(
+    assert same(both)
+    assert same({"skin.shape": SPHERE, "skin.stretch": STRETCH, "skin.foam.map": GRID})
+    assert same({"skin.top.map": {"kind": "constant", "value": 2.0}})
+    assert same({"skin.top.anisotropy": {"ratio": 1.0, "angle": 0.4}})
+    assert same(
         {
             "skin.top.anisotropy": turned,
             "skin.bottom.anisotropy": {"ratio": 2.0, "angle": 0.3 + np.pi},
         }
     )
-    assert not alike({"skin.top.map": RANDOM})
-    assert not alike({**both, "skin.bottom.map": {**RANDOM, "seed": 5}})
-    assert not alike({"skin.top.anisotropy": turned})
-    assert not alike({"skin.bottom.piezoresistance": 1.0})
+    assert not same({"skin.top.map": RANDOM})
+    assert not same({**both, "skin.bottom.map": {**RANDOM, "seed": 5}})
+    assert not same({"skin.top.anisotropy": turned})
+    assert not same({"skin.bottom.piezoresistance": 1.0})
 
 
 def test_lines_and_lengths_are_those_of_all_maps(changed, make_scene):

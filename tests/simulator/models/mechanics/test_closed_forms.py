@@ -28,7 +28,9 @@ def beside(x, length):
 
 
 @pytest.mark.parametrize(("tension", "rtol"), [(5.0, 1e-2), (50.0, 1e-4), (1e4, 1e-4)])
-def test_a_strip_falls_off_like_an_exponential_within_the_error_told(foam_scene, tension, rtol):
+def test_a_strip_falls_off_like_an_exponential_within_the_estimated_error(
+    foam_scene, tension, rtol
+):
     scene = foam_scene(tension)
     found = deformation(scene, parse_press(f"{STRIP}:2mm", 2.0), rtol)
     x = np.linspace(0, X1, 400)
@@ -85,7 +87,7 @@ def test_a_deeper_neighbour_lifts_the_shallower_applicator_off(foam_scene):
 
 
 @pytest.mark.parametrize("stress_strain", ["linear", "elastomer"])
-def test_the_error_told_holds_at_corners(foam_scene, stress_strain):
+def test_the_estimated_error_holds_at_corners(foam_scene, stress_strain):
     """Against a far finer solution, at and around a corner of a square and of a narrow triangle."""
     scene = foam_scene(50.0, stress_strain)
     press = parse_press("poly(0.03,0.01,0.09,0.02,0.03,0.03):2mm", 2.0)

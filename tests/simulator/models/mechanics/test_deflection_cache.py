@@ -1,4 +1,4 @@
-"""Other depths at a place pressed before: what is kept serves them, and what is told holds."""
+"""Other depths at a place pressed before: the cache serves them, and estimates hold."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ DEAR = (
         for name in PRESSES
     ],
 )
-def test_what_is_told_holds(scene, name, piezoresistance):
+def test_estimates_hold(scene, name, piezoresistance):
     sheet = scene.skin.top.model_copy(update={"piezoresistance": piezoresistance})
     scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": sheet})})
     solver = Solver(scene, RTOL)
@@ -54,19 +54,19 @@ def test_what_is_told_holds(scene, name, piezoresistance):
         press = parse_press(text, 2.0)
         answer, true = solver.solve(press), Solver(scene, CLOSELY).solve(press)
         off = relative_difference(answer.Z, true.Z)
-        told = np.stack(answer.relative_errors)
-        assert (off <= told + CLOSELY).all() and told.max() <= RTOL
+        estimated = np.stack(answer.relative_errors)
+        assert (off <= estimated + CLOSELY).all() and estimated.max() <= RTOL
 
 
 def test_the_same_presses_in_the_same_order_give_the_same_bytes(scene):
-    asked = [parse_press(text, 2.0) for text in ("1,2:2mm", "1,1:1mm", "1,2:1mm", "1,2:1.7mm")]
+    presses = [parse_press(text, 2.0) for text in ("1,2:2mm", "1,1:1mm", "1,2:1mm", "1,2:1.7mm")]
     first, second = (Solver(scene, RTOL) for _ in range(2))
-    for press in asked:
+    for press in presses:
         assert first.solve(press).Z.tobytes() == second.solve(press).Z.tobytes()
 
 
 @pytest.mark.parametrize("text", ["1,2:1.7mm", "1,2:4N"])
-def test_a_press_asked_again_gives_the_same_bytes(scene, text):
+def test_a_repeated_press_gives_the_same_bytes(scene, text):
     solver, press = Solver(scene, RTOL), parse_press(text, 2.0)
     once = solver.solve(press).Z
     solver.solve(parse_press("1,2:0.8mm", 2.0))
@@ -84,14 +84,14 @@ def test_other_frequencies_are_answered_within_the_tolerance(scene):
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
     monkeypatch.setattr(press_cache, "MAX_CACHED_NODES", 5)
     kept = press_cache.PressCache()
-    asked = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
-    for press in asked:
+    presses = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
+    for press in presses:
         place = kept.of(press)
         place.deflections.__dict__["level"] = type("Level", (), {"clamped": np.zeros(4)})()
-    assert kept.of(asked[2]) is place
+    assert kept.of(presses[2]) is place
     assert kept.of(parse_press("1,3:2mm", 2.0)) is place
     assert len(kept._known) == 2
-    assert kept.of(asked[0]).deflections.level is None
+    assert kept.of(presses[0]).deflections.level is None
 
 
 def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):

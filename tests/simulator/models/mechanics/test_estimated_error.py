@@ -1,4 +1,4 @@
-"""What is told of spread presses covers what mechanics, and integrals of what it tells, leave."""
+"""Estimates for spread presses cover the errors of mechanics and of its integrals."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ CLOSED = 0.67 * 4e-3
 
 
 def integral(found):
-    """Of the factor less 1 over the skin, m²: on the triangles of the mechanics, each in parts."""
+    """Integral of the factor less 1 over the skin, m², on divided triangles of the mechanics."""
     i, j = (each.ravel() for each in np.meshgrid(np.arange(PARTS), np.arange(PARTS)))
     upright, turned = i + j < PARTS, i + j < PARTS - 1
     third = np.repeat([1, 2], [upright.sum(), turned.sum()]) / 3
@@ -59,7 +59,7 @@ def test_capacitance_of_foam_that_nearly_closes(foam_scene, part):
 
 
 @pytest.mark.parametrize("place", ["1,1", "1,2", "disc(0.02,0.02,0.01)"])
-def test_what_is_felt_of_the_error_of_mechanics(foam_scene, place):
+def test_the_effect_of_the_error_of_mechanics(foam_scene, place):
     """At each frequency, of a sheet that is a gauge too."""
     scene = foam_scene(20.0, "elastomer")
     top = scene.skin.top.model_copy(update={"piezoresistance": 2.0})

@@ -1,4 +1,4 @@
-"""The membrane on an even lattice: closed forms, the readable twin of its kernel, presses apart."""
+"""The membrane on a uniform lattice: closed forms, the kernel's twin, separate presses."""
 
 import numpy as np
 import pytest
@@ -107,8 +107,8 @@ def test_the_kernel_finds_the_least_energy_above_applicators():
         return pulled / 2 + (load * stored(w)).sum()
 
     bounds = [(low, 2.0) for low in least.ravel()]
-    asked = {"ftol": 1e-15, "gtol": 1e-9, "maxfun": 10**6, "maxiter": 10**4}
-    found = minimize(energy, least.ravel(), method="L-BFGS-B", bounds=bounds, options=asked)
+    options = {"ftol": 1e-15, "gtol": 1e-9, "maxfun": 10**6, "maxiter": 10**4}
+    found = minimize(energy, least.ravel(), method="L-BFGS-B", bounds=bounds, options=options)
     assert energy(w.ravel()) <= found.fun + 1e-9
     np.testing.assert_allclose(w.ravel(), found.x, atol=2e-3)
     assert (w[2:5, 4:7] > 0.4).any()  # a deeper applicator lifts the skin off its neighbour
@@ -130,7 +130,7 @@ def test_arms_end_at_the_edges_of_applicators():
     assert (load[2, 4], load[6, 4]) == (pytest.approx(0.8), pytest.approx(0.75))
 
 
-def test_presses_far_apart_are_those_of_each_alone(lattice_on):
+def test_distant_presses_are_those_of_each_alone(lattice_on):
     lattice = lattice_on()
     first, second = disc(0.02, 0.02, 0.006, 2e-3), one(0.09, 0.1, 0.08, 0.1, 1e-3)
     both = LatticeApplicators(*(np.concatenate(each) for each in zip(first, second, strict=True)))
@@ -203,7 +203,7 @@ def test_it_comes_to_rest_in_half_the_sweeps_allowed(lattice_on, monkeypatch):
         raised(lattice_on(tension=tension), disc(0.06, 0.05, 0.006, 2e-3))
 
 
-def test_foam_that_does_not_come_to_rest_is_told(lattice_on, monkeypatch):
+def test_relaxation_without_convergence_is_reported(lattice_on, monkeypatch):
     monkeypatch.setattr(presses, "MAX_RELAXATION_SWEEPS", 2)
     with pytest.raises(ToleranceError, match="does not converge"):
         raised(lattice_on(), disc(0.06, 0.05, 0.006, 2e-3))

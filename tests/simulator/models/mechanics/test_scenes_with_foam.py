@@ -41,7 +41,7 @@ def test_how_strongly_a_scene_presses(press, strength):
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ({"press": "depth = 0.0"}, "`press.depth` must be from 1e-8 to 10 m, got 0"),
         ({"press": "depth = 1e-3\nforce = 2.0"}, "`press` takes one of .*, got depth and force"),
@@ -59,8 +59,8 @@ def test_how_strongly_a_scene_presses(press, strength):
         ({"foam": FOAM.replace("thickness = 4e-3", "")}, "needs thickness where mechanics"),
     ],
 )
-def test_bad_scenes_are_told_in_one_line(given, told):
-    with pytest.raises(InputError, match=told) as error:
+def test_bad_scenes_are_refused_in_one_line(given, message):
+    with pytest.raises(InputError, match=message) as error:
         parse_scene(text_of(**given), "scene")
     assert "\n" not in str(error.value)
 
@@ -70,14 +70,14 @@ def test_without_tension_a_depth_is_a_factor(run, tmp_path):
     path, out = tmp_path / "scene.toml", tmp_path / "out.nc"
     path.write_text(text_of())
     factor = parse_scene(text_of(), "s").skin.foam.mechanics.factor(np.array(0.5))
-    asked = ("--press", "1,2", "--press", f"1,2:{factor!s}")
-    assert run("sweep", path, *asked, "-o", out)[0] == 0
+    options = ("--press", "1,2", "--press", f"1,2:{factor!s}")
+    assert run("sweep", path, *options, "-o", out)[0] == 0
     by_depth, by_factor = sweeps.read(out)["Rs"].values
     np.testing.assert_array_equal(by_depth, by_factor)
 
 
 @pytest.mark.parametrize(
-    ("press", "told"),
+    ("press", "message"),
     [
         ("1,2:3.9mm", "depth must be <= 0.002677 m"),
         ("1,2:1e6N", "force must leave the depth <= 0.002677 m"),
@@ -85,10 +85,10 @@ def test_without_tension_a_depth_is_a_factor(run, tmp_path):
         ("poly(0,0,1,0,1,1):2mm", "touches must lie within"),
     ],
 )
-def test_the_command_line_tells_what_foam_cannot_do(run, tmp_path, press, told):
+def test_the_command_line_refuses_impossible_presses(run, tmp_path, press, message):
     path = tmp_path / "scene.toml"
     path.write_text(text_of())
     code, out, err = run("sweep", path, "--press", press, "-o", tmp_path / "x.csv")
     *warnings, last = err.splitlines()
-    assert (code, out) == (2, "") and told in last
+    assert (code, out) == (2, "") and message in last
     assert all("warning" in line for line in warnings)

@@ -12,7 +12,7 @@ from rcskin.simulator.sweeps import InputError, impedance
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "feature",
     [
         lambda scene: planned_presses(scene, np.random.default_rng(1)),
         own_presses,
@@ -20,9 +20,9 @@ from rcskin.simulator.sweeps import InputError, impedance
     ],
     ids=["planned", "own presses", "tables"],
 )
-def test_a_force_is_refused_by_its_key(foam_scene, asked):
+def test_a_force_is_refused_by_its_key(foam_scene, feature):
     with pytest.raises(InputError, match=r"`press\.force`.*`press.depth`"):
-        asked(foam_scene(press={"force": 1.0}))
+        feature(foam_scene(press={"force": 1.0}))
 
 
 def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):

@@ -53,17 +53,17 @@ def test_halved_towards_a_corner_beforehand_one_mesh_is_enough(l_shape, rtol):
     assert (true <= rung.error).all() and rung.error.max() <= 10 * true.max()
 
 
-@pytest.mark.parametrize("asked", [0.99, 0.8, 0.4])
+@pytest.mark.parametrize("share", [0.99, 0.8, 0.4])
 @pytest.mark.parametrize("order", [2, 3])
 def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(
-    l_shape, order, asked, monkeypatch
+    l_shape, order, share, monkeypatch
 ):
-    """Also where the error is expected to be told as less by the second mesh. All tolerances begin
+    """Also if the second mesh is expected to have a smaller estimate. All tolerances begin
     on the same mesh here."""
     monkeypatch.setattr(of_triangles, "SECOND", np.inf)
     loose = {2: 1.0, 3: 1e-3}[order]
     first = Triangles(l_shape, circuit_of(l_shape), Press(), loose).finer(l_shape.frequencies)
-    rtol = asked * float(first.result(l_shape.frequencies, loose).error.max())
+    rtol = share * float(first.result(l_shape.frequencies, loose).error.max())
     meshes = Triangles(l_shape, circuit_of(l_shape), Press(), rtol)
     meshes.order = order
     cells = []

@@ -76,7 +76,7 @@ def test_an_l_its_pixels_and_touches(tools):
             assert tools.length_along(mesh, side) == pytest.approx(whole, rel=1e-6)
 
 
-def test_triangles_meet_the_order_that_is_told(tools):
+def test_triangles_reach_their_order(tools):
     mesh = domain(load_scene(tools.SCENES / "l-shape.toml"), TOUCHED, 0.02)
     assert (np.diff(mesh.t, axis=0) > 0).all()
     for lines in mesh.foils.values():
@@ -136,7 +136,7 @@ def test_creases_are_conformed_to(make_scene, tools):
 
 
 @pytest.mark.parametrize("size", [0.03, 0.01, 0.004])
-def test_edges_are_no_longer_than_asked(make_scene, size):
+def test_edges_are_no_longer_than_requested(make_scene, size):
     mesh = domain(make_scene(), REST, size)
     assert mesh.lengths.max() < 1.7 * size
     assert np.median(mesh.lengths) > 0.5 * size
@@ -174,7 +174,7 @@ def test_meshing_is_silent(make_scene, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_library_that_is_missing_is_told(make_scene, monkeypatch):
+def test_a_missing_library_is_reported(make_scene, monkeypatch):
     monkeypatch.setitem(sys.modules, "pythoncdt", None)
     skin_mesh._drawn.cache_clear()
     with pytest.raises(InputError, match=r"meshed by pythoncdt.*pip install 'rcskin\[mesh\]'"):

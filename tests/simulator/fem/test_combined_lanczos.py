@@ -32,7 +32,7 @@ def test_many_right_hand_sides_are_solved_as_one_by_one(sheet, sides):
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-6])
 def test_all_potentials_at_once_are_each_by_itself(sheet, rtol):
-    """Of two excitations, at rest and under a touch; some need more steps than others."""
+    """Pencils of two excitations, unpressed and under a touch; some need more steps than others."""
     masses = [sheet.mass(parse_press(text, 2.0)) for text in ("none", "2,3:9")]
     excitations = sheet.circuit.excitations
     inside = [sheet.space.restricted(mass) for mass in masses]

@@ -67,7 +67,7 @@ def test_linear_foam_deflects_in_proportion(foam_scene):
     np.testing.assert_allclose(two.w(PLACES), 2 * one.w(PLACES), atol=1e-6)
 
 
-def test_linear_presses_far_apart_add_up(foam_scene):
+def test_distant_linear_presses_add_up(foam_scene):
     texts = "disc(0.02,0.02,0.005):1mm", "disc(0.1,0.02,0.005):2mm"
     first, second, both = (
         deformation(foam_scene(20.0), press_of(text), 1e-3) for text in (*texts, "+".join(texts))
@@ -131,7 +131,7 @@ def test_holes_press_nothing(foam_scene):
 
 @pytest.mark.parametrize("tension", [0.0, 50.0])
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("1,2:2.69mm", r"depth must be <= 0.002677 m, where foam of 0.004 m .* got 0.00269m"),
         ("1,2:1e6N", r"force must leave the depth <= 0.002677 m"),
@@ -139,12 +139,12 @@ def test_holes_press_nothing(foam_scene):
         ("disc(0.06,0.05,0.02):1mm", "touches must lie within y = 0..0.04 m"),
     ],
 )
-def test_what_foam_cannot_do_is_told(foam_scene, tension, text, told):
-    with pytest.raises(InputError, match=told):
+def test_impossible_presses_are_refused(foam_scene, tension, text, message):
+    with pytest.raises(InputError, match=message):
         deformation(foam_scene(tension, "elastomer"), press_of(text), 1e-2)
 
 
-def test_a_spread_too_short_to_resolve_is_told(foam_scene):
+def test_a_spread_too_short_to_resolve_is_refused(foam_scene):
     with pytest.raises(
         ToleranceError, match="if the tension hardly spreads the press, set it to 0"
     ):
@@ -162,7 +162,7 @@ def test_every_press_is_as_the_scene_says(foam_scene):
     assert every_press(foam_scene(press={"force": 3.0}))[3] == Press(press_of("1,3:3N").touches)
 
 
-def test_what_is_surely_out_of_reach_is_told_before_meshes_grow(foam_scene, monkeypatch):
+def test_a_tolerance_out_of_reach_is_refused_before_meshes_grow(foam_scene, monkeypatch):
     sizes = []
 
     def noted(mesh, *more):
