@@ -127,9 +127,9 @@ def edge_masses(order: int) -> list[NDArray[np.float64]]:
 def _parallelograms(cells: QuadrilateralCells, which: NDArray[np.int64], order: int) -> Group:
     """Group of parallelograms: their geometry is constant, so one point gives the weights."""
     rule, corner = _rules(order)
-    at, even = surface(cells.some(which), corner), np.ones((len(which), 1))
-    ((area, mass),) = mass_terms(rule, at, even)
-    ((weights, stiffness),) = stiffness_terms(rule, at, even)
+    at, ones = surface(cells.some(which), corner), np.ones((len(which), 1))
+    ((area, mass),) = mass_terms(rule, at, ones)
+    ((weights, stiffness),) = stiffness_terms(rule, at, ones)
     local = len(rule.values)
     stiffness = stiffness.reshape(-1, local, local)
     return Group(which, weights, stiffness, area[:, 0], mass.reshape(local, local))
@@ -150,9 +150,9 @@ def _shape_matrices(
     )
     rule = gauss_rule(quadrilateral(order), 2 * order + EXTRA_ORDER)
     at = surface(cell, rule)
-    local, even = len(rule.values), np.ones_like(at.area)
+    local, ones = len(rule.values), np.ones_like(at.area)
     mass, stiffness = (
-        np.sum([weights @ matrices for weights, matrices in terms(rule, at, even)], axis=0)
+        np.sum([weights @ matrices for weights, matrices in terms(rule, at, ones)], axis=0)
         for terms in (mass_terms, stiffness_terms)
     )
     return mass.reshape(local, local), stiffness.reshape(local, local)

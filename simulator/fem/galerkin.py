@@ -182,9 +182,9 @@ class Galerkin:
         U = W[self.inner :]
         current = films.current[self._rows] @ U
         V = W - self._system.unknowns.at_foils[self._rows] @ U
-        beside = V.T @ current
+        coupled = V.T @ current
         in_films = V.T @ (self.restricted(films.stiffness) @ V)
-        return in_films + beside + beside.T + U.T @ (films.conductance @ U)
+        return in_films + coupled + coupled.T + U.T @ (films.conductance @ U)
 
     def _power(self, v: NDArray[np.float64]) -> float:
         """v'Kv in W. v: V, shape (inner + terminals,)."""
@@ -227,8 +227,8 @@ class Galerkin:
         first_of_field = [
             int(np.argmax(self.terminal_field == f)) for f in range(self.circuit.fields)
         ]
-        apart = {*first_of_field, *self.circuit.conductors}
-        others = np.array([k for k in range(terminals) if k not in apart], dtype=int)
+        separate = {*first_of_field, *self.circuit.conductors}
+        others = np.array([k for k in range(terminals) if k not in separate], dtype=int)
         inner = np.zeros((self.inner, terminals))
         conductance = np.zeros((terminals, terminals))
         if others.size:

@@ -157,14 +157,14 @@ def potentials_of_all(
     """`potentials` of each pencil, all advanced step by step together."""
     found = [_Spanned(shifts) for _ in pencils.start]
     going, residual = np.arange(len(found)), pencils.start
-    beside, w = np.zeros(len(found)), np.zeros_like(residual)
+    beta, w = np.zeros(len(found)), np.zeros_like(residual)
     for _ in range(most_steps):
         solution = pencils.inverse(residual, going)
         squared = (residual * solution).sum(axis=1)
         live = squared > 0
         going, squared, w_before = going[live], squared[live], w[live]
-        beside = np.sqrt(squared)[:, None]
-        q, w = solution[live] / beside, residual[live] / beside
+        beta = np.sqrt(squared)[:, None]
+        q, w = solution[live] / beta, residual[live] / beta
         product = pencils.mass(q, going)
         diagonal = (q * product).sum(axis=1)
         settled = [
@@ -174,7 +174,7 @@ def potentials_of_all(
         left = ~np.array(settled, dtype=bool)
         if not left.any():
             break
-        residual = (product - diagonal[:, None] * w - beside * w_before)[left]
+        residual = (product - diagonal[:, None] * w - beta * w_before)[left]
         going, w = going[left], w[left]
     nothing = np.zeros((pencils.start.shape[1], len(shifts)))
     return [each.potentials if each.steps.basis else nothing for each in found]
@@ -206,8 +206,8 @@ class Steps:
 
     def parts(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficient of each basis vector, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
-        beside = np.sqrt(self.squared[1:])
-        T = np.diag(self._diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
+        beta = np.sqrt(self.squared[1:])
+        T = np.diag(self._diagonal) + np.diag(beta, 1) + np.diag(beta, -1)
         start = np.eye(len(T), 1) * np.sqrt(self.squared[0])
         solved = np.linalg.solve(np.eye(len(T)) + shifts[:, None, None] * T, start)[:, :, 0]
         return np.ascontiguousarray((-shifts[:, None] * solved).T)
@@ -256,15 +256,15 @@ class _Spanned:
 
 def coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
     """b_0², a_1 and q_1, b_1², a_2 and q_2, ... until the space is exhausted; Q'KQ = 1."""
-    beside, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
+    beta, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
     while True:
         solution = pencil.inverse(residual)
         squared = float(residual @ solution)
         if not squared > 0:
             return
-        w_before, beside = w, np.sqrt(squared)
-        q, w = solution / beside, residual / beside
+        w_before, beta = w, np.sqrt(squared)
+        q, w = solution / beta, residual / beta
         product = pencil.mass(q)
         diagonal = float(q @ product)
         yield squared, diagonal, q
-        residual = product - diagonal * w - beside * w_before
+        residual = product - diagonal * w - beta * w_before

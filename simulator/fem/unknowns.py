@@ -161,9 +161,9 @@ def _numbers(
     for index, terminal in enumerate(circuit.terminals):
         if terminal.faces is not None:
             continue
-        held = _fixed_coefficients(terminal, trial, under_all)
-        number[terminal.field, held] = DROPPED
-        owner[terminal.field, held[trial.one[held] == 1]] = index
+        fixed = _fixed_coefficients(terminal, trial, under_all)
+        number[terminal.field, fixed] = DROPPED
+        owner[terminal.field, fixed[trial.one[fixed] == 1]] = index
     degree = np.tile(trial.degree, (circuit.fields, 1))[number == free]
     inner = len(degree)
     number[number == free] = np.arange(inner)

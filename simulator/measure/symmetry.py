@@ -264,7 +264,7 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
 
 
 def _exchanged(scene: Scene) -> list[dict[str, str]]:
-    """Image of every foil if the sheets can change places, or nothing."""
+    """Image of every foil if the sheets can change places, else an empty list."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
     same = _layers_kept(scene.skin, exchange) and _equal_surroundings(scene)
     if scene.skin.mesh is not None or not same:

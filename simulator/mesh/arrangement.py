@@ -134,11 +134,11 @@ def _divided(
     for k, circle in enumerate(circles):
         others = [*circles[:k], *circles[k + 1 :]]
         pairs = [_crossings(circle, segments, same), *(_met(circle, each, same) for each in others)]
-        beside = [points, _feet(circle, segments), *(c.at(_towards(c, circle)) for c in others)]
+        nearby = [points, _feet(circle, segments), *(c.at(_towards(c, circle)) for c in others)]
         first = [
             _near(circle, points, same),
             *_with_middles(pairs),
-            _near(circle, np.concatenate(beside), CLOSE * circle.radius),
+            _near(circle, np.concatenate(nearby), CLOSE * circle.radius),
         ]
         distinct = _distinct(np.concatenate(first), same / circle.radius)
         found.append(_filled(distinct, widest))

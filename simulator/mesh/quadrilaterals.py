@@ -53,11 +53,11 @@ def _halved(
 ) -> NDArray[np.float64]:
     width = (high - low) / cells
     both = width > at_low and width > at_high
-    even = np.linspace(low, high, (max(cells, 2) if both else cells) + 1)
-    width = even[1] - even[0]
+    uniform = np.linspace(low, high, (max(cells, 2) if both else cells) + 1)
+    width = uniform[1] - uniform[0]
     above_low, below_high = _steps(width, at_low), _steps(width, at_high)
     return np.concatenate(
-        [even[:1], low + above_low, even[1:-1], high - below_high[::-1], even[-1:]]
+        [uniform[:1], low + above_low, uniform[1:-1], high - below_high[::-1], uniform[-1:]]
     )
 
 
@@ -221,11 +221,11 @@ def _nodes(
     for line in (0.0, length):
         if any(each[axis] == line and _at_corner(each, skin) for each in resolution.corners):
             widths[line] = min(widths.get(line, np.inf), resolution.edge_cell)
-    beside = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
+    patches = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
     lines = distinct(
         [
             *_lines(scene, axis, contacts, resolution),
-            *(line for line in beside if 0 < line < length),
+            *(line for line in patches if 0 < line < length),
         ]
     )
     found = nodes(lines, resolution.cells, widths, GROWTH if tips else np.inf)

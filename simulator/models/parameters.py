@@ -63,9 +63,9 @@ class Variation:
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
 
 
-def of_parts(scene: Scene, map_of: NDArray[np.float64], beside: float) -> NDArray[np.float64]:
+def of_parts(scene: Scene, map_of: NDArray[np.float64], beyond: float) -> NDArray[np.float64]:
     """Values of parts, shape (part,), from those of pixels, shape (row, column)."""
-    return np.append(map_of.ravel(), beside)[: foam_parts(scene)]
+    return np.append(map_of.ravel(), beyond)[: foam_parts(scene)]
 
 
 def nominal(scene: Scene, modes: int = 1) -> Variation:

@@ -63,8 +63,8 @@ def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[n
     count = np.bincount(of_triangle.ravel())
     count[walls] = 2
     outside = part[(count == 1)[of_triangle].any(axis=0)]
-    beside = part[np.isin(of_triangle, outline).any(axis=0)]
-    return np.isin(part, np.setdiff1d(beside, outside))
+    bordering = part[np.isin(of_triangle, outline).any(axis=0)]
+    return np.isin(part, np.setdiff1d(bordering, outside))
 
 
 def _parts(of_triangle: Numbers, walls: Numbers) -> Numbers:

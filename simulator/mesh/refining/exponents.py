@@ -139,7 +139,7 @@ def _power_at(
 ) -> float:
     """Exponent at a point by the wedges around it.
 
-    held: edges of foils, which fix the field, shape (2, edge).
+    foil_edges: edges of foils, which fix the field, shape (2, edge).
     """
     corner, triangle = np.nonzero(t == point)
     sides = [set(t[:, k].tolist()) - {point} for k in triangle.tolist()]
@@ -164,10 +164,10 @@ def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
     ends = [end for side in sides for end in side if sum(end in each for each in sides) == 1]
     first = last = min(ends) if ends else min(sides[0])
     turn, left = list[int](), list(range(len(sides)))
-    while beside := [k for k in left if last in sides[k]]:
-        turn.append(beside[0])
-        left.remove(beside[0])
-        (last,) = sides[beside[0]] - {last}
+    while adjacent := [k for k in left if last in sides[k]]:
+        turn.append(adjacent[0])
+        left.remove(adjacent[0])
+        (last,) = sides[adjacent[0]] - {last}
     return turn, first, last
 
 

@@ -72,7 +72,7 @@ def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def fewest(parts: NDArray[np.float64], target: float) -> NDArray[np.int64]:
-    """Fewest triangles whose parts sum to `held`, by number, ascending.
+    """Fewest triangles whose parts sum to `target`, by number, ascending.
 
     There is at least one.
     """

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...mesh.domain import Domain
+from ...mesh.drawing import sharp_touches
+from ...press.press import Press
+from ...press.touch import Place, Touch
 from ...scene.skin import Electrode
+from ...sweeps import InputError
 from .materials import Materials, gauged, strain_of
 
 if TYPE_CHECKING:
@@ -123,3 +129,23 @@ class PressCoefficients:
         corner = np.zeros((2, 1))
         top, bottom = (self.materials.conductance(each, corner)[0, 0] for each in ELECTRODES)
         return float(bottom / (top + bottom))
+
+
+def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
+    """c over its unpressed value in each triangle by touches with a factor, shape (triangle,).
+
+    Raises InputError for a touch outside the skin.
+    """
+    factors = np.ones(mesh.t.shape[1])
+    for touch, within in covering(press, mesh, columns):
+        if not within.any():
+            raise InputError(f"press {touch}: there is no skin at that place")
+        factors[within] *= touch.factor
+    return factors
+
+
+def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, NDArray[np.bool_]]]:
+    """Touches with a factor, and the triangles that each covers, shape (triangle,)."""
+    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
+    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
+    return zip([*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True)

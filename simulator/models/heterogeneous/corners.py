@@ -1,4 +1,4 @@
-"""Corners at which the potential of a sheet goes like a fractional power of the distance.
+"""Corners at which the potential of a sheet varies as a fractional power of the distance.
 
 There the error falls slowly with the order unless cells shrink towards the corner. Such corners
 occur where conductance jumps (under a touch on a piezoresistive sheet) and where an anisotropic
@@ -64,10 +64,10 @@ def power_at(
     """
     scene, at = materials.scene, np.array(place)
     away = BESIDE * np.array(scene.skin.sides)
-    beside = at[:, None] + away[:, None] * QUADRANTS
+    around_corner = at[:, None] + away[:, None] * QUADRANTS
     sides = np.array(scene.skin.sides)[:, None]
-    within: NDArray[np.bool_] = np.all((beside > 0) & (beside < sides), axis=0)
-    found = gauges(scene.skin, _factors([patch(scene, t) for t in press.touches], beside))
+    within: NDArray[np.bool_] = np.all((around_corner > 0) & (around_corner < sides), axis=0)
+    found = gauges(scene.skin, _factors([patch(scene, t) for t in press.touches], around_corner))
     powers = [1.0]
     for sheet, conductances in zip(ELECTRODES, found, strict=True):
         jumps = np.ptp(conductances[within]) > 0

@@ -102,7 +102,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     element = quadrilateral(order)
     middles = pixels.cells.p[:, pixels.cells.t].mean(axis=1)
 
-    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def at_facets(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return _cells_at_facets(pixels.mesh, facets)
 
     return Elements(
@@ -111,7 +111,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
         trial=quadrilateral_trial(pixels.mesh, order),
         rule=_rule_on_squares(order),
         surface_at=lambda rule, some: surface(pixels.cells.some(some), rule),
-        cells_at_facets=beside,
+        cells_at_facets=at_facets,
         facets=pixels.facets,
         inside=lambda contact: _covered(contact, pixels.skin, middles),
         mesh=pixels.mesh,
@@ -141,7 +141,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
     element, rule = _triangle(order)
     mesh = domain.flat
 
-    def beside(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def at_facets(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         return _cells_at_facets(mesh, facets)
 
     return Elements(
@@ -150,7 +150,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
         trial=triangle_trial(mesh, order),
         rule=rule,
         surface_at=on_triangles(domain),
-        cells_at_facets=beside,
+        cells_at_facets=at_facets,
         facets=lambda contact: numbers_of(mesh, domain.foils[contact.name]),
         inside=lambda contact: _covered(contact, skin, domain.middles),
         mesh=mesh,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from copy import copy
 from typing import TYPE_CHECKING
 
@@ -13,18 +12,17 @@ from numpy.typing import NDArray
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
-from ...mesh.drawing import sharp_touches
 from ...mesh.refining.exponents import corner_exponents
 from ...mesh.refining.graded import corner_parts, graded
 from ...mesh.refining.inverted_triangles import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
-from ...press.touch import Disc, Place, Touch
+from ...press.touch import Disc
 from ...scene.scene import Scene
-from ...sweeps import InputError, ToleranceError
+from ...sweeps import ToleranceError
 from ..resolution import depth_of
 from ..time_estimate import cells_needed, check_within_reach
-from .coefficients import PressCoefficients
+from .coefficients import PressCoefficients, covering, sharp_factors
 from .corner_sheets import crossed, sheets
 from .discretised import Discretised, SolvedLevel, indicators
 from .elements import triangles
@@ -247,26 +245,6 @@ class Triangles:
         elements = triangles(mesh, order, self.scene.skin)
         system = pressed_system(self.circuit, elements, coefficients)
         return SolvedLevel(Galerkin(system, self.circuit, order), system, elements)
-
-
-def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
-    """c over its unpressed value in each triangle by touches with a factor, shape (triangle,).
-
-    Raises InputError for a touch outside the skin.
-    """
-    factors = np.ones(mesh.t.shape[1])
-    for touch, within in covering(press, mesh, columns):
-        if not within.any():
-            raise InputError(f"press {touch}: there is no skin at that place")
-        factors[within] *= touch.factor
-    return factors
-
-
-def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, NDArray[np.bool_]]]:
-    """Touches with a factor, and the triangles that each covers, shape (triangle,)."""
-    pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
-    covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
-    return zip([*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True)
 
 
 def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:

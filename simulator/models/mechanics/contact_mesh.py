@@ -79,8 +79,8 @@ def contact_mesh(
     """
     check_plane(scene.skin)
     size = max(scene.skin.length, scene.skin.width) / COARSEST
-    apart = tuple(place for place in places if not isinstance(place, Touch))
-    found = domain(scene, Press(apart), size)
+    drawn = tuple(place for place in places if not isinstance(place, Touch))
+    found = domain(scene, Press(drawn), size)
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
     shapes = [shape_of(scene, place) for place in places]

@@ -35,11 +35,11 @@ def deformation_without_tension(
     places = [touch.place for touch in press.indented]
     shapes = tuple(shape_of(scene, place) for place in places)
     boxes = [_box(scene, place) for place in places]
-    apart = not any(meet(one, other) for one, other in combinations(boxes, 2))
+    separated = not any(meet(one, other) for one, other in combinations(boxes, 2))
     by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
-    if not apart and not by_depth:
+    if not separated and not by_depth:
         raise InputError(f"press {press}: a touch of given force must not meet another touch")
-    area = _areas(scene, press, shapes, apart)
+    area = _areas(scene, press, shapes, separated)
     strain = np.array(
         [
             touch.by.value / thickness
@@ -51,7 +51,7 @@ def deformation_without_tension(
     depth = tuple((strain * thickness).tolist())
     check_reached(press, depth, mechanics, thickness)
     force = tuple((mechanics.elastic.stress(strain) * area).tolist())
-    sharp = _sharp(press, mechanics.factor(strain)) if apart else None
+    sharp = _sharp(press, mechanics.factor(strain)) if separated else None
     kinks = tuple(each if isinstance(each, Circle) else ring(each) for each in shapes)
     w = FootprintDeflection(shapes, depth)
     return Deformation(mechanics, thickness, w, depth, force, 0.0, kinks, sharp)

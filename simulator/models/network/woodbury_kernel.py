@@ -42,7 +42,7 @@ class UnpressedNetwork(NamedTuple):
 def unpressed_network(unpressed: UnpressedMass, s: NDArray[np.complex128]) -> UnpressedNetwork:
     """Unpressed quantities of a skin. s: rad/s."""
     N = len(unpressed.rows)
-    beside = unpressed.rows[:, N:]
+    inner_rows = unpressed.rows[:, N:]
     at, inside = unpressed.factors[..., :N], np.ascontiguousarray(unpressed.factors[..., N:])
     P = 1 / (1 + s[:, None] * unpressed.diagonal)
     each = s[:, None, None]
@@ -50,7 +50,7 @@ def unpressed_network(unpressed: UnpressedMass, s: NDArray[np.complex128]) -> Un
     own = np.empty((*inside.shape[:2], inside.shape[1], 2, len(s)))
     for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
         damped = U * P[:, None]
-        terminal_potentials[k] = _real_and_imaginary(U_at - each * (damped @ beside.T))
+        terminal_potentials[k] = _real_and_imaginary(U_at - each * (damped @ inner_rows.T))
         own[k] = _real_and_imaginary(damped @ U.T)
     return UnpressedNetwork(
         between_terminals(unpressed, s), _real_and_imaginary(P), terminal_potentials, own

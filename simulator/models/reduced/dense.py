@@ -47,8 +47,8 @@ REGISTER = 8
 
 def aligned(unpressed: UnpressedMass) -> UnpressedMass:
     """Matrices padded with coordinates that stay 0, so that loops end with whole registers."""
-    beside = -unpressed.rows.shape[1] % REGISTER
-    return UnpressedMass(*(widened(each, each.shape[-1] + beside) for each in unpressed))
+    padding = -unpressed.rows.shape[1] % REGISTER
+    return UnpressedMass(*(widened(each, each.shape[-1] + padding) for each in unpressed))
 
 
 def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
@@ -196,14 +196,18 @@ def _by_touches(
     N, F = len(excited.potential), excited.floating
     floats = F.shape[1]
     charge = excited.potential @ rows
-    beside = np.concatenate([F.T @ rows[:, :, N:], U], axis=1)
+    coupling_rows = np.concatenate([F.T @ rows[:, :, N:], U], axis=1)
     weighed = np.concatenate([np.ones((len(C), floats)), C], axis=1)
     sign = np.repeat(np.stack([-(s**2), s], axis=1), [floats, C.shape[1]], axis=1)
-    system = _with_floating(excited, rows, P, beside, weighed, woodbury, s) if floats else woodbury
-    right = -sign * ((P * charge[:, None, N:]) @ beside.transpose(0, 2, 1))
+    system = (
+        _with_floating(excited, rows, P, coupling_rows, weighed, woodbury, s)
+        if floats
+        else woodbury
+    )
+    right = -sign * ((P * charge[:, None, N:]) @ coupling_rows.transpose(0, 2, 1))
     right[:, :, :floats] -= s[:, None] * (charge[:, :N] @ F)[:, None]
     found = np.linalg.solve(system, right[..., None])[..., 0]
-    v = -s[:, None] * P * (charge[:, None, N:] + (found * weighed[:, None]) @ beside)
+    v = -s[:, None] * P * (charge[:, None, N:] + (found * weighed[:, None]) @ coupling_rows)
     at_terminals = excited.potential + found[:, :, :floats] @ F.T
     u = np.concatenate([at_terminals, v], axis=2)
     return u, excited.conductance + s * (u @ charge[:, :, None])[:, :, 0]
@@ -213,17 +217,19 @@ def _with_floating(
     excited: ExcitedTerminals,
     rows: NDArray[np.float64],
     P: NDArray[np.complex128],
-    beside: NDArray[np.float64],
+    coupling_rows: NDArray[np.float64],
     weighed: NDArray[np.float64],
     woodbury: NDArray[np.complex128],
     s: NDArray[np.complex128],
 ) -> NDArray[np.complex128]:
     """Matrix of the small system, with floating terminals before the cells' products."""
     F, N = excited.floating, len(excited.potential)
-    floats, k = F.shape[1], beside.shape[1]
+    floats, k = F.shape[1], coupling_rows.shape[1]
     system = np.empty((*woodbury.shape[:2], k, k), dtype=complex)
     system[:, :, floats:, floats:] = woodbury
-    across = (beside[:, None, :floats] * P[:, :, None]) @ beside.transpose(0, 2, 1)[:, None]
+    across = (coupling_rows[:, None, :floats] * P[:, :, None]) @ coupling_rows.transpose(0, 2, 1)[
+        :, None
+    ]
     system[:, :, :floats] = -(s[:, None, None] ** 2) * across * weighed[:, None, None]
     back = across[:, :, :, floats:].transpose(0, 1, 3, 2)
     system[:, :, floats:, :floats] = s[:, None, None] * back
@@ -265,6 +271,6 @@ def between_terminals(
 ) -> NDArray[np.complex128]:
     """Y in S less that at zero frequency, shape (s, N, N). s: rad/s."""
     N = len(unpressed.rows)
-    terminals, beside, each = unpressed.rows[:, :N], unpressed.rows[:, N:], s[:, None, None]
+    terminals, coupling_rows, each = unpressed.rows[:, :N], unpressed.rows[:, N:], s[:, None, None]
     P = 1 / (1 + s[:, None, None] * unpressed.diagonal)
-    return each * terminals - each**2 * ((beside * P) @ beside.T)
+    return each * terminals - each**2 * ((coupling_rows * P) @ coupling_rows.T)

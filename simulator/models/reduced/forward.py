@@ -78,18 +78,18 @@ class Forward:
         cells: NDArray[np.int64],
         rises: NDArray[np.float64],
         given: Mapping[str, float] | None = None,
-        beside: NDArray[np.float64] | None = None,
+        further_terms: NDArray[np.float64] | None = None,
     ) -> Response:
         """Response of one press.
 
-        given: parameters that differ from the scene's own. beside: further terms of K, see
+        given: parameters that differ from the scene's own. further_terms: further terms of K, see
         `sensitivity`. Raises InputError for an unknown name, ToleranceError if the scene does not
         reduce.
         """
         values = all_values(self.scene, given)
         cells, rises = self._with_finger(cells, rises, values)
         s, skin = self._s(values), self._skin(values).under(cells, rises)
-        further = [np.empty((0, *skin.stiffness.shape)) if beside is None else beside]
+        further = [np.empty((0, *skin.stiffness.shape)) if further_terms is None else further_terms]
         if _has_foam_modes(values):
             further.append(
                 self._foam_mode_terms.masses(float(skin.unpressed_factors[0]), cells, rises)
@@ -136,11 +136,11 @@ class Forward:
         found: Sensitivity,
         skin: ReducedSkin,
         values: Mapping[str, float],
-        beside: int = 0,
+        further: int = 0,
         by_gauge: NDArray[np.complex128] | float = 0.0,
     ) -> Response:
-        """beside: number of further terms that K does not have."""
-        ends = np.cumsum([len(self.reduced.stiffness), beside])
+        """further: number of further terms that K does not have."""
+        ends = np.cumsum([len(self.reduced.stiffness), further])
         by_weight, by_term, by_mode = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         by_name = {name: found.by_s * slope for name, slope in of_s.items()}

@@ -144,15 +144,15 @@ def lanczos_steps(
     capacitance = _dot(potential, residual)
     now = excitation.conductance + s * capacitance
     convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
-    steps, change_before, beside = 0, np.inf, 0.0
+    steps, change_before, beta = 0, np.inf, 0.0
     while steps < MAX_LANCZOS_STEPS:
         _solve(excitation, residual, solution)
         _neutralise(common, charge, own, count, terminals, solution)
         square = _dot(residual, solution)
         if not square > 0.0:
             break
-        beside = np.sqrt(square)
-        share = 1.0 / beside
+        beta = np.sqrt(square)
+        share = 1.0 / beta
         for k in range(m):
             solution[k] *= share
         _charge(unpressed, touched, solution, product, floating)
@@ -163,7 +163,7 @@ def lanczos_steps(
         a = diagonal[steps]
         for k in range(m):
             w_before, w[k] = w[k], residual[k] * share
-            residual[k] = product[k] - a * w[k] - beside * w_before
+            residual[k] = product[k] - a * w[k] - beta * w_before
         convergent = next_convergent(convergent, s, a, square, steps)
         steps += 1
         fraction = convergent[0] * convergent[1].conjugate()

@@ -20,7 +20,7 @@ from ...scene.scene_files import parse_scene, scene_text
 from ...sweeps import InputError, digests, inputs, kept_file
 from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation
-from .indentation.applicator_arrays import arrays_of, beside_from, with_beside
+from .indentation.applicator_arrays import arrays_from, arrays_of, with_arrays
 from .indentation.indentation_model import IndentationModel
 from .reduced_model import Reduced
 
@@ -86,7 +86,7 @@ def _read(path: Path) -> Reduced:
         arrays |= {FIXED: archive[FIXED]} if FIXED in archive else {}
         frequency = archive.get("frequency")
         mesh = _mesh(description, archive)
-        beside = beside_from(archive)
+        stored = arrays_from(archive)
         _check_finite({name: archive[name] for name in archive.files if name != digests.MEMBER})
     scene = parse_scene(description["scene"], str(path))
     circuit = circuit_of(scene, description["fields"] == 1)
@@ -106,7 +106,7 @@ def _read(path: Path) -> Reduced:
         mesh_error=description["mesh_error"],
         **arrays,
     )
-    return model if beside is None else with_beside(model, beside)
+    return model if stored is None else with_arrays(model, stored)
 
 
 def _check_finite(arrays: Mapping[str, NDArray]) -> None:
@@ -118,7 +118,7 @@ def _check_finite(arrays: Mapping[str, NDArray]) -> None:
 def _check_sizes(arrays: Mapping[str, NDArray], fields: int) -> None:
     """Raises ValueError unless arrays have the shapes that `Projection` documents.
 
-    fields: number of fields, of the sheets and of the conductors beside them.
+    fields: number of fields, of the sheets and of the conductors near them.
     """
     N, n = len(arrays["conductance"]), arrays["basis"].shape[1]
     sizes = {

@@ -77,8 +77,8 @@ class Projection:
     @cached_property
     def coordinates(self) -> NDArray[np.float64]:
         """W = [lift, V]: potentials of the full space in V, shape (inner + N, N + n)."""
-        beside = np.zeros((len(self.conductance), self.size))
-        return np.hstack([self.family.space.lift, np.vstack([self.basis, beside])])
+        at_terminals = np.zeros((len(self.conductance), self.size))
+        return np.hstack([self.family.space.lift, np.vstack([self.basis, at_terminals])])
 
     def __getstate__(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in self.__dataclass_fields__}

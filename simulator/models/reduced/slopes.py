@@ -45,15 +45,15 @@ def sensitivity(
     cells: NDArray[np.int64],
     rises: NDArray[np.float64],
     s: NDArray[np.complex128],
-    beside: NDArray[np.float64] | None = None,
+    further_terms: NDArray[np.float64] | None = None,
 ) -> Sensitivity:
     """Y of one press on one skin, with its derivatives.
 
-    cells, rises: see `ReducedSkin.sweeps`. s: rad/s. beside: further terms of K, in the model's
-    coordinates, S, shape (term, N + n, N + n).
+    cells, rises: see `ReducedSkin.sweeps`. s: rad/s. further_terms: further terms of K, in the
+    model's coordinates, S, shape (term, N + n, N + n).
     """
     own = skin.reduced.stiffness
-    stiffness = own if beside is None else np.concatenate([own, beside])
+    stiffness = own if further_terms is None else np.concatenate([own, further_terms])
     found = [
         _alone(skin, cells, rises, stiffness, u, s, Y) for u, Y in skin.solved(cells, rises, s)
     ]

@@ -36,10 +36,10 @@ def walls_around(
     own = np.where((cells < parts.foam)[..., None], walls.of(cells), NO_WALL)
     wall, there = np.maximum(own, 0), own != NO_WALL
     one, other = np.moveaxis(walls.pairs[wall], -1, 0)
-    beside = np.where(one == cells[..., None], other, one)
+    adjacent = np.where(one == cells[..., None], other, one)
     press = np.arange(len(cells))[:, None, None]
     here = np.where(there, factor[press, cells[..., None]], 1.0)
-    over = np.where(there, factor[press, beside], 1.0)
+    over = np.where(there, factor[press, adjacent], 1.0)
     each = own.reshape(len(cells), -1)
     again = np.tril(each[:, :, None] == each[:, None, :], -1).any(axis=2).reshape(own.shape)
     number = parts.kind[3].start + wall

@@ -102,7 +102,7 @@ def _first(
         else:
             along = np.maximum(left - x, x - right).clip(0.0)
             away = np.hypot(along, np.maximum(bottom - y, y - top).clip(0.0)[:, None])
-        found = np.maximum(found, lattice.beside(depth, away.clip(0.0)))
+        found = np.maximum(found, lattice.edge_profile(depth, away.clip(0.0)))
     return found
 
 

@@ -79,7 +79,7 @@ class Lattice:
         )
         return rows, columns
 
-    def beside(self, depth: float, away: NDArray[np.float64]) -> NDArray[np.float64]:
+    def edge_profile(self, depth: float, away: NDArray[np.float64]) -> NDArray[np.float64]:
         """Deflection at a distance from the straight edge of an applicator of a depth, all in m."""
         return np.interp(self._where(depth) + away, self.distance, self.w)
 

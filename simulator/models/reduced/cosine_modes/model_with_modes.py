@@ -23,7 +23,7 @@ from .family_with_modes import family_with
 class ModelWithModes(Reduced):
     """Reduced model of foam with cosine modes of given amplitudes.
 
-    even: model without these modes. amplitudes: over the mean, shape (mode,).
+    uniform: model without these modes. amplitudes: over the mean, shape (mode,).
     """
 
     uniform: Reduced | None = None
@@ -42,10 +42,10 @@ class FoamModeTerms:
     terms: S of every mode but the mean, in each part, shape (mode, part, rank, rank).
     """
 
-    def __init__(self, even: Reduced) -> None:
+    def __init__(self, uniform: Reduced) -> None:
         """Raises what `Reduced.family` raises if the full model must be built again."""
-        self.uniform = even
-        self.terms = _terms(even)
+        self.uniform = uniform
+        self.terms = _terms(uniform)
 
     def under(self, amplitudes: NDArray[np.float64]) -> ModelWithModes:
         """Model with modes of these amplitudes over the mean, shape (mode,)."""
@@ -78,16 +78,15 @@ class FoamModeTerms:
         return np.stack([rows.T @ (S @ F).reshape(rows.shape) for S in self.terms])
 
 
-def _terms(even: Reduced) -> NDArray[np.float64]:
+def _terms(uniform: Reduced) -> NDArray[np.float64]:
     """S of each mode in each part: W'MW = F'SF in the directions that F has.
 
-    Parts that no press changes (bodies, the rim) have no F; modes of the foam leave them as they
-    are.
+    Parts that no press changes (bodies, the rim) have no F; modes of the foam do not change them.
     """
-    size, W = typical(even), even.coordinates
-    back = size[:, None] * np.linalg.pinv(even.factors * size)
-    touched = slice(len(even.factors))
-    parts = [each.energies(W, touched) for each in even.family.foam_modes]
+    size, W = typical(uniform), uniform.coordinates
+    back = size[:, None] * np.linalg.pinv(uniform.factors * size)
+    touched = slice(len(uniform.factors))
+    parts = [each.energies(W, touched) for each in uniform.family.foam_modes]
     return np.stack(
         [
             np.stack([G.T @ each @ G for each, G in zip(of_mode, back, strict=True)])

@@ -69,8 +69,8 @@ class HeterogeneousFamily(Family):
 
     def masses_in(self, mode: int) -> Masses:
         """M of each part if c of its foam follows one of HALF_WAVES."""
-        wave = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
-        return Masses(self.system, self.order, [*self._parts(wave), *self._around(mode)])
+        mode_at_points = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
+        return Masses(self.system, self.order, [*self._parts(mode_at_points), *self._around(mode)])
 
     @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
@@ -123,9 +123,9 @@ class HeterogeneousFamily(Family):
         where = self.circuit, self.elements, unknowns, self._coefficients
         return around(parts, self._cells_of_parts, *where)
 
-    def _parts(self, wave: NDArray[np.float64]) -> Iterator[Part]:
+    def _parts(self, mode_at_points: NDArray[np.float64]) -> Iterator[Part]:
         elements, unknowns = self.elements, self.system.unknowns
-        c = self._coefficients.capacitance(elements.surface.x) * wave
+        c = self._coefficients.capacitance(elements.surface.x) * mode_at_points
         values = np.zeros(len(self.system.pattern.indices))
         for within in self._cells_of_parts:
             add_foam(values, self.circuit.coupling, elements, unknowns, c, within)

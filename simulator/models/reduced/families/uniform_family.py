@@ -72,15 +72,18 @@ class UniformFamily(Family):
         return [pixel_films(*known, only=contact) for contact in resistive(self.circuit)]
 
     def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
-        rule, points, wave = self._mode_at_points(mode)
+        rule, points, values_of_mode = self._mode_at_points(mode)
         values = np.zeros(len(self.system.pattern.indices))
-        terms = stiffness_terms(rule, points, wave, np.diag(conductance))
+        terms = stiffness_terms(rule, points, values_of_mode, np.diag(conductance))
         add_terms(values, self.system.slots, terms)
         return self.system.pattern.matrix(values)
 
     def _parts_in(self, mode: int) -> Iterator[Part]:
-        rule, points, wave = self._mode_at_points(mode)
-        system, c = self.system, self.scene.skin.foam.unpressed_capacitance_per_area * wave
+        rule, points, values_of_mode = self._mode_at_points(mode)
+        system, c = (
+            self.system,
+            self.scene.skin.foam.unpressed_capacitance_per_area * values_of_mode,
+        )
         values = np.zeros(len(system.pattern.indices))
         for pixel in range(self.scene.pixels.rows * self.scene.pixels.columns):
             own = np.flatnonzero(system.pixels.pixel == pixel)

@@ -52,10 +52,10 @@ def _name(number: int, stored: str) -> str:
     return f"course_{number}_{stored}"
 
 
-Beside = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
+StoredArrays = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
 
 
-def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
+def arrays_from(archive: Mapping[str, NDArray]) -> StoredArrays | None:
     """Applicators and tables from a file; None if it has none.
 
     Raises KeyError if some of the arrays are missing.
@@ -76,9 +76,9 @@ def beside_from(archive: Mapping[str, NDArray]) -> Beside | None:
     return of_pixels, Tables(**of_tables), tuple(all_series)
 
 
-def with_beside(model: Reduced, beside: Beside) -> IndentationModel:
+def with_arrays(model: Reduced, stored: StoredArrays) -> IndentationModel:
     """Model with the applicators and tables of its file."""
-    of_pixels, tables, all_series = beside
+    of_pixels, tables, all_series = stored
     known = PixelApplicators(scene=model.scene, all_series=all_series, **of_pixels)
     own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
     return IndentationModel(**own, applicators=known, tables=tables)

@@ -49,14 +49,14 @@ def tables(
         max(each[which].shape[axis] for each in found.values())
         for which, axis in ((0, 0), (1, 0), (2, 1))
     )
-    bases, doubts = np.zeros((count, rank, m)), np.zeros((count, rank, rank))
+    bases, uncertainties = np.zeros((count, rank, m)), np.zeros((count, rank, rank))
     of_parts = np.zeros((count, parts), dtype=np.int64)
     matrices = np.zeros((count, parts, modes, rank, rank))
     for k, (U, own, C, E) in found.items():
         r = len(U)
-        bases[k, :r], doubts[k, :r, :r], of_parts[k, : len(own)] = U, E, own
+        bases[k, :r], uncertainties[k, :r, :r], of_parts[k, : len(own)] = U, E, own
         matrices[k, : len(own), : C.shape[1], :r, :r] = C
-    return Tables(bases, of_parts, matrices, doubts)
+    return Tables(bases, of_parts, matrices, uncertainties)
 
 
 def _of_pixel(
@@ -83,8 +83,8 @@ def _of_pixel(
             weight = (weights * g)[place == part].ravel()
             matrices[part, mode] = (a.T * weight) @ a
     a = local.reshape(-1, turn.shape[1])
-    doubts = (a.T * (weights * field.uncertainty).ravel()) @ a
-    return turn.T / size, parts, matrices, doubts
+    uncertainties = (a.T * (weights * field.uncertainty).ravel()) @ a
+    return turn.T / size, parts, matrices, uncertainties
 
 
 class FoamPotentials:
@@ -109,7 +109,7 @@ class FoamPotentials:
         """Unpressed capacitance of the rule's points, F, shape (cell, point)."""
         family = self._family
         area = family.elements.surface.some(cells).area * family.elements.rule.weights
-        return family.at_rest[cells] * area
+        return family.unpressed_capacitance[cells] * area
 
     def thin(
         self, press: PressRise, rest: NDArray[np.float64], values: NDArray[np.float64]

@@ -86,10 +86,10 @@ class IndentationFamily(HeterogeneousFamily):
         mass, cells = self.masses.mass(rest), np.flatnonzero(under)
         if not cells.size:
             return mass
-        c, found = np.zeros_like(self.at_rest), self.press(cells, under[cells])
+        c, found = np.zeros_like(self.unpressed_capacitance), self.press(cells, under[cells])
         for each in found:
             of_parts = rest[self.part_of[each.cells]][:, None]
-            c[each.cells] += of_parts * self.at_rest[each.cells] * each.rise
+            c[each.cells] += of_parts * self.unpressed_capacitance[each.cells] * each.rise
         within = np.zeros(len(c), dtype=bool)
         within[np.concatenate([each.cells for each in found])] = True
         values = np.zeros(len(self.system.pattern.indices))
@@ -147,7 +147,7 @@ class IndentationFamily(HeterogeneousFamily):
         return parts_of(self.scene)
 
     @cached_property
-    def at_rest(self) -> NDArray[np.float64]:
+    def unpressed_capacitance(self) -> NDArray[np.float64]:
         """c of the scene's own unpressed foam, F/m², at the points of the rule, shape (cell,
         point)."""
         return self._coefficients.capacitance(self.elements.surface.x)
