@@ -14,6 +14,9 @@ Reals = NDArray[np.float64]
 JITTER = 1e-3
 """Largest relative difference between the frequencies that a meter reports for the same setting."""
 
+COARSE = 10.0
+"""Steps of a sweep over JITTER from which a step within JITTER begins another sweep."""
+
 
 @dataclass(frozen=True)
 class CommonFrequencies:
@@ -65,9 +68,10 @@ def _runs(frequency: Reals, keys: Sequence[Hashable]) -> NDArray[np.intp]:
     latest: dict[Hashable, tuple[int, float, float]] = {}
     count = 0
     for place, (f, key) in enumerate(zip(frequency.tolist(), keys, strict=True)):
-        run, before, direction = latest.get(key, (-1, f, 0.0))
-        step = float(np.sign(f - before))
-        if run < 0 or step == 0 or step * direction < 0:
+        run, before, last = latest.get(key, (-1, f, 0.0))
+        step = f / before - 1
+        stays = abs(step) <= JITTER and abs(last) > COARSE * JITTER
+        if run < 0 or step == 0 or step * last < 0 or stays:
             run, count, step = count, count + 1, 0.0
         runs[place] = run
         latest[key] = run, f, step

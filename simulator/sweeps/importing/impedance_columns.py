@@ -119,18 +119,14 @@ def _pair(table: ImportedTable) -> tuple[Column, Column]:
     raise InputError(
         f"{table.path}: needs columns of Rs and X, of |Z| and phase, of Cs or Cp and D, Rs or Rp, "
         f"of Ls or Lp and Rs, Rp or Q, of G and B, or of |Y| and phase; in the header in line "
-        f"{table.header} only {listed} are understood, not {_not_understood(table)}"
+        f"{table.header} only {listed} are understood{_not_understood(table)}"
     )
 
 
 def _not_understood(table: ImportedTable) -> str:
     known = {column.place for column in table.columns}
-    return (
-        ", ".join(
-            f"`{name}`" for place, name in enumerate(table.names) if name and place not in known
-        )
-        or "others"
-    )
+    others = [f"`{name}`" for place, name in enumerate(table.names) if name and place not in known]
+    return f", not {', '.join(others)}" if others else ""
 
 
 def _zeros(table: ImportedTable, column: Column) -> bool:

@@ -47,7 +47,7 @@ class NumberFormat:
 @functools.cache
 def _pattern(form: NumberFormat) -> re.Pattern[str]:
     decimal, thousands = re.escape(form.decimal), re.escape(form.thousands)
-    fraction, exponent = rf"(?:{decimal}\d*)?", "(?:[eEdD][+-]?[0-9]+)?"
+    fraction, exponent = rf"(?:{decimal}\d*)?", "(?:[eE][+-]?[0-9]+|[dD][+-][0-9]+)?"
     grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+{fraction}|" if thousands else ""
     return re.compile(rf"[+-]?(?:{grouped}(?:\d+{fraction}|{decimal}\d+){exponent})", re.ASCII)
 
@@ -74,8 +74,8 @@ FORMATS = (
 )
 
 
-SIGNS = re.compile("[,' \u2019\u00a0\u202f]")
-"""Signs of formats other than POINT."""
+SIGNS = re.compile(r"[,' \u2019\u00a0\u202f]|^[+-]?[1-9]\d{0,2}(\.\d{3})+$")
+"""Signs of formats other than POINT, and points that may stand between thousands."""
 
 
 def number_like(text: str) -> bool:
@@ -93,8 +93,6 @@ def possible_formats(cells: Sequence[str]) -> list[NumberFormat]:
     ]
     readings: dict[tuple[str | None, ...], NumberFormat] = {}
     for each in FORMATS:
-        if each.thousands == "." and not any("," in cell for cell in odd):
-            continue
         readings.setdefault(tuple(map(each.plain, odd)), each)
     counts = {reading: sum(text is not None for text in reading) for reading in readings}
     most = max(counts.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,6 +25,9 @@ from .text_lines import (
 
 MAX_SHOWN = 40
 """Number of characters shown of a line."""
+
+DIGITS_ONLY = re.compile(r"(?=.*\d)[\d\s.,;+\-eEdD'\"]+")
+"""A line of numbers, even if it cannot be split into them."""
 
 
 @dataclass
@@ -243,6 +247,8 @@ def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
     found.sort(key=lambda each: -_numbers(each[0], each[2]))
     if not found:
         scan.misfit = scan.misfit or _misfit(scan, number, text)
+        if scan.line and not is_comment(text) and not header_readings(text):
+            scan.left_out.append((number, text.strip()))
         return False
     if scan.misfit and scan.line:
         raise InputError(f"{path}: {scan.misfit}")
@@ -306,6 +312,8 @@ def _misfit(scan: Scan, number: int, text: str) -> str:
             return f"line {number}: cannot be split into cells: {error}"
         if all(number_like(cell) for cell in cells if cell):
             counts.append(len(cells))
+    if not counts and DIGITS_ONLY.fullmatch(text):
+        counts = [len(text.split())]
     if not counts:
         return ""
     head = f"the header in line {scan.line} has" if scan.line else "--columns names"
@@ -322,7 +330,7 @@ def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
         return
     cells = trimmed(line_cells(text, scan.separator))
     first = next(filter(None, cells), "")
-    if number_like(first) and not scan.ended:
+    if (number_like(first) or DIGITS_ONLY.fullmatch(text)) and not scan.ended:
         head = f"the header in line {scan.line}" if scan.line else "--columns"
         raise InputError(
             f"{path}: line {number}: has {len(cells)} cells where {head} has {len(scan.names)}"

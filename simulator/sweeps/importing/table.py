@@ -118,9 +118,9 @@ class ImportedTable:
         cells = [text for column in columns for text in self.text(column)]
         forms = possible_formats(cells)
         if len(forms) > 1:
-            forms = self._monotone(forms, columns[0]) or forms
-        if len(forms) > 1 and self.separator == ";":
-            forms = [form for form in forms if not form.thousands] or forms
+            forms = self._monotone(forms, columns[0])
+        if len(forms) > 1 and (self.separator == ";" or POINT in forms):
+            forms = [form for form in forms if not form.thousands]
         if len(forms) > 1:
             raise self._ambiguous(forms, columns)
         return replace(self, form=forms[0])

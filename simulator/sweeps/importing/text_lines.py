@@ -59,7 +59,7 @@ def _utf_16(content: bytes) -> str | None:
 
 
 def _legacy(content: bytes) -> Iterator[str]:
-    """Shift-JIS where its signs and Greek letters occur, and Western encodings."""
+    """Shift-JIS where its signs and Greek letters occur, Western encodings, and GB 18030."""
     if re.search(rb"[\x81-\x84][\x40-\xfc]", content):
         try:
             yield content.decode("cp932")
@@ -69,6 +69,10 @@ def _legacy(content: bytes) -> Iterator[str]:
         yield content.decode("cp1252")
     except UnicodeDecodeError:
         yield content.decode("latin-1")
+    try:
+        yield content.decode("gb18030")
+    except UnicodeDecodeError:
+        pass
 
 
 def is_comment(text: str, separator: str | None = None) -> bool:

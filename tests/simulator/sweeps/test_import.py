@@ -406,6 +406,8 @@ def test_text_ends_a_table_or_stands_within_it(table):
         (["f,R,X", "1,1,-1", "f,R,-X", "2,1,-1"], "line 1 and line 3 both begin tables"),
         (["f,R,X", "1,1,-1", "t,V,I", "2,1,-1"], "line 3: names no columns that are understood"),
         (["f;R;X", "1,2;3,4;5,6;7,8"], "line 2: has 4 cells where the header in line 1 has 3"),
+        (["f R X", "1.00998.6-100.5", "2 3 -4"], "line 2: has 1 cells where the header in line 1"),
+        (["f R X", "2 3 -4", "1.00998.6-100.5"], "line 3: has 1 cells where the header in line 1"),
         (["freq,R1,X1", "1,2,3"], "line 1 has `freq`, `R1`, `X1`; --columns f,Rs,X names columns"),
         (["1,2,3"], "line 1 has 3 numbers and no names above it; --columns"),
         (["f,|Z|,phase (deg)", "1,1,-45", "2,1,-270"], "line 3: the phase `phase (deg)` is beyond"),
@@ -430,9 +432,38 @@ def test_unusual_numbers_are_told(table):
     )
 
 
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("off", [5e-7, 2e-5, 5e-4, -5e-4])
+def test_sweeps_of_nearly_the_same_frequencies(table, order, off):
+    rows = [f"{f:.9g},{f},-1" for f in (100, 200, 500, 1000)]
+    more = [f"{f * (1 + off):.9g},{f},-1" for f in (100, 200, 500, 1000)]
+    sweeps = table("f/Hz,R,X", *rows, *more[::order])
+    assert sweeps["frequency"].values.tolist() == [100, 200, 500, 1000]
+    assert sweeps["Rs"].values.tolist() == [[[100, 200, 500, 1000]]] * 2
+    assert ("warnings" in sweeps.attrs) == (abs(off) > 1e-6)
+
+
+def test_points_between_thousands(table):
+    rows = ["100;989;-100", "631;696;-426", "1.000;495;-447", "10.000;107;-79"]
+    sweeps = table("f (Hz);Rs;X", *rows)
+    assert sweeps["frequency"].values.tolist() == [100, 631, 1000, 10000]
+    plain = table("f (kHz);Rs;X", "1.000;989;-100", "2.000;696;-426", "10.000;107;-79")
+    assert plain["frequency"].values.tolist() == [1000, 2000, 10000]
+
+
+def test_what_stands_between_header_and_readings_is_named(table):
+    sweeps = table("f/Hz,R,X", "End Comments", "1,1,-1")
+    assert sweeps.attrs["left_out"] == "line 2 (`End Comments`)"
+
+
 def test_a_fine_grid_is_no_jitter(table):
     sweeps = table("f/Hz,R,X", *(f"{1e5 + f},1,-1" for f in range(5)))
     assert sweeps.sizes["frequency"] == 5 and "warnings" not in sweeps.attrs
+
+
+def test_encodings_of_chinese_instruments(table):
+    sweeps = table("频率(Hz),阻抗(Ω),相位(°)", "1,1,-90", encoding="gb18030")
+    assert impedance(sweeps).item() == pytest.approx(-1j)
 
 
 @pytest.mark.parametrize("encoding", ["cp932", "utf-16-le", "utf-16-be", "utf-8", "utf-16"])
