@@ -1,4 +1,4 @@
-"""From a press to the capacitance per area: of every pixel, of any grid, and exactly.
+"""Capacitance per area under a press: of every pixel, of any grid, and exactly.
 
 A pixel and a rectangle are patches that a mesh of lines follows. A disc is not: it enters a grid by
 the share of each cell's area that it covers, and meshes for discs have arcs as edges.
@@ -152,8 +152,8 @@ def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
     places = [each.place for each in press.indented if isinstance(each.place, Touch)]
     if len(places) < len(press.touches) or (spreads and scene.press.by_factor):
         raise InputError(
-            f"press {press}: needs a capacitance factor here; depths of whole pixels alone serve "
-            "where `press.depth` of the scene says so"
+            f"press {press}: needs a capacitance factor here; a depth is possible only for whole "
+            "pixels of a scene with `press.depth`"
         )
     cells = [(each.row - 1) * scene.pixels.columns + each.column - 1 for each in places]
     rises = [pressed_factor(scene, each) - 1 for each in press.indented]
@@ -216,5 +216,5 @@ def _snapped(line: float, known: NDArray[np.float64], same: float = SAME_LINE) -
 def _between_pixels(scene: Scene, patches: list[Patch], axis: int) -> tuple[float, ...]:
     known = pixel_lines(scene, axis)
     of_touches = [line for each in patches for line in (each.x, each.y)[axis]]
-    lines_apart = distinct([*of_touches, known[-1]], SAME_EDGE).tolist()
-    return tuple(line for line in lines_apart if _snapped(line, known, SAME_EDGE) not in known)
+    separate = distinct([*of_touches, known[-1]], SAME_EDGE).tolist()
+    return tuple(line for line in separate if _snapped(line, known, SAME_EDGE) not in known)

@@ -71,9 +71,9 @@ def finger_over(scene: Scene, area: NDArray[np.float64], how: Finger | None) -> 
 def touched_area(scene: Scene, place: Place) -> float:
     """Area of the skin that a place covers, with stretch, m².
 
-    Exact on a rectangle, and for pixels that are groups of a mesh. Otherwise LOOKED_AT² sample
-    points in the box around the place show the share on the skin; a mesh in space counts as seen
-    along z.
+    Exact on a rectangle, and for pixels that are groups of a mesh. Otherwise
+    SAMPLES_PER_SIDE² sample points in the box around the place give the share on the skin; a mesh
+    in space counts as seen along z.
     """
     skin, groups = scene.skin, scene.pixels.groups
     stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0

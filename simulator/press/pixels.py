@@ -37,4 +37,4 @@ def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
     low = [corner(row - 1, column - 1) + same for row, column in every]
     high = [corner(row, column) - same for row, column in every]
     there = reaches_into(skin, low, high)
-    return [pixel for pixel, held in zip(every, there, strict=True) if held]
+    return [pixel for pixel, has_skin in zip(every, there, strict=True) if has_skin]

@@ -103,8 +103,8 @@ def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Pre
 
     `default`: strength of touches without one of their own. Touches without a finger of their own
     have the finger of the scene, and are rods without a scene. Touches are sorted: factors before
-    depths and forces, pixels before rectangles, discs and polygons. Raises InputError as
-    `parse_touches`, and for a finger whose capacitance no scene gives.
+    depths and forces, pixels before rectangles, discs and polygons. Raises what
+    `parse_touches` raises, and InputError for a finger whose capacitance no scene gives.
     """
     touches = [_touch(each, default, scene) for each in parse_touches(text)]
     return Press(tuple(sorted(touches, key=order)))
@@ -185,7 +185,7 @@ def every_press(scene: Scene) -> list[Press]:
 def press_on(scene: Scene, text: str) -> Press:
     """Press from `text`; touches without a strength have that of the scene.
 
-    Raises InputError as `parse_press` and `check_press`.
+    Raises what `parse_press` and `check_press` raise.
     """
     press = parse_press(text, strength_of(scene.press), scene)
     return check_press(press, scene)
@@ -226,9 +226,9 @@ def check_fingers(press: Press, scene: Scene) -> None:
     """Raise InputError for fingers if the scene has no earth, or a body covers the touched
     sheet."""
     around = scene.surroundings
-    told = NO_EARTH if around is None else around.no_finger_reason
-    if press.fingers and told is not None:
-        raise InputError(f"press {press} on {scene.name}: a finger {told}")
+    reason = NO_EARTH if around is None else around.no_finger_reason
+    if press.fingers and reason is not None:
+        raise InputError(f"press {press} on {scene.name}: a finger {reason}")
 
 
 def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:

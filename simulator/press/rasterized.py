@@ -42,8 +42,8 @@ class Footprints(NamedTuple):
         finger: ArrayLike = 0.0,
     ) -> Self:
         """Footprints of rectangles; arrays of shape (press, touch), or broadcasting to it."""
-        told = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
-        return cls(np.zeros(x.shape, dtype=bool), x, y, *told)
+        given = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
+        return cls(np.zeros(x.shape, dtype=bool), x, y, *given)
 
 
 def rasterized(

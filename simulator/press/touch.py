@@ -159,7 +159,7 @@ class Indentation(Touched):
 
     @property
     def factor(self) -> NoReturn:
-        """None: `models.mechanics` finds the factor."""
+        """Raises InputError: `models.mechanics` computes the factor."""
         raise InputError(
             f"press {self}: needs a capacitance factor here, not a {strength_name(self.by)}"
         )
