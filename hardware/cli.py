@@ -73,7 +73,7 @@ def serve(
         )
     paging = _page_options(exhibit, page, page_port)
     with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
-        meter.tell = partial(meter.report, "failed readings")
+        meter.report_failure = partial(meter.report, "failed readings")
         serving.serve(
             meter,
             pressing,
@@ -124,8 +124,8 @@ def correct(
     from .meter.termination import orderly_termination
     from .record.managed_meter import ManagedMeter
 
-    with orderly_termination() as tell:
-        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), tell=tell)
+    with orderly_termination() as report:
+        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
         try:
             meter = station.ready()
             acquire(meter, kind.lower(), extent.upper())

@@ -106,10 +106,10 @@ def record(
     )
     warn_of_earth(scene, asked)
     journal = RecordingJournal(output)
-    with orderly_termination() as tell, journal.lock(), explain_resuming(journal):
+    with orderly_termination() as report, journal.lock(), explain_resuming(journal):
         checked_output(output)
         with screen:
-            header, entries = record_task(replace(task, tell=tell), operator)
+            header, entries = record_task(replace(task, report=report), operator)
         sweeps = finish(journal, header, dict(enumerate(entries)))
         say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *summary_remarks(entries)]))
 

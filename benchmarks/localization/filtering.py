@@ -120,14 +120,14 @@ def answers(model: Model, filters: bool, asks: bool, stage: Stage, whole: Any) -
         live.run(1)
         while replay.left:
             live.step()
-        return live.show.answers
+        return live.display.answers
     ends = stage.touches[-1].ended + 2
     with stage.link(way) as link:
         live = session(way, link, stage)
         live.run(1)
         while stage.now < ends:
             live.step()
-    return live.show.answers
+    return live.display.answers
 
 
 def recorded(stage: Stage, model: Model, seconds: float) -> tuple[LiveMeter, list]:

@@ -26,14 +26,14 @@ DEFAULT_SECONDS = 0.02
 class ReadingTimes:
     """Times of readings at each frequency, measured by a clock in s.
 
-    show: called with each reading. turns: times of the switch, which readings do not contain; None
-    without a switch.
+    on_reading: called with each reading. switch: measures the times of turns, which are no part of
+    a reading's time; None without a switch.
     """
 
     model: Model
-    show: Watch
+    on_reading: Watch
     clock: Callable[[], float]
-    turns: TimedSwitch | None = None
+    switch: TimedSwitch | None = None
     _latest: dict[float, float] = field(default_factory=dict, init=False)
     _since: float = field(default=0.0, init=False)
 
@@ -44,7 +44,7 @@ class ReadingTimes:
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Note a reading at a frequency in Hz."""
         self._latest[frequency] = self._now() - self._since
-        self.show(frequency, reading)
+        self.on_reading(frequency, reading)
         self._since = self._now()
 
     @property
@@ -53,21 +53,21 @@ class ReadingTimes:
         known = [self._latest.get(f, DEFAULT_SECONDS) for f in self.model.frequencies]
         names = self.model.interfaces
         turning = np.zeros(len(names))
-        if self.turns is not None:
-            away = np.array([name != self.turns.selected for name in names])
-            turning = np.where(away, self.turns.latest, 0.0)
+        if self.switch is not None:
+            away = np.array([name != self.switch.selected for name in names])
+            turning = np.where(away, self.switch.last_seconds, 0.0)
         return np.maximum(known, 1e-4) + turning[:, None]
 
     def _now(self) -> float:
         """Present time without the turns of the switch, s."""
-        return self.clock() - (self.turns.spent if self.turns else 0.0)
+        return self.clock() - (self.switch.total_seconds if self.switch else 0.0)
 
 
 @dataclass(frozen=True)
 class PartialSweep:
     """Measured part of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
-    questions: AdaptiveSweep
+    adaptive_sweep: AdaptiveSweep
     frequencies: tuple[NDArray[np.float64], ...]
 
     @property
@@ -80,21 +80,21 @@ def measure_adaptively(
     meter: LiveMeter, adaptive_sweep: AdaptiveSweep, times: ReadingTimes
 ) -> tuple[PartialSweep, MeasuredSweep]:
     """Measure what the adaptive sweep requests, until it is certain. Raises MeterError."""
-    asked: list[tuple[str, float]] = []
+    requested: list[tuple[str, float]] = []
 
     def next_ones() -> Iterator[tuple[str, float]]:
         while (wanted := adaptive_sweep.next(times.seconds)) is not None:
             times.begin()
-            asked.append(wanted)
+            requested.append(wanted)
             yield wanted
 
     def watch(frequency: float, reading: MeterReading) -> None:
         times.reading(frequency, reading)
-        adaptive_sweep.add_reading(*asked[-1], complex(reading.Rs, reading.X))
+        adaptive_sweep.add_reading(*requested[-1], complex(reading.Rs, reading.X))
 
     sweep = meter.readings(watch, next_ones())
     read = [
-        np.sort([frequency for name, frequency in asked if name == trace.interface])
+        np.sort([frequency for name, frequency in requested if name == trace.interface])
         for trace in sweep.traces
     ]
     return PartialSweep(adaptive_sweep, tuple(read)), sweep

@@ -124,14 +124,14 @@ def live(
         switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
         journal=journal,
     )
-    at_rest = _baseline(localizer, rest, rest_file, force)
+    baseline = _baseline(localizer, rest, rest_file, force)
     kept = SessionLog(journal)
     paged = _serve_page(localizer, port or 0) if page else nullcontext(())
     try:
-        with orderly_termination() as tell, journal.lock() if journal else nullcontext():
-            link = connect(report=tell)
+        with orderly_termination() as report, journal.lock() if journal else nullcontext():
+            link = connect(report=report)
             with paged as others, _session_display(localizer, plain, others) as (show, key):
-                _run(LiveSession(localizer, link, at_rest, show, kept, key), sweeps)
+                _run(LiveSession(localizer, link, baseline, show, kept, key), sweeps)
     finally:
         if kept.summary:
             say(kept.summary, err=True)
@@ -181,8 +181,8 @@ def _run(session: LiveSession, answers: int | None) -> None:
     try:
         session.run(answers)
     finally:
-        session.link.release()
-        session.log.write(session.link.header)
+        session.meter.release()
+        session.log.write(session.meter.header)
 
 
 @contextmanager
@@ -237,7 +237,7 @@ def _baseline(
         raise InputError(f"`rest` must be in 1..{MAX_BASELINES}, got {wanted}")
     rest = LiveBaseline(wanted if localizer.uses_baseline else 0)
     if files:
-        rest.give(read_baselines(files, localizer.model, force=force))
+        rest.use_recorded(read_baselines(files, localizer.model, force=force))
     return rest
 
 

@@ -26,7 +26,7 @@ class LiveBaseline:
     wanted: int
     sweeps: deque[MeasuredSweep] = field(init=False)
     first: MeasuredSweep | None = field(default=None, init=False)
-    _firsts: list[MeasuredSweep] = field(default_factory=list, init=False)
+    _opening: list[MeasuredSweep] = field(default_factory=list, init=False)
     _unpressed_count: int = field(default=0, init=False)
     _candidate: MeasuredSweep | None = field(default=None, init=False)
 
@@ -39,16 +39,18 @@ class LiveBaseline:
         return len(self.sweeps) >= self.wanted
 
     @property
-    def due(self) -> bool:
+    def renewal_due(self) -> bool:
         """True if the next sweep may renew the baseline and must be measured whole."""
         return self._unpressed_count == RENEWAL_COUNT - 2
 
     @property
     def opening(self) -> list[MeasuredSweep]:
         """The first FIRSTS sweeps; the first `wanted` until there are so many."""
-        return self._firsts[: OPENING_COUNT if len(self._firsts) >= OPENING_COUNT else self.wanted]
+        return self._opening[
+            : OPENING_COUNT if len(self._opening) >= OPENING_COUNT else self.wanted
+        ]
 
-    def give(self, sweeps: Sequence[MeasuredSweep]) -> None:
+    def use_recorded(self, sweeps: Sequence[MeasuredSweep]) -> None:
         """Use these earlier sweeps as the baseline, however few they are."""
         self.wanted = min(self.wanted, len(sweeps))
         self.forget()
@@ -59,12 +61,12 @@ class LiveBaseline:
         """Add an unpressed sweep."""
         self.first = self.first or sweep
         self.sweeps.append(sweep)
-        if len(self._firsts) < OPENING_COUNT:
-            self._firsts.append(sweep)
+        if len(self._opening) < OPENING_COUNT:
+            self._opening.append(sweep)
 
     def forget(self) -> None:
         """Start again: the next sweeps are unpressed."""
-        self.sweeps, self._firsts = deque(maxlen=self.wanted), []
+        self.sweeps, self._opening = deque(maxlen=self.wanted), []
         self.first, self._unpressed_count, self._candidate = None, 0, None
 
     def follow(self, sweep: MeasuredSweep | None, answer: TouchAnswer) -> bool:

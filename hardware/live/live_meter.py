@@ -55,15 +55,15 @@ class LiveMeter:
         clock: Callable[[], float] = time.perf_counter,
         journal: RecordingJournal | None = None,
     ) -> None:
-        """tell, journal: arguments of `ManagedMeter`. clock: times the turns, s."""
+        """report, journal: arguments of `ManagedMeter`. clock: times the turns, s."""
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._station, self._patience = (
-            ManagedMeter(connect, tell=report, journal=journal),
+            ManagedMeter(connect, report=report, journal=journal),
             patience,
         )
-        self.turns = TimedSwitch(switch, clock) if switch else None
+        self.switch = TimedSwitch(switch, clock) if switch else None
         self._failing_since: float | None = None
         self._wait, self._checked_at = FIRST_WAIT, 0.0
         self.checker: SweepChecker | None = None
@@ -89,7 +89,7 @@ class LiveMeter:
             self._meter,
             model.frequencies,
             model.interfaces,
-            self.turns,
+            self.switch,
             watch,
             of_each=model.own_frequencies,
         )
@@ -101,7 +101,7 @@ class LiveMeter:
 
         The settings are checked once in LOOKED_AT seconds.
         """
-        sweep = measure_readings(self._meter, requests, self.turns, watch)
+        sweep = measure_readings(self._meter, requests, self.switch, watch)
         if time.monotonic() - self._checked_at > CHECK_INTERVAL:
             self._check_settings()
         self._recovered()
@@ -147,8 +147,8 @@ class LiveMeter:
         """Restore the meter and the switch, as far as they answer, and close them."""
         with shielded():
             self._station.release()
-            if self.turns:
-                self.turns.close()
+            if self.switch:
+                self.switch.close()
 
     def _begin(self, meter: Meter) -> None:
         model, pixels = self._localizer.model, self._localizer.scene.pixels

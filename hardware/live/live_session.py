@@ -31,11 +31,11 @@ END_KEY, BASELINE_KEY = "q", "r"
 
 @dataclass(frozen=True)
 class AnswerSource:
-    """Source of an answer. frequencies: of each trace, Hz, ascending. rest: unpressed sweeps."""
+    """Readings behind an answer. frequencies: of each trace, Hz. baseline: unpressed sweeps."""
 
     sweep: MeasuredSweep
     frequencies: tuple[tuple[float, ...], ...]
-    rest: tuple[MeasuredSweep, ...] = ()
+    baseline: tuple[MeasuredSweep, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -107,9 +107,9 @@ class LiveSession:
     """
 
     localizer: LiveLocalizer
-    link: LiveMeter
-    rest: LiveBaseline
-    show: SessionDisplay
+    meter: LiveMeter
+    baseline: LiveBaseline
+    display: SessionDisplay
     log: SessionLog
     key: Callable[[], str] = lambda: ""
     clock: Callable[[], float] = time.perf_counter
@@ -117,16 +117,16 @@ class LiveSession:
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
     _ended: float | None = field(default=None, init=False)
-    _pace: ReadingTimes = field(init=False)
+    _reading_times: ReadingTimes = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATE_ANSWERS), init=False)
     _baseline_trials: int = field(default=0, init=False)
-    _known: BaselineDataset = field(init=False)
+    _baseline_cache: BaselineDataset = field(init=False)
 
     def __post_init__(self) -> None:
-        self._pace = ReadingTimes(
-            self.localizer.model, self.show.reading, self.clock, self.link.turns
+        self._reading_times = ReadingTimes(
+            self.localizer.model, self.display.reading, self.clock, self.meter.switch
         )
-        self._known = BaselineDataset(self.rest, self.localizer.model)
+        self._baseline_cache = BaselineDataset(self.baseline, self.localizer.model)
 
     def run(self, answers: int | None = None) -> None:
         """Answer until the given number of answers or the end key.
@@ -135,21 +135,21 @@ class LiveSession:
         InputError if meter and model do not fit each other.
         """
         self._request_baseline()
-        if self.rest.complete:
+        if self.baseline.complete:
             self._prepare()
         while answers is None or self.answers < answers:
             key = self.key()
             if key == END_KEY:
                 return
-            if key == BASELINE_KEY and self.rest.wanted:
-                self.rest.forget()
+            if key == BASELINE_KEY and self.baseline.wanted:
+                self.baseline.forget()
                 self._request_baseline()
             self.step()
 
     def step(self) -> None:
         """Measure once and show the answer, or why there is none. Raises the errors of `run`."""
         try:
-            self.link.ready()
+            self.meter.ready()
             at, begun = now(), self.clock()
             measured = self._measured(begun)
         except MeterError as failure:
@@ -158,12 +158,12 @@ class LiveSession:
         unsound = self._remarks(measured)
         if unsound:
             self.failed += 1
-            self.show.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
+            self.display.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
             return
-        wanted = self.rest.complete
+        wanted = self.baseline.complete
         if measured.part is None:
             press = UNKNOWN if wanted else UNPRESSED
-            self.log.keep(measured.sweep, press, at, self.link.header)
+            self.log.keep(measured.sweep, press, at, self.meter.header)
         if wanted:
             self._answer(measured)
         else:
@@ -173,33 +173,33 @@ class LiveSession:
         """The next sweep, whole or adaptive."""
         gap = 0.0 if self._ended is None else begun - self._ended
         asked = None
-        if self.rest.complete and not self.rest.due:
-            asked = self.localizer.adaptive_sweep(self._at_rest(), gap)
+        if self.baseline.complete and not self.baseline.renewal_due:
+            asked = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
         if asked is None:
-            self._pace.begin()
-            sweep, part = self.link.sweep(self._pace.reading), None
+            self._reading_times.begin()
+            sweep, part = self.meter.sweep(self._reading_times.reading), None
         else:
-            part, sweep = measure_adaptively(self.link, asked, self._pace)
+            part, sweep = measure_adaptively(self.meter, asked, self._reading_times)
         return TimedSweep(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
-        wait = self.link.wait_after_failure(failure)
-        self.show.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
+        wait = self.meter.wait_after_failure(failure)
+        self.display.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
         time.sleep(wait)
 
     def _prepare(self) -> None:
         self._ended = None
-        self.localizer.prepare(self._at_rest())
+        self.localizer.prepare(self._baseline_dataset())
 
-    def _at_rest(self) -> xr.Dataset | None:
-        return self._known.sweeps if self.rest.sweeps else None
+    def _baseline_dataset(self) -> xr.Dataset | None:
+        return self._baseline_cache.sweeps if self.baseline.sweeps else None
 
     def _localize(self, measured: TimedSweep) -> TouchAnswer:
         if measured.part is not None:
-            return self.localizer.described(measured.part.questions.answer(measured.during))
+            return self.localizer.described(measured.part.adaptive_sweep.answer(measured.during))
         sweep = model_dataset([measured.sweep], self.localizer.model)
-        return self.localizer.answer(sweep, self._at_rest(), measured.gap, measured.during)
+        return self.localizer.answer(sweep, self._baseline_dataset(), measured.gap, measured.during)
 
     def _answer(self, measured: TimedSweep) -> None:
         answer, sweep, begun = self._localize(measured), measured.sweep, measured.begun
@@ -209,7 +209,7 @@ class LiveSession:
         self.answers += 1
         if measured.part is None:
             self.log.answered(answer)
-        self.show.answer(
+        self.display.answer(
             TimedAnswer(
                 answer,
                 self._source(measured),
@@ -227,8 +227,8 @@ class LiveSession:
                 ),
             )
         )
-        if self.rest.follow(sweep if measured.part is None else None, answer):
-            self.show.note("baseline renewed by one unpressed sweep, to follow slow drift")
+        if self.baseline.follow(sweep if measured.part is None else None, answer):
+            self.display.note("baseline renewed by one unpressed sweep, to follow slow drift")
 
     def _source(self, measured: TimedSweep) -> AnswerSource:
         part, model = measured.part, self.localizer.model
@@ -238,10 +238,10 @@ class LiveSession:
             else tuple(part.frequencies[k].tolist())
             for k, trace in enumerate(measured.sweep.traces)
         )
-        return AnswerSource(measured.sweep, read, tuple(self.rest.sweeps))
+        return AnswerSource(measured.sweep, read, tuple(self.baseline.sweeps))
 
     def _add_baseline(self, sweep: MeasuredSweep) -> None:
-        moved = self._remarks(TimedSweep(sweep), self.rest.first)
+        moved = self._remarks(TimedSweep(sweep), self.baseline.first)
         if moved:
             self._baseline_trials += 1
             if self._baseline_trials >= MAX_BASELINE_TRIALS:
@@ -249,36 +249,38 @@ class LiveSession:
                     f"the unpressed skin is not stable in {MAX_BASELINE_TRIALS} trials "
                     f"({moved[0]}); leave it untouched, or allow more by --drift"
                 )
-            self.rest.forget()
-            self.show.note(f"was the skin touched? {moved[0]}; measured anew")
-        self.rest.add(sweep)
-        if self.rest.complete:
+            self.baseline.forget()
+            self.display.note(f"was the skin touched? {moved[0]}; measured anew")
+        self.baseline.add(sweep)
+        if self.baseline.complete:
             self._baseline_trials = 0
             self._prepare()
-            self.show.no_answer("ready: the skin may be touched")
+            self.display.no_answer("ready: the skin may be touched")
         else:
             self._request_baseline()
 
     def _request_baseline(self) -> None:
-        done, wanted = len(self.rest.sweeps), self.rest.wanted
+        done, wanted = len(self.baseline.sweeps), self.baseline.wanted
         if done < wanted:
-            self.show.no_answer(f"leave the skin untouched: unpressed sweep {done + 1} of {wanted}")
+            self.display.no_answer(
+                f"leave the skin untouched: unpressed sweep {done + 1} of {wanted}"
+            )
 
     def _remarks(self, measured: TimedSweep, first: MeasuredSweep | None = None) -> list[str]:
-        judge = self.link.checker
-        assert judge is not None
+        checker = self.meter.checker
+        assert checker is not None
         if measured.part is None:
-            return judge.remarks(measured.sweep, [first] if first else [], at_rest=True)
+            return checker.remarks(measured.sweep, [first] if first else [], unpressed=True)
         return [
             remark
             for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
-            for remark in replace(judge, frequency=read, of_each={}).remarks(
-                MeasuredSweep((trace,)), [], at_rest=True
+            for remark in replace(checker, frequency=read, of_each={}).remarks(
+                MeasuredSweep((trace,)), [], unpressed=True
             )
         ]
 
     def _drift(self, measured: TimedSweep, answer: TouchAnswer) -> list[str]:
-        return self._remarks(measured, self.rest.first) if says_unpressed(answer) else []
+        return self._remarks(measured, self.baseline.first) if says_unpressed(answer) else []
 
     def _rate(self) -> float | None:
         if len(self._ends) < 2:

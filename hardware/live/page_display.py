@@ -136,8 +136,8 @@ def _source_state(source: AnswerSource, model: Model) -> dict[str, Any]:
         [_pair(of[f]) if f in of else None for f in model.frequencies]
         for of in (read.get(name, {}) for name in model.interfaces)
     ]
-    rest = _mean(source.rest) if source.rest else None
-    return {"Z": rows, "rest": rest, "rests": len(source.rest)}
+    rest = _mean(source.baseline) if source.baseline else None
+    return {"Z": rows, "rest": rest, "rests": len(source.baseline)}
 
 
 def _mean(sweeps: Sequence[MeasuredSweep]) -> list[list[tuple[float, float]]]:

@@ -13,38 +13,38 @@ DEFAULT_SECONDS = 0.1
 
 @dataclass
 class TimedSwitch:
-    """A switch whose turns are timed by a clock in s. latest: time of the latest turn, s.
+    """A switch whose turns are timed by a clock in s. last_seconds: time of the latest turn, s.
 
-    spent: total time of all calls, s.
+    total_seconds: total time of all calls, s.
     """
 
     switch: Switch
     clock: Callable[[], float]
-    latest: float = field(default=DEFAULT_SECONDS, init=False)
-    spent: float = field(default=0.0, init=False)
+    last_seconds: float = field(default=DEFAULT_SECONDS, init=False)
+    total_seconds: float = field(default=0.0, init=False)
 
     @property
     def selected(self) -> str | None:
-        """As of `Switch`."""
+        """Connected interface, or None if unknown."""
         return self.switch.selected
 
     def select(self, name: str) -> None:
-        """As of `Switch`."""
+        """Connect an interface, and time it. Raises SwitchError."""
         before, begun = self.selected, self.clock()
         try:
             self.switch.select(name)
         finally:
             took = self.clock() - begun
-            self.spent += took
+            self.total_seconds += took
         if before not in (None, name):
-            self.latest = took
+            self.last_seconds = took
 
     def check_stayed(self) -> None:
-        """As of `Switch`."""
+        """Check that the switch has not turned, and time it. Raises SwitchError."""
         begun = self.clock()
         self.switch.check_stayed()
-        self.spent += self.clock() - begun
+        self.total_seconds += self.clock() - begun
 
     def close(self) -> None:
-        """As of `Switch`."""
+        """Close the switch."""
         self.switch.close()

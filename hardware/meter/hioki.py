@@ -100,14 +100,14 @@ class HiokiMeter:
     def __init__(self, connection: Connection, identity: MeterIdentity | None = None) -> None:
         self.talk = Conversation(connection)
         self.identity = identity or self.talk.query("*IDN?", parse_identity)
-        self.found: dict[str, Any] | None = None
-        self.known: dict[str, Any] = {}
+        self.original: dict[str, Any] | None = None
+        self.cached: dict[str, Any] = {}
         self._store = SETTINGS_STORE.get()
 
-    def note_found(self) -> None:
+    def save_original(self) -> None:
         """Save the original settings, if there is a store."""
         if self._store:
-            self._store.note_found()
+            self._store.save_original()
 
     def prepare(self) -> None:
         """Set the meter up so that each reading is new and holds status, Cp, Rs and X.
@@ -115,17 +115,17 @@ class HiokiMeter:
         From now on `original` collects the original value of each setting that changes. Range,
         level, speed and correction do not change. Raises MeterError.
         """
-        if self.found is None:
-            self.found = self._store.found(self.identity) if self._store else {}
+        if self.original is None:
+            self.original = self._store.original_settings(self.identity) if self._store else {}
         self.talk.send("*CLS")
         self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
 
-    def put_back(self) -> None:
+    def restore_original(self) -> None:
         """Restore all changed settings, see `original_settings`."""
         restore_original(self)
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Restore the settings, log those not confirmed, and close.
 
         A store restores them itself.
@@ -133,9 +133,9 @@ class HiokiMeter:
         try:
             if self._store is None:
                 with suppress(MeterError):
-                    self.put_back()
-                if self.found:
-                    LOG.warning("%s: %s", self.talk.resource, not_restored_message(self.found))
+                    self.restore_original()
+                if self.original:
+                    LOG.warning("%s: %s", self.talk.resource, not_restored_message(self.original))
         finally:
             self.close()
 
@@ -146,7 +146,7 @@ class HiokiMeter:
         FailedReadingError if the meter reports a failure, RefusedError if the meter refused the
         trigger (its answer would be stale), RestartedError, or another MeterError.
         """
-        return self.talk.query_checked(READ, parse_reading, self._longest)
+        return self.talk.query_checked(READ, parse_reading, self._max_seconds)
 
     def read_at(self, frequency: float) -> MeterReading:
         """Reading at a frequency in Hz, in two exchanges.
@@ -156,8 +156,8 @@ class HiokiMeter:
         another one, and the errors of `read`.
         """
         self.frequency = frequency
-        question = f"{READ};{type(self).frequency.ask}"
-        reading, told = self.talk.query_checked(question, self._reading_at, self._longest)
+        question = f"{READ};{type(self).frequency.query}"
+        reading, told = self.talk.query_checked(question, self._reading_at, self._max_seconds)
         if abs(told / frequency - 1) > ROUNDING:
             raise GarbledError(
                 f"{self.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "
@@ -170,17 +170,17 @@ class HiokiMeter:
         return parse_reading(reading), type(self).frequency.allowed.read(told.strip())
 
     @property
-    def _longest(self) -> float:
+    def _max_seconds(self) -> float:
         """Longest time of a reading after `prepare`, s."""
-        return 0.0 if self.found is None else SEARCHES * self.seconds
+        return 0.0 if self.original is None else SEARCHES * self.seconds
 
     @property
     def seconds(self) -> float:
         """Approximate time of a reading with the present settings, s."""
         for name in TIMING:
-            if name not in self.known:
-                self.known[name] = getattr(self, name)
-        frequency, speed, averaging, delay = (self.known[name] for name in TIMING)
+            if name not in self.cached:
+                self.cached[name] = getattr(self, name)
+        frequency, speed, averaging, delay = (self.cached[name] for name in TIMING)
         return ReadingConditions(frequency, 1, speed, averaging).seconds + delay
 
     def close(self) -> None:
@@ -191,7 +191,7 @@ class HiokiMeter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.let_go()
+        self.release()
 
 
 class IM3523(HiokiMeter):
@@ -280,7 +280,7 @@ def start(connection: Connection) -> Meter:
     try:
         meter.prepare()
     except BaseException:
-        meter.let_go()
+        meter.release()
         raise
     return meter
 

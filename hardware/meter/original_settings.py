@@ -22,14 +22,14 @@ MAX_RESTARTS = 3
 class OriginalSettingsStore(Protocol):
     """Store of a meter's original settings, shared by successive connections."""
 
-    def found(self, identity: MeterIdentity) -> dict[str, Any]:
+    def original_settings(self, identity: MeterIdentity) -> dict[str, Any]:
         """Original settings of a meter; whoever changes a setting adds its original value.
 
         Raises WrongMeterError if the store holds those of another meter.
         """
         ...
 
-    def note_found(self) -> None:
+    def save_original(self) -> None:
         """Save the original settings: one was added, and the meter is about to change."""
         ...
 
@@ -44,7 +44,7 @@ def restore_original(meter: SettingsOwner) -> None:
     `original` then holds the settings that the meter did not confirm. Raises MeterError if the
     connection fails or the meter restarts too often; another call continues from there.
     """
-    kept, meter.found = meter.found or {}, None
+    kept, meter.original = meter.original or {}, None
     everything = dict(kept)
     try:
         with shielded():
@@ -56,7 +56,7 @@ def restore_original(meter: SettingsOwner) -> None:
                 kept.update(everything)
             _restore_each(meter, kept)
     finally:
-        meter.found = kept
+        meter.original = kept
 
 
 def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
@@ -68,7 +68,7 @@ def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
         if not isinstance(setting, Setting):
             continue
         with suppress(RefusedError, InputError, TypeError, ValueError):  # values may be of a file
-            setting.put_back(meter, kept[name])
+            setting.restore(meter, kept[name])
             del kept[name]
 
 

@@ -21,10 +21,10 @@ class SettingsOwner(Protocol):
     """An object with settings: it has a conversation with a meter."""
 
     talk: Conversation
-    found: dict[str, Any] | None
-    known: dict[str, Any]
+    original: dict[str, Any] | None
+    cached: dict[str, Any]
 
-    def note_found(self) -> None:
+    def save_original(self) -> None:
         """Save `original`, which has changed; the meter is about to change, too."""
         ...
 
@@ -158,8 +158,8 @@ class MeterProperty(Generic[T]):
     """A property that the meter reports. Each access queries the meter."""
 
     def __init__(self, query: str, allowed: ValueFormat[T], meaning: str) -> None:
-        """query: the query; `{range}` in it stands for the present range."""
-        self.ask, self.allowed, self.__doc__ = query, allowed, f"{meaning}: {allowed}."
+        """query: text of the query; `{range}` in it stands for the present range."""
+        self.query, self.allowed, self.__doc__ = query, allowed, f"{meaning}: {allowed}."
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -171,8 +171,8 @@ class MeterProperty(Generic[T]):
     def __get__(self, meter: Any, owner: type) -> Self | T:
         if meter is None:
             return self
-        at = {"range": meter.range} if "{range}" in self.ask else {}
-        return meter.talk.query(self.ask.format(**at), self._read)
+        at = {"range": meter.range} if "{range}" in self.query else {}
+        return meter.talk.query(self.query.format(**at), self._read)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         raise AttributeError(f"`{self.name}` is read from the meter and cannot be set")
@@ -201,7 +201,7 @@ class Setting(MeterProperty[T]):
         moves: another setting that changes with this one.
         """
         super().__init__(f"{command}? {{range}}" if each_range else f"{command}?", allowed, meaning)
-        self.tell = f"{command} ALL," if each_range else f"{command} "
+        self.command_text = f"{command} ALL," if each_range else f"{command} "
         self._command, self._each_range, self._moves = command, each_range, moves
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
@@ -213,16 +213,16 @@ class Setting(MeterProperty[T]):
         if text is None:
             raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
         self._save_original(meter)
-        meter.talk.send(f"{self.tell}{text}")
-        meter.known[self.name] = self.allowed.read(text)
+        meter.talk.send(f"{self.command_text}{text}")
+        meter.cached[self.name] = self.allowed.read(text)
 
-    def now(self, meter: SettingsOwner) -> T | tuple[T, ...]:
+    def current_value(self, meter: SettingsOwner) -> T | tuple[T, ...]:
         """Present value, or one value per range."""
         if not self._each_range:
             return self.__get__(meter, type(meter))
         return tuple(meter.talk.query(f"{self._command}? {n}", self._read) for n in RANGES)
 
-    def put_back(self, meter: SettingsOwner, found: Any) -> None:
+    def restore(self, meter: SettingsOwner, found: Any) -> None:
         """Set a value that `current_value` gave earlier. Raises as `__set__`."""
         if not self._each_range or len(set(found)) == 1:
             self.__set__(meter, found[0] if self._each_range else found)
@@ -232,13 +232,13 @@ class Setting(MeterProperty[T]):
 
     def _save_original(self, meter: SettingsOwner) -> None:
         """Add the present value to the meter's original settings, with `moves`, if missing."""
-        if meter.found is None:
+        if meter.original is None:
             return
-        missing = [each for each in (self._moves, self.name) if each and each not in meter.found]
+        missing = [each for each in (self._moves, self.name) if each and each not in meter.original]
         for each in missing:
-            meter.found[each] = getattr(type(meter), each).now(meter)
+            meter.original[each] = getattr(type(meter), each).current_value(meter)
         if missing:
-            meter.note_found()
+            meter.save_original()
 
 
 def _is_number(value: Any) -> bool:

@@ -24,9 +24,9 @@ class PageConnection(ServerConnection):
     refused: status that refuses its request, or None. bodiless: True for a HEAD request.
     """
 
-    def __init__(self, *given: Any, door: ConnectionLimit, **named: Any) -> None:
+    def __init__(self, *given: Any, limit: ConnectionLimit, **named: Any) -> None:
         super().__init__(*given, **named)
-        self._door, self._received = door, b""
+        self._limit, self._received = limit, b""
         self._decided = self._ended = self._answered = False
         self.refused: HTTPStatus | None = None
         self.bodiless = False
@@ -34,12 +34,12 @@ class PageConnection(ServerConnection):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Count the connection, and start the time-out of its head."""
         super().connection_made(transport)
-        self._door.admit(self)
+        self._limit.admit(self)
         self.loop.call_later(HEAD_SECONDS, self._decide, HTTPStatus.REQUEST_TIMEOUT)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Remove the connection from the count."""
-        self._door.remove(self)
+        self._limit.remove(self)
         self._decided = True
         super().connection_lost(exc)
 

@@ -42,8 +42,8 @@ class PageServer:
     def __init__(
         self, document: PageDocument, latest: LatestState, press: PressSkin | None = None
     ) -> None:
-        self._document, self._board, self._press = document, latest, press
-        self._door, self._address = ConnectionLimit(), PageAddress(0)
+        self._document, self._latest, self._press = document, latest, press
+        self._limit, self._address = ConnectionLimit(), PageAddress(0)
 
     @asynccontextmanager
     async def served(self, port: int = 0) -> AsyncIterator[PageAddress]:
@@ -60,7 +60,7 @@ class PageServer:
             await asyncio.wait(
                 [asyncio.ensure_future(server.wait_closed())], timeout=CLOSING_TIMEOUT
             )
-            self._door.abort_all()
+            self._limit.abort_all()
             await server.wait_closed()
 
     async def _listening(self, port: int) -> Server:
@@ -77,7 +77,7 @@ class PageServer:
                 open_timeout=SENDING_TIMEOUT,
                 backlog=BACKLOG,
                 logger=_disabled_logger(),
-                create_connection=partial(PageConnection, door=self._door),  # type: ignore[arg-type]
+                create_connection=partial(PageConnection, limit=self._limit),  # type: ignore[arg-type]
             )
         except (OSError, OverflowError) as error:
             raise InputError(f"port {port} of {LOOPBACK} is not available: {error}") from error
@@ -99,18 +99,18 @@ class PageServer:
         link = urlsplit(request.path).path == LINK if refusal is None else False
         if link and connection.bodiless:
             refusal = HTTPStatus.METHOD_NOT_ALLOWED
-        elif link and self._door.full:
+        elif link and self._limit.full:
             refusal = HTTPStatus.SERVICE_UNAVAILABLE
         if refusal is not None:
             return _response(refusal)
         return None if link else _response(HTTPStatus.OK, *self._document.sent())
 
     async def _serve_viewer(self, connection: ServerConnection) -> None:
-        self._door.viewers.add(connection)
+        self._limit.viewers.add(connection)
         try:
-            await Viewer(connection, self._board, self._press).serve_frames()
+            await Viewer(connection, self._latest, self._press).serve_frames()
         finally:
-            self._door.viewers.discard(connection)
+            self._limit.viewers.discard(connection)
 
 
 def _response(

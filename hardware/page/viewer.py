@@ -28,7 +28,7 @@ class Viewer:
     def __init__(
         self, socket: ServerConnection, latest: LatestState, press: PressSkin | None
     ) -> None:
-        self._socket, self._board, self._press = socket, latest, press
+        self._socket, self._latest, self._press = socket, latest, press
         self._sent, self._drawn = 0, asyncio.Event()
 
     async def serve_frames(self) -> None:
@@ -45,9 +45,9 @@ class Viewer:
 
     async def _push(self) -> None:
         while True:
-            await self._board.newer(self._sent)
+            await self._latest.newer(self._sent)
             self._drawn.clear()
-            self._sent, frame = self._board.number, self._board.frame
+            self._sent, frame = self._latest.number, self._latest.frame
             await self._socket.send(frame)
             await self._drawn.wait()
 

@@ -29,7 +29,7 @@ LOG = logging.getLogger(__name__)
 
 @dataclass
 class ManagedMeter:
-    """One meter through all its connections. tell: reports settings that could not be restored.
+    """One meter through all its connections. report: reports settings that could not be restored.
 
     journal: saves the original settings before any is changed. Those of a killed command are
     restored at the end of this one.
@@ -37,21 +37,21 @@ class ManagedMeter:
 
     connect: Callable[[], Meter]
     header: RecordingHeader | None = None
-    tell: Callable[[str], None] = lambda text: None
+    report: Callable[[str], None] = lambda text: None
     journal: RecordingJournal | None = None
     meter: Meter | None = field(default=None, init=False)
-    _found: dict[str, Any] = field(default_factory=dict, init=False)
+    _original: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
     _given_up: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         if self.journal and (kept := self.journal.original_settings()):
-            self._identity, self._found = kept
+            self._identity, self._original = kept
             LOG.warning(
                 "%s: a killed command left the meter's settings changed; this command restores the "
                 "original ones at its end: %s",
                 self.journal.folder,
-                settings_text(self._found),
+                settings_text(self._original),
             )
 
     def ready(self) -> Meter:
@@ -83,20 +83,20 @@ class ManagedMeter:
         meter did not confirm are reported.
         """
         with shielded() as insisting:
-            if self.meter or self._found:
-                parting = Thread(target=self._put_back, daemon=True)
+            if self.meter or self._original:
+                parting = Thread(target=self._restore, daemon=True)
                 begun = time.monotonic()
                 parting.start()
                 while parting.is_alive() and self._answers_recently(begun) and not insisting():
                     parting.join(POLL_INTERVAL)
                 self._given_up = True
-            if self._found:
-                self.tell(not_restored_message(self._found))
+            if self._original:
+                self.report(not_restored_message(self._original))
             elif self.journal:
                 self.journal.drop_original_settings()
             self.close()
 
-    def found(self, identity: MeterIdentity) -> dict[str, Any]:
+    def original_settings(self, identity: MeterIdentity) -> dict[str, Any]:
         """Original settings, see `OriginalSettingsStore`."""
         expected = self.header.meter if self.header else self._identity or identity.text
         if identity.text != expected:
@@ -105,12 +105,12 @@ class ManagedMeter:
                 "meter is connected"
             )
         self._identity = expected
-        return self._found
+        return self._original
 
-    def note_found(self) -> None:
+    def save_original(self) -> None:
         """Save the original settings, see `OriginalSettingsStore`."""
         if self.journal:
-            self.journal.save_original_settings(self._identity, self._found)
+            self.journal.save_original_settings(self._identity, self._original)
 
     def _answers_recently(self, begun: float) -> bool:
         """True if the meter answered recently, in view of how slow its line is."""
@@ -121,14 +121,14 @@ class ManagedMeter:
 
     def _running_time(self) -> float:
         """Longest time of a reading that may still be running, s."""
-        known = self.meter is not None and self.meter.known.keys() >= set(TIMING)
+        known = self.meter is not None and self.meter.cached.keys() >= set(TIMING)
         return self.meter.seconds if self.meter and known else 0.0
 
-    def _put_back(self) -> None:
+    def _restore(self) -> None:
         for _ in range(TRIES):
             with suppress(MeterError):
                 self.meter = self.meter or self._connected()
-                self.meter.put_back()
+                self.meter.restore_original()
                 return
             self.close()
             if self._given_up:

@@ -25,11 +25,11 @@ def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -
     """
     if not baselines:
         return []
-    at_rest = [
+    unpressed = [
         np.array([rest.traces[k].Z for rest in baselines]) for k, _ in enumerate(sweep.traces)
     ]
-    changes = [own.Z / known[-1] - 1 for own, known in zip(sweep.traces, at_rest, strict=True)]
-    noises = [_noise(part, known) for part, known in zip(changes, at_rest, strict=True)]
+    changes = [own.Z / known[-1] - 1 for own, known in zip(sweep.traces, unpressed, strict=True)]
+    noises = [_noise(part, known) for part, known in zip(changes, unpressed, strict=True)]
     if any(_rms(part / own) > DETECTION_FACTOR for part, own in zip(changes, noises, strict=True)):
         return []
     change, noise = np.concatenate(changes), np.concatenate(noises)
@@ -62,11 +62,11 @@ def _noise(
     baseline sweeps or, with a single one, of this change. With few frequencies it is the size of
     the changes between baseline sweeps. baselines: ohm, shape (sweep, frequency).
     """
-    at_rest = baselines[1:] / baselines[:-1] - 1
+    drift = baselines[1:] / baselines[:-1] - 1
     if change.size >= MIN_FREQUENCIES:
-        seen = roughness(at_rest if len(at_rest) else change[None])
-    elif len(at_rest):
-        seen = local_scale(at_rest)
+        noise = roughness(drift if len(drift) else change[None])
+    elif len(drift):
+        noise = local_scale(drift)
     else:
-        seen = np.zeros(change.size)
-    return np.maximum(seen, RESOLUTION)
+        noise = np.zeros(change.size)
+    return np.maximum(noise, RESOLUTION)

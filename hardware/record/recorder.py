@@ -44,7 +44,7 @@ class RecordingTask:
 
     header: with the fields that are known before the meter is connected; an empty session becomes
     the start time. same_mounting: True if the user said that the skin was not mounted anew. switch:
-    connects the meter to one of the interfaces; None if there is one. tell: reports settings that
+    connects the meter to one of the interfaces; None if there is one. report: reports settings that
     could not be restored.
     """
 
@@ -55,7 +55,7 @@ class RecordingTask:
     limits: SweepLimits = SweepLimits()
     same_mounting: bool = False
     switch: Switch | None = None
-    tell: Callable[[str], None] = lambda text: None
+    report: Callable[[str], None] = lambda text: None
 
     @cached_property
     def order(self) -> list[PressStep]:
@@ -76,7 +76,7 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
     entries = journal.entries(header) if header else {}
     if entries and len(entries) < len(task.order) and not task.same_mounting:
         _confirm_mounting(journal, entries.values(), operator)
-    station = ManagedMeter(task.connect, header, task.tell, journal)
+    station = ManagedMeter(task.connect, header, task.report, journal)
     try:
         if header is None:
             header = _start(journal, task, station)

@@ -23,12 +23,13 @@ CP_TOLERANCE = 1e-3
 class SweepLimits:
     """Allowed deviations of a sweep.
 
-    errors: tolerance of the laws in bounds of the meter's error. With noise of the size of the
-    bounds, a law was broken in 22 of 300 sweeps at 2, and in none at 3.
+    errors: tolerance of the laws, as a multiple of the bounds on the meter's error. With noise of
+    the size of the bounds, 22 of 300 sweeps broke a law at the factor 2, and none at 3.
 
-    repeatability: of |Z| from the mean of earlier sweeps of the same press. drift: of |Z| at rest
-    from the first sweep at rest. Both are fractions. two_terminal: whether all current that enters
-    the skin leaves it by the meter; else no law of passive skins binds what it reads.
+    repeatability: fraction by which |Z| may differ from the mean of earlier sweeps of the same
+    press. drift: fraction by which |Z| of the unpressed skin may differ from that of the first
+    baseline sweep. two_terminal: True if all current that enters the skin leaves it through the
+    meter; otherwise the laws of passive skins do not apply to the readings.
     """
 
     errors: float = 4.0
@@ -51,11 +52,11 @@ class SweepChecker:
     of_each: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def remarks(
-        self, sweep: MeasuredSweep, earlier: Sequence[MeasuredSweep], at_rest: bool
+        self, sweep: MeasuredSweep, earlier: Sequence[MeasuredSweep], unpressed: bool
     ) -> list[str]:
         """Faults of a sweep, in words; empty if it is sound.
 
-        earlier: sound sweeps of the same press, oldest first. at_rest: True for an unpressed sweep.
+        earlier: sound sweeps of the same press, oldest first. unpressed: True for a baseline sweep.
         """
         found: list[str] = []
         for place, trace in enumerate(sweep.traces):
@@ -63,7 +64,7 @@ class SweepChecker:
             where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
             frequency = np.array(self.of_each.get(trace.interface, self.frequency))
             own = replace(self, frequency=frequency)
-            found += [where + remark for remark in own._trace_remarks(trace, before, at_rest)]
+            found += [where + remark for remark in own._trace_remarks(trace, before, unpressed)]
         return found
 
     def _trace_remarks(

@@ -67,7 +67,7 @@ class DeviceSwitch(Generic[Position]):
     patience: float = 5.0
     selected: str | None = field(default=None, init=False)
     _device: SwitchDevice[Position] | None = field(default=None, init=False)
-    _found: Position | None = field(default=None, init=False)
+    _original: Position | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         for name, value in (("settle", self.settle), ("timeout", self.patience)):
@@ -113,17 +113,19 @@ class DeviceSwitch(Generic[Position]):
         with suppress(SwitchError):
             if (
                 self._device
-                and self._found is not None
-                and self._device.reported_position() != self._found
+                and self._original is not None
+                and self._device.reported_position() != self._original
             ):
-                self._device.put(self._found)
+                self._device.put(self._original)
         self._drop()
 
     def _turn_if_needed(self, name: str, before: str | None) -> bool:
         """Turn if necessary; True if it turned."""
         if self._device is None:
             self._device = self.open()
-            self._found = self._device.reported_position() if self._found is None else self._found
+            self._original = (
+                self._device.reported_position() if self._original is None else self._original
+            )
         device, position = self._device, self.positions[name]
         told = device.reported_position()
         if told == position or (told is None and before == name):

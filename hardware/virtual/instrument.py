@@ -49,8 +49,9 @@ class PendingMeasurement:
 class Instrument:
     """One meter, shared by clients. pace: factor on all times; 1: as a real meter, 0: none.
 
-    skins: by interface, for a switch; interface: the connected one. tell: reports why the skin has
-    no reading, which a client sees as a failure inside the meter. report: takes faults of clients.
+    skins: by interface, for a switch; interface: the connected one. report_failure: reports why the
+    skin has no reading, which a client sees as a failure inside the meter. report: takes faults of
+    clients.
     """
 
     bench: MeasurementSetup
@@ -69,7 +70,7 @@ class Instrument:
     worker: Worker = field(default_factory=Worker)
     skins: Mapping[str, Skin] = field(default_factory=dict)
     interface: str = ""
-    tell: Callable[[str], None] = lambda text: None
+    report_failure: Callable[[str], None] = lambda text: None
     report: Report = lambda kind, text: None
 
     @property
@@ -111,7 +112,9 @@ class Instrument:
                 self.worker, pending.setup.measure, pending.press, pending.settings
             )
         except Exception as failure:
-            self.tell(f"press {pending.press}: no reading: {failure} ({type(failure).__name__})")
+            self.report_failure(
+                f"press {pending.press}: no reading: {failure} ({type(failure).__name__})"
+            )
             self.registers.note(Standard.DDE)
             result = NO_RESULT
         self._keep(replace(result, status=fault.status) if fault else result)

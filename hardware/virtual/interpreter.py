@@ -27,7 +27,7 @@ async def answer(meter: Instrument, line: str) -> str:
 
 async def _execute(meter: Instrument, message: Message) -> list[str]:
     command = find_command(message.words, meter.model, meter.settings.compatible)
-    act = command and (command.ask if message.query else command.tell)
+    act = command and (command.on_query if message.query else command.on_set)
     if command is None or act is None:
         raise CommandError(message.words)
     if not command.fits(message):
@@ -42,5 +42,5 @@ async def _execute(meter: Instrument, message: Message) -> list[str]:
 
 
 def _with_header(meter: Instrument, command: MeterCommand, said: str) -> str:
-    named = meter.settings.header and command.named
+    named = meter.settings.header and command.has_header
     return f"{command.header.upper()} {said}" if named else said

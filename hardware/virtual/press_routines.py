@@ -72,4 +72,4 @@ async def _press(control: ControlPort, press: str) -> None:
     try:
         await control.press(press)
     except (InputError, ToleranceError) as error:
-        control.instrument.tell(str(error))
+        control.instrument.report_failure(str(error))

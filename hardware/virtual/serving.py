@@ -133,11 +133,11 @@ def routines(
 
 @dataclass(frozen=True)
 class PageOptions:
-    """A page on which the skin is pressed. tell: called with where it is."""
+    """A page on which the skin is pressed. on_listening: called with its address."""
 
     document: PageDocument
     port: int
-    tell: Callable[[PageAddress], None]
+    on_listening: Callable[[PageAddress], None]
 
 
 def serve(
@@ -160,7 +160,9 @@ def serve(
             await stack.enter_async_context(open_ports(meter, control, host, port, control_port))
         )
         if page_options:
-            page_options.tell(await stack.enter_async_context(serve_page(control, page_options)))
+            page_options.on_listening(
+                await stack.enter_async_context(serve_page(control, page_options))
+            )
 
     asyncio.run(_run_until_signal(open_))
     meter.worker.end()

@@ -67,7 +67,7 @@ class ViewedPress:
 
     def panels(self, skin: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
         """Panels of the frames on the skin, all seen from the same place."""
-        drawn = marks(self.scene, self.press, self.interface, skin, self.laid)
+        drawn = marks(self.scene, self.press, self.interface, skin, self.to_space)
         scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
         camera = _camera(scenery)
         return [Panel(scenery, frame, camera) for frame in frames]
@@ -76,7 +76,7 @@ class ViewedPress:
     def _in_space(self) -> bool:
         return is_curved(self.fields) if self.wrapped is None else self.wrapped
 
-    def laid(self, x: Real) -> Real:
+    def to_space(self, x: Real) -> Real:
         """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""
         if self._in_space:
             return position(self.scene, x)

@@ -37,7 +37,7 @@ class Replay:
     """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
 
     def __init__(self, link: LiveMeter, sweeps: list[tuple[float, float, MeasuredSweep]]) -> None:
-        self.judge, self.header, self.now, self.turns = link.checker, link.header, 0.0, None
+        self.checker, self.header, self.now, self.switch = link.checker, link.header, 0.0, None
         self.left = list(reversed(sweeps))
 
     def ready(self) -> None:

@@ -25,24 +25,30 @@ async def _note_completion(meter: Instrument) -> None:
 def _mask(header: str, name: str) -> MeterCommand:
     return MeterCommand(
         header,
-        tell=lambda meter, text: _set_mask(name, text, meter),
-        ask=lambda meter: getattr(meter.registers, name),
-        named=False,
+        on_set=lambda meter, text: _set_mask(name, text, meter),
+        on_query=lambda meter: getattr(meter.registers, name),
+        has_header=False,
     )
 
 
 COMMON_COMMANDS = (
-    MeterCommand("*IDN", ask=lambda meter: meter.identity, named=False),
-    MeterCommand("*RST", tell=lambda meter: meter.reset(), takes=0),
-    MeterCommand(":PRESet", tell=lambda meter: meter.reset(), takes=0),
-    MeterCommand("*CLS", tell=lambda meter: meter.registers.clear(), takes=0),
-    MeterCommand("*OPC", tell=_note_completion, ask=_complete, takes=0, named=False),
-    MeterCommand("*WAI", tell=lambda meter: meter.wait(), takes=0),
-    MeterCommand("*TST", ask=lambda meter: 0, named=False),
-    MeterCommand("*TRG", tell=lambda meter: meter.trigger(), takes=0),
-    MeterCommand("*ESR", ask=lambda meter: meter.registers.take_standard(), named=False),
-    MeterCommand("*STB", ask=lambda meter: meter.registers.status_byte(meter.waiting), named=False),
-    MeterCommand(":ESR0", ask=lambda meter: meter.registers.take_measuring(), named=False),
+    MeterCommand("*IDN", on_query=lambda meter: meter.identity, has_header=False),
+    MeterCommand("*RST", on_set=lambda meter: meter.reset(), set_arguments=0),
+    MeterCommand(":PRESet", on_set=lambda meter: meter.reset(), set_arguments=0),
+    MeterCommand("*CLS", on_set=lambda meter: meter.registers.clear(), set_arguments=0),
+    MeterCommand(
+        "*OPC", on_set=_note_completion, on_query=_complete, set_arguments=0, has_header=False
+    ),
+    MeterCommand("*WAI", on_set=lambda meter: meter.wait(), set_arguments=0),
+    MeterCommand("*TST", on_query=lambda meter: 0, has_header=False),
+    MeterCommand("*TRG", on_set=lambda meter: meter.trigger(), set_arguments=0),
+    MeterCommand("*ESR", on_query=lambda meter: meter.registers.take_standard(), has_header=False),
+    MeterCommand(
+        "*STB", on_query=lambda meter: meter.registers.status_byte(meter.waiting), has_header=False
+    ),
+    MeterCommand(
+        ":ESR0", on_query=lambda meter: meter.registers.take_measuring(), has_header=False
+    ),
     _mask("*ESE", "standard_mask"),
     _mask("*SRE", "request_mask"),
     _mask(":ESE0", "measuring_mask"),

@@ -36,17 +36,17 @@ def _correction(header: str, kind: str) -> tuple[MeterCommand, MeterCommand]:
             lambda meter, text: _correct(meter, kind, text),
             lambda meter: getattr(meter.settings, SETTINGS[kind]),
         ),
-        MeterCommand(f"{header}:ERRor", ask=lambda meter: meter.corrections.errors[kind]),
+        MeterCommand(f"{header}:ERRor", on_query=lambda meter: meter.corrections.errors[kind]),
     )
 
 
 MEASURING_COMMANDS = (
-    MeterCommand(":MEASure", ask=lambda meter: meter.measure(), named=False),
+    MeterCommand(":MEASure", on_query=lambda meter: meter.measure(), has_header=False),
     MeterCommand(
         ":MEASure:ITEM",
         _set_items,
         lambda meter: ",".join(map(str, meter.settings.items)),
-        takes=2,
+        set_arguments=2,
     ),
     MeterCommand(":MEASure:VALid", _set_valid, lambda meter: meter.settings.valid),
     *_correction(":CORRection:OPEN", "OPEN"),

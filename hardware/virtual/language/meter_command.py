@@ -34,19 +34,22 @@ Act = Callable[..., Any]
 class MeterCommand:
     """A header in its documented form, whose capitals are the short form.
 
-    tell, ask: set and query, called with the meter and the arguments; None if the form does not
-    exist. takes, asks: their numbers of arguments. named: True if answers may have a header.
+    on_set, on_query: called with the meter and the arguments; None if the form does not exist.
+    set_arguments, query_arguments: their numbers of arguments. has_header: True if answers may have
+    a header.
     siblings_only: True if the IM3523 knows it in compatibility mode only.
     """
 
     header: str
-    tell: Act | None = None
-    ask: Act | None = None
-    takes: int = 1
-    asks: int = 0
-    named: bool = True
+    on_set: Act | None = None
+    on_query: Act | None = None
+    set_arguments: int = 1
+    query_arguments: int = 0
+    has_header: bool = True
     siblings_only: bool = False
 
     def fits(self, message: Message) -> bool:
         """True if the message has the right number of arguments."""
-        return len(message.arguments) == (self.asks if message.query else self.takes)
+        return len(message.arguments) == (
+            self.query_arguments if message.query else self.set_arguments
+        )

@@ -50,11 +50,11 @@ def _averaging_text(value: int) -> str:
 
 
 def _setting_command(header: str, name: str, read: Read, show: Format = str) -> MeterCommand:
-    def tell(meter: Instrument, text: str) -> None:
+    def set_value(meter: Instrument, text: str) -> None:
         setattr(meter.settings, name, read(text))
         meter.changed()
 
-    return MeterCommand(header, tell, lambda meter: show(getattr(meter.settings, name)))
+    return MeterCommand(header, set_value, lambda meter: show(getattr(meter.settings, name)))
 
 
 def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
@@ -77,8 +77,8 @@ def _each_range(
             header,
             lambda meter, which, text: _set_each(meter, which, name, read(text)),
             lambda meter, which: kept(meter, integer(which, 1, 10)),
-            takes=2,
-            asks=1,
+            set_arguments=2,
+            query_arguments=1,
         ),
         MeterCommand(
             sibling,
@@ -95,14 +95,14 @@ def _set_range(meter: Instrument, text: str) -> None:
 
 
 def _parameter(header: str, index: int, siblings_only: bool = False) -> MeterCommand:
-    def tell(meter: Instrument, text: str) -> None:
+    def set_value(meter: Instrument, text: str) -> None:
         pair = list(meter.settings.parameters)
         pair[index] = _one_of(*PARAMETERS)(text)
         meter.settings.parameters = (pair[0], pair[1])
 
     return MeterCommand(
         header,
-        tell,
+        set_value,
         lambda meter: meter.settings.parameters[index],
         siblings_only=siblings_only,
     )

@@ -43,7 +43,7 @@ def session(session, ports, press):
 
 
 def labels(live):
-    return [moment.answer.label for moment in live.show.moments]
+    return [moment.answer.label for moment in live.display.moments]
 
 
 def truth(press):
@@ -86,16 +86,16 @@ def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(sessio
     begun, asked = [], []
     questions = live.localizer.adaptive_sweep
     live.localizer.adaptive_sweep = lambda *known: asked.append(questions(*known)) or asked[-1]
-    select = live.link.turns.switch.select
-    live.link.turns.switch.select = lambda name: begun.append(name) or select(name)
+    select = live.meter.switch.switch.select
+    live.meter.switch.switch.select = lambda name: begun.append(name) or select(name)
     live.run(6)
     assert (labels(live), live.failed) == (RIGHT, 0)
-    assert all(moment.remarks == () for moment in live.show.moments)
+    assert all(moment.remarks == () for moment in live.display.moments)
     at_ends = [list(once.told) for once in asked]
     assert at_ends[1:] == [list(reversed(one)) for one in at_ends[:-1]]
     cost = asked[-1].seconds[0].max(axis=1) - asked[-1].seconds[0].min(axis=1).min()
     assert min(cost) < 0.05 <= max(cost) < 0.5
-    seen = live.show.moments[-1].source
+    seen = live.display.moments[-1].source
     assert seen.frequencies == ((4e3,), (4e3,))
     assert sorted(trace.interface for trace in seen.sweep.traces) == ["bottom", "left"]
 
@@ -111,16 +111,16 @@ def test_a_late_switch_drops_nothing(session, instrument):
     live = session()
     live.run(6)
     assert (labels(live), live.failed) == (RIGHT, 0)
-    assert not any("trying again" in why for why in live.show.told)
-    assert all(moment.remarks == () for moment in live.show.moments)
+    assert not any("trying again" in why for why in live.display.told)
+    assert all(moment.remarks == () for moment in live.display.moments)
 
 
 def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("slow", seconds=1.1))})
     live.run(3)
-    (remark,) = live.show.moments[1].remarks
+    (remark,) = live.display.moments[1].remarks
     assert "the switch took 1.1 s: a touch may have changed between the interfaces" in remark
-    assert live.show.moments[2].remarks == ()
+    assert live.display.moments[2].remarks == ()
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrum
     live = session({1: press_and_fail}, awaited=0.05)
     live.run(4)
     assert labels(live) == ["nothing pressed", *["pixel 2,3"] * 3]
-    assert any(told in why and "trying again" in why for why in live.show.told)
+    assert any(told in why and "trying again" in why for why in live.display.told)
     assert live.failed >= 1
     exact = [[skin.impedance("2,3", f) for f in Pixels.frequencies] for skin in SKINS.values()]
     for asked in live.localizer.asked[1:]:
@@ -175,9 +175,9 @@ def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrume
 def test_a_switch_that_fails_is_no_reason_to_let_the_meter_go(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("stuck"))}, awaited=0.05)
     live.run(1)
-    meter = live.link._station.meter
+    meter = live.meter._station.meter
     live.run(3)
-    assert live.failed == 1 and live.link._station.meter is meter
+    assert live.failed == 1 and live.meter._station.meter is meter
 
 
 def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
@@ -191,7 +191,7 @@ def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
 def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
     live = session()
     live.run(2)
-    live.link.release()
+    live.meter.release()
     assert instrument.interface == "left"
 
 

@@ -82,8 +82,8 @@ def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_ti
     rest.add(sweep(0.0))
     rest.add(sweep(0.0))
     for _ in range(4 * RENEWAL_COUNT):
-        due.append(rest.due)
-        rest.follow(sweep(0.001) if rest.due else None, QUIET)
-    assert sum(due) == 4 and len(rest.opening) == 2 and len(rest._firsts) == 6
+        due.append(rest.renewal_due)
+        rest.follow(sweep(0.001) if rest.renewal_due else None, QUIET)
+    assert sum(due) == 4 and len(rest.opening) == 2 and len(rest._opening) == 6
     for _ in range(2 * RENEWAL_COUNT):
         assert not rest.follow(None, QUIET)

@@ -15,18 +15,19 @@ pytestmark = pytest.mark.usefixtures("impatient")
 
 def test_a_skin_that_is_touched_while_at_rest_is_asked_for_anew(session, press, instrument):
     live = session(rest=2, drift=0.005)
-    told = live.show.no_answer
+    told = live.display.no_answer
 
     def no_answer(why):
         told(why)
-        press("1,3" if "sweep 2 of 2" in why and not live.show.notes else "none")()
+        press("1,3" if "sweep 2 of 2" in why and not live.display.notes else "none")()
 
-    live.show.no_answer = no_answer
+    live.display.no_answer = no_answer
     live.run(1)
     assert any(
-        "was the skin touched? the unpressed skin has drifted by 2." in n for n in live.show.notes
+        "was the skin touched? the unpressed skin has drifted by 2." in n
+        for n in live.display.notes
     )
-    assert live.show.labels == ["nothing pressed"]
+    assert live.display.labels == ["nothing pressed"]
 
 
 def test_a_skin_that_never_comes_to_rest_is_an_error(session):
@@ -57,20 +58,20 @@ def test_slow_drift_is_followed_where_nothing_is_pressed(
     object.__setattr__(instrument.bench, "skin", Drifting(1e-4))
     live = session({70: lambda: None}, rest=2)
     live.run(70)
-    assert set(live.show.labels) == {"nothing pressed"}
-    assert any("follow slow drift" in note for note in live.show.notes)
+    assert set(live.display.labels) == {"nothing pressed"}
+    assert any("follow slow drift" in note for note in live.display.notes)
 
 
 def test_drift_since_the_beginning_is_told(session, instrument):
     object.__setattr__(instrument.bench, "skin", Drifting(1e-4))
     live = session(rest=2, drift=0.01)
     live.run(50)
-    assert live.show.moments[0].remarks == ()
-    assert "the unpressed skin has drifted by" in live.show.moments[-1].remarks[-1]
+    assert live.display.moments[0].remarks == ()
+    assert "the unpressed skin has drifted by" in live.display.moments[-1].remarks[-1]
 
 
 def test_rest_is_not_renewed_under_a_press(session, press):
     live = session({1: press("1,1")}, rest=2)
     live.run(2 + RENEWAL_COUNT)
-    assert live.show.notes == []
-    assert live.show.labels[-1] == "column 1"
+    assert live.display.notes == []
+    assert live.display.labels[-1] == "column 1"

@@ -21,8 +21,8 @@ def test_presses_are_answered_at_their_columns(session, press):
     live = session({1: press("1,2"), 2: press("2,3"), 3: press("none"), 4: press("1,1")})
     live.run(5)
     none = "nothing pressed"
-    assert live.show.labels == [none, "column 2", "column 3", none, "column 1"]
-    lit = live.show.moments[2].answer.pixels
+    assert live.display.labels == [none, "column 2", "column 3", none, "column 1"]
+    lit = live.display.moments[2].answer.pixels
     assert (lit[:, 2] > 0.99).all() and (lit[:, :2] < 0.01).all()
     assert live.failed == 0
 
@@ -31,14 +31,14 @@ def test_it_asks_to_leave_the_skin_untouched_first(session):
     live = session(rest=3)
     live.run(1)
     leave = [f"leave the skin untouched: unpressed sweep {n} of 3" for n in (1, 2, 3)]
-    assert live.show.told == [*leave, "ready: the skin may be touched"]
-    assert len(live.rest.sweeps) == 3
+    assert live.display.told == [*leave, "ready: the skin may be touched"]
+    assert len(live.baseline.sweeps) == 3
 
 
 def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
     live = session(localizer=Columns(uses_baseline=False))
     live.run(1)
-    assert (live.show.told, live.show.labels) == ([], ["nothing pressed"])
+    assert (live.display.told, live.display.labels) == ([], ["nothing pressed"])
 
 
 @pytest.mark.parametrize(
@@ -59,9 +59,9 @@ def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
 def test_a_fault_costs_its_sweep_and_is_told(session, press, instrument, fault, told):
     live = session({1: press("1,3"), 2: lambda: instrument.faults.add(fault)})
     live.run(4)
-    assert live.show.labels == ["nothing pressed", *["column 3"] * 3]
-    assert any(told in why and "trying again" in why for why in live.show.told)
-    assert live.show.moments[-1].failed == live.failed >= 1
+    assert live.display.labels == ["nothing pressed", *["column 3"] * 3]
+    assert any(told in why and "trying again" in why for why in live.display.told)
+    assert live.display.moments[-1].failed == live.failed >= 1
     frequencies = live.localizer.model.frequencies
     truth = [Cushion().impedance("1,3", f) for f in frequencies]
     for asked in live.localizer.asked[1:]:
@@ -73,13 +73,13 @@ def test_faults_before_the_first_answer_are_survived(session, instrument):
         instrument.faults.add(Fault(kind))
     live = session()
     live.run(1)
-    assert live.show.labels == ["nothing pressed"]
+    assert live.display.labels == ["nothing pressed"]
 
 
 def test_changed_settings_are_told_and_set_back(session, instrument):
     live = session({1: lambda: setattr(instrument.settings, "cable", 1)})
     live.run(2)
-    assert any("`cable` is 1 and was 0" in why for why in live.show.told)
+    assert any("`cable` is 1 and was 0" in why for why in live.display.told)
     assert (live.failed, instrument.settings.cable) == (1, 0)
 
 
@@ -91,7 +91,7 @@ def test_another_meter_is_told_and_never_answered(session, instrument):
     live = session({1: exchange}, patience=0.3)
     with pytest.raises(NoConnectionError, match=r"gave no sweep for 0.3 s.*now HIOKI,IM3523,1111"):
         live.run(3)
-    assert len(live.show.moments) == 1
+    assert len(live.display.moments) == 1
 
 
 def test_a_lost_correction_cannot_be_set_again(session, instrument):
@@ -99,7 +99,7 @@ def test_a_lost_correction_cannot_be_set_again(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("forget"))}, patience=0.3)
     with pytest.raises(NoConnectionError, match=r"open correction was ALL .* and is OFF now"):
         live.run(3)
-    assert len(live.show.moments) == 1
+    assert len(live.display.moments) == 1
 
 
 def test_a_meter_that_stays_silent_is_given_up_in_one_line(session, instrument):
@@ -113,12 +113,12 @@ def test_a_meter_that_stays_silent_is_given_up_in_one_line(session, instrument):
 
 def test_waits_grow_and_begin_anew_after_a_whole_sweep(session, instrument):
     live = session()
-    live.link.ready()
+    live.meter.ready()
     failure = MeterError("gone")
-    waits = [live.link.wait_after_failure(failure) for _ in range(3)]
+    waits = [live.meter.wait_after_failure(failure) for _ in range(3)]
     assert waits[1:] == [2 * waits[0], 4 * waits[0]]
     live.run(1)
-    assert live.link.wait_after_failure(failure) == waits[0]
+    assert live.meter.wait_after_failure(failure) == waits[0]
 
 
 def test_failed_readings_alone_are_no_reason_to_give_up(session, instrument):
@@ -143,14 +143,14 @@ def test_a_sweep_that_breaks_a_law_has_no_answer(session, instrument):
         skin.impedance = lambda press, frequency: whole(press, frequency).conjugate()
 
     def heal(why):
-        live.show.told.append(why)
+        live.display.told.append(why)
         skin.impedance = whole
 
     live = session({1: inductive})
-    live.show.no_answer = heal
+    live.display.no_answer = heal
     live.run(2)
-    assert "the sweep is unsound: Im Z <= 0 is broken" in live.show.told[-1]
-    assert (live.failed, live.show.labels) == (1, ["nothing pressed"] * 2)
+    assert "the sweep is unsound: Im Z <= 0 is broken" in live.display.told[-1]
+    assert (live.failed, live.display.labels) == (1, ["nothing pressed"] * 2)
 
 
 def test_keys_take_the_rest_anew_and_end_the_session(session, press):
@@ -158,8 +158,8 @@ def test_keys_take_the_rest_anew_and_end_the_session(session, press):
     typed = iter(["", "", "", "", BASELINE_KEY, "", "", "", END_KEY])
     live = session({1: press("1,1")}, rest=2, key=lambda: next(typed))
     live.run()
-    assert live.show.labels == ["nothing pressed", "column 1", *["nothing pressed"] * 2]
-    assert sum("sweep 1 of 2" in why for why in live.show.told) == 2
+    assert live.display.labels == ["nothing pressed", "column 1", *["nothing pressed"] * 2]
+    assert sum("sweep 1 of 2" in why for why in live.display.told) == 2
 
 
 def test_times_are_what_they_are_called(session, instrument):
@@ -168,7 +168,7 @@ def test_times_are_what_they_are_called(session, instrument):
     begun = time.perf_counter()
     live.run(4)
     whole = time.perf_counter() - begun
-    moments = live.show.moments
+    moments = live.display.moments
     assert sum(moment.latency for moment in moments) < whole
     assert all(moment.measuring > 3 * 5e-3 for moment in moments)
     assert moments[0].since_before is None and moments[0].rate is None
@@ -208,20 +208,20 @@ def test_single_frequencies_are_measured_in_any_order_and_answered(session, pres
     """Once in RENEWED_AFTER answers at rest a whole sweep is measured, which follows drift."""
     asked = []
     live = session({RENEWAL_COUNT + 1: press("1,3")}, localizer=Asking(), rest=2)
-    live.show.reading = lambda frequency, reading: asked.append(frequency)
-    live._pace.show = live.show.reading
+    live.display.reading = lambda frequency, reading: asked.append(frequency)
+    live._reading_times.on_reading = live.display.reading
     live.run(RENEWAL_COUNT + 3)
     whole, part = list(live.localizer.model.frequencies), [16e3, 1e3]
     renewing = part * (RENEWAL_COUNT - 2) + whole + part
     assert asked == [*whole, *whole, *renewing, *part * 3]
-    assert live.show.labels == [*["nothing pressed"] * (RENEWAL_COUNT + 1), *["column 3"] * 2]
-    assert any("follow slow drift" in note for note in live.show.notes)
+    assert live.display.labels == [*["nothing pressed"] * (RENEWAL_COUNT + 1), *["column 3"] * 2]
+    assert any("follow slow drift" in note for note in live.display.notes)
 
 
 def test_a_fault_in_part_of_a_sweep_costs_that_part(session, press, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("status"))}, localizer=Asking())
     live.run(3)
-    assert (live.failed, live.show.labels) == (1, ["nothing pressed"] * 3)
+    assert (live.failed, live.display.labels) == (1, ["nothing pressed"] * 3)
 
 
 def test_the_meter_is_left_as_it_was_found(session, instrument):
@@ -229,7 +229,7 @@ def test_the_meter_is_left_as_it_was_found(session, instrument):
     live = session()
     live.run(1)
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("EXTERNAL", 16e3)
-    live.link.release()
+    live.meter.release()
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("INTERNAL", 2e3)
 
 

@@ -141,7 +141,7 @@ def test_a_skin_that_has_no_answer_fails_inside_the_meter(
             return answer()
 
     heard = []
-    with serve(make_instrument(Broken(), tell=heard.append)) as ports:
+    with serve(make_instrument(Broken(), report_failure=heard.append)) as ports:
         with open_meter(ports.resource, 1) as meter:
             with pytest.raises(RefusedError, match="failed inside the meter"):
                 meter.read()

@@ -17,7 +17,7 @@ from rcskin.hardware.virtual.meter_state import Settings
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 SETTERS = {
-    setting.tell.split(" ")[0]: name
+    setting.command_text.split(" ")[0]: name
     for name in dir(IM3523)
     if isinstance(setting := getattr(IM3523, name), Setting)
 }
@@ -115,7 +115,7 @@ def test_a_connection_lost_at_the_very_end_is_made_again(ports, instrument, as_f
 
 def test_a_meter_that_stays_away_is_told_of(ports, instrument):
     told = []
-    station = ManagedMeter(lambda: open_meter(ports.resource, 0.2), tell=told.append)
+    station = ManagedMeter(lambda: open_meter(ports.resource, 0.2), report=told.append)
     station.ready()
     instrument.faults.add(Fault("drop", times=10**6))
     station.release()
@@ -140,7 +140,7 @@ def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
     ports, instrument, as_found, monkeypatch
 ):
     told = []
-    station = ManagedMeter(lambda: open_meter(ports.resource, 1), tell=told.append)
+    station = ManagedMeter(lambda: open_meter(ports.resource, 1), report=told.append)
     station.ready().cable = 0
     monkeypatch.setattr(HiokiMeter.cable, "tell", ":CORRection:CABLe 1,")
     station.release()
@@ -156,15 +156,15 @@ def test_a_meter_switched_on_anew_in_the_midst_is_put_back_from_the_beginning(
     meter = station.ready()
     for name, value in SET.items():
         setattr(meter, name, value)
-    told = Setting.put_back
+    told = Setting.restore
 
-    def put_back(setting, meter, found):
+    def restore(setting, meter, found):
         told(setting, meter, found)
         if setting.name == "trigger" and not instrument.faults.waiting:
             instrument.faults.add(Fault("forget"))
             monkeypatch.undo()
 
-    monkeypatch.setattr(Setting, "put_back", put_back)
+    monkeypatch.setattr(Setting, "restore", restore)
     station.release()
     as_found.parameters = Settings().parameters
     assert instrument.settings == as_found

@@ -34,14 +34,14 @@ def sweep_of(Z):
 
 
 def test_a_line_breaks_no_law():
-    assert JUDGE.remarks(sweep_of(LINE), [], at_rest=False) == []
+    assert JUDGE.remarks(sweep_of(LINE), [], unpressed=False) == []
 
 
 @given(st.integers(1, 7), st.sampled_from([0.6, 1.5]))
 def test_a_reading_far_off_is_noticed(number, factor):
     Z = LINE.copy()
     Z[number] *= factor
-    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    remarks = JUDGE.remarks(sweep_of(Z), [], unpressed=False)
     assert any("is broken at" in remark and "Hz" in remark for remark in remarks)
 
 
@@ -53,13 +53,13 @@ def test_errors_within_the_meters_bounds_are_no_violation(errors):
             complex(Z[n]), JUDGE._conditions(FREQUENCY[n], complex(Z[n]))
         )
         Z[n] *= (1 + of_size * dz) * np.exp(1j * of_phase * dt)
-    assert JUDGE.remarks(sweep_of(Z), [], at_rest=False) == []
+    assert JUDGE.remarks(sweep_of(Z), [], unpressed=False) == []
 
 
 def test_a_range_whose_error_is_not_known_is_told():
     Z = 30 * LINE
     Z[3] *= 0.3
-    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    remarks = JUDGE.remarks(sweep_of(Z), [], unpressed=False)
     assert remarks
     told = "(estimated: 3522-50-derived has no range of 1e+07, 1e+08 ohm)"
     assert all(told in remark for remark in remarks)
@@ -68,7 +68,7 @@ def test_a_range_whose_error_is_not_known_is_told():
 def test_a_frequency_that_is_another_shows_in_Cp():
     Cp = tuple(parallel_capacitance(LINE, FREQUENCY / 2))
     wrong = MeasuredSweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
-    (remark,) = JUDGE.remarks(wrong, [], at_rest=False)
+    (remark,) = JUDGE.remarks(wrong, [], unpressed=False)
     assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
 
 
@@ -81,31 +81,31 @@ def test_each_interface_is_judged_by_its_own_and_named():
         )
 
     sound, moved = at_both(LINE, 3 * LINE), at_both(LINE, 3.3 * LINE)
-    assert JUDGE.remarks(sound, [sound], at_rest=False) == []
-    (remark,) = JUDGE.remarks(moved, [sound], at_rest=False)
+    assert JUDGE.remarks(sound, [sound], unpressed=False) == []
+    (remark,) = JUDGE.remarks(moved, [sound], unpressed=False)
     assert remark.startswith("interface bottom: differs from earlier repetitions by 10.0 %")
 
 
 @pytest.mark.parametrize(
-    ("at_rest", "told"),
+    ("unpressed", "expected"),
     [
         (False, "differs from earlier repetitions by 8"),
         (True, "the unpressed skin has drifted by 8"),
     ],
 )
-def test_departures_are_measured_in_Z(at_rest, told):
+def test_departures_are_measured_in_Z(unpressed, expected):
     earlier = [sweep_of(LINE), sweep_of(LINE)]
-    assert JUDGE.remarks(sweep_of(1.04 * LINE), earlier, at_rest) == []
-    (remark,) = JUDGE.remarks(sweep_of(1.08 * LINE), earlier, at_rest)
-    assert remark.startswith(told)
+    assert JUDGE.remarks(sweep_of(1.04 * LINE), earlier, unpressed) == []
+    (remark,) = JUDGE.remarks(sweep_of(1.08 * LINE), earlier, unpressed)
+    assert remark.startswith(expected)
     assert "(allowed: 5 %)" in remark
 
 
 def test_drift_is_counted_from_the_first_sweep_at_rest():
     creeping = [sweep_of((1 + 0.02 * n) * LINE) for n in range(4)]
-    assert JUDGE.remarks(creeping[2], creeping[:2], at_rest=True) == []
-    assert JUDGE.remarks(creeping[3], creeping[:3], at_rest=True) != []
-    assert JUDGE.remarks(creeping[3], creeping[:3], at_rest=False) == []
+    assert JUDGE.remarks(creeping[2], creeping[:2], unpressed=True) == []
+    assert JUDGE.remarks(creeping[3], creeping[:3], unpressed=True) != []
+    assert JUDGE.remarks(creeping[3], creeping[:3], unpressed=False) == []
 
 
 def test_speed_and_fixed_range_enter_the_tolerance():
@@ -122,7 +122,7 @@ def test_a_reading_without_resistance_hides_no_other_fault(zero, tripled):
     Z = LINE.copy()
     Z[tripled] *= 3
     Z[zero] = 1j * Z[zero].imag
-    remarks = JUDGE.remarks(sweep_of(Z), [], at_rest=False)
+    remarks = JUDGE.remarks(sweep_of(Z), [], unpressed=False)
     assert any("is broken" in remark for remark in remarks)
 
 

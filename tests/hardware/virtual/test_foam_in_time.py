@@ -103,7 +103,7 @@ def test_a_press_that_creeps_too_far_is_refused_and_the_one_before_stays(clocked
 def test_a_script_goes_on_after_a_press_that_creeps_too_far(clocked):
     meter, control = clocked
     told = []
-    meter.tell = told.append
+    meter.report_failure = told.append
     asyncio.run(press_by_script([(0.0, "1,2:2.0"), (0.0, "1,3:80"), (0.0, "1,1:1.5")])(control))
     assert meter.press == "1,1:1.5"
     assert len(told) == 1 and "press 1,3:80.0: the foam would creep to" in told[0]

@@ -253,7 +253,7 @@ def test_a_known_meter_is_set_up_in_its_dialect(script, model):
     with script(("*IDN?", f"HIOKI,{model},1,V1"), *said("*CLS"), *exchange) as line:
         meter = start(line)
     assert meter.model == model
-    assert meter.found == {
+    assert meter.original == {
         "header": True,
         "mode": "CONTINUOUS",
         "trigger": "INTERNAL",
