@@ -62,26 +62,26 @@ def serve(
     from .meter.accuracy_table import DERIVED_TABLE
     from .virtual import serving
 
-    exhibit = _served_skin(scene, recorded, interface, seed)
-    pressing = serving.routines(exhibit, script, random, seed)
-    meter = serving.instrument(exhibit, pace, accuracy or DERIVED_TABLE)
-    if len(exhibit.skins) > 1:
+    served = _served_skin(scene, recorded, interface, seed)
+    press_routines = serving.routines(served, script, random, seed)
+    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE)
+    if len(served.skins) > 1:
         say(
             f"rcskin: note: connected to interface {meter.interface} of "
-            f"{', '.join(exhibit.skins)}; `rcskin meter select` or --switch takes another",
+            f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
             err=True,
         )
-    paging = _page_options(exhibit, page, page_port)
+    page_options = _page_options(served, page, page_port)
     with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
         meter.report_failure = partial(meter.report, "failed readings")
         serving.serve(
             meter,
-            pressing,
+            press_routines,
             lambda ports: say(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
             host,
             port,
             control_port,
-            paging,
+            page_options,
         )
 
 
@@ -112,7 +112,7 @@ def identify(
 
 @app.command(epilog=f"Example: rcskin meter correct open --resource {VIRTUAL}")
 def correct(
-    kind: Annotated[str, typer.Argument(help="Which correction: open or short.")],
+    kind: Annotated[str, typer.Argument(help="Correction: open or short.")],
     resource: Resource,
     extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
     timeout: Timeout = 5.0,
@@ -125,13 +125,13 @@ def correct(
     from .record.managed_meter import ManagedMeter
 
     with orderly_termination() as report:
-        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
+        managed = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
         try:
-            meter = station.ready()
+            meter = managed.ready()
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
         finally:
-            station.release()
+            managed.release()
         say(f"open correction {state[0]}, short correction {state[1]}")
 
 
@@ -192,10 +192,10 @@ def _served_skin(
     if recorded:
         return serving.recorded(read_joined(recorded), interfaces)
     assert scene is not None
-    asked = requested_scene(scene)
-    exhibit = serving.simulated(asked, interfaces, seed)
-    note_if_noise_free(asked.name, asked)
-    return exhibit
+    requested = requested_scene(scene)
+    served = serving.simulated(requested, interfaces, seed)
+    note_if_noise_free(requested.name, requested)
+    return served
 
 
 def _page_options(served: ServedSkin, page: bool, port: int | None) -> PageOptions | None:

@@ -16,6 +16,7 @@ ControlAddress = Annotated[
         "user or computer serves it."
     ),
 ]
+Drift = Annotated[float, typer.Option(help="Allowed change of |Z| of the unpressed skin.")]
 Timeout = Annotated[float, typer.Option(help="Longest time of an answer, s.")]
 Baud = Annotated[int, typer.Option(help="Baud rate of a serial port.")]
 Accuracy = Annotated[

@@ -14,6 +14,7 @@ from ..simulator.safe_text import say, terminal
 from .options import (
     Accuracy,
     Baud,
+    Drift,
     Interfaces,
     Resource,
     Settle,
@@ -59,9 +60,7 @@ def record(
     repeatability: Annotated[
         float, typer.Option(help="Allowed change of |Z| between repetitions.")
     ] = 0.05,
-    drift: Annotated[
-        float, typer.Option(help="Allowed change of |Z| of the unpressed skin.")
-    ] = 0.05,
+    drift: Drift = 0.05,
     session: Annotated[
         str, typer.Option(help="Name of this mounting; default: the start time.")
     ] = "",
@@ -86,25 +85,25 @@ def record(
     from .switch.switch_options import switch_from_options
 
     checked_output(output)
-    asked = requested_scene(scene)
-    interfaces = checked_interfaces(interface, asked)
+    requested = requested_scene(scene)
+    interfaces = checked_interfaces(interface, requested)
     if not (interface or switch or switch_with):
-        _check_one_interface(asked)
+        _check_one_interface(requested)
     table = read_table(accuracy or DERIVED_TABLE)
-    steps = _steps(order, asked, repetitions)
+    steps = _steps(order, requested, repetitions)
     settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
     several = len(interfaces) > 1
     screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
     task = RecordingTask(
-        header_of(asked, interfaces, steps, settings, session),
+        header_of(requested, interfaces, steps, settings, session),
         output,
         lambda: open_meter(resource, timeout, baud),
         table,
-        SweepLimits(repeatability=repeatability, drift=drift, two_terminal=asked.two_terminal),
+        SweepLimits(repeatability=repeatability, drift=drift, two_terminal=requested.two_terminal),
         same_mounting,
         switch_from_options(switch, switch_with, settle, interfaces, ask),
     )
-    warn_of_earth(scene, asked)
+    warn_of_earth(scene, requested)
     journal = RecordingJournal(output)
     with orderly_termination() as report, journal.lock(), explain_resuming(journal):
         checked_output(output)
@@ -186,12 +185,12 @@ def _settings(
     from ..simulator.sweeps import InputError
 
     amplitudes = {"V": "voltage", "CV": "constant_voltage", "CC": "constant_current"}
-    held = (level or "V").upper()
-    if held not in amplitudes:
+    quantity = (level or "V").upper()
+    if quantity not in amplitudes:
         raise InputError(f"`level` must be one of {', '.join(amplitudes)}, got {level}")
-    asked = {
-        "level": level and held,
-        amplitudes[held]: amplitude,
+    requested = {
+        "level": level and quantity,
+        amplitudes[quantity]: amplitude,
         "range": range_ or None,
         "auto_range": None if range_ is None else range_ == 0,
         "speed": speed and speed.upper(),
@@ -199,7 +198,7 @@ def _settings(
         "trigger_delay": delay,
         "cable": cable,
     }
-    return {name: value for name, value in asked.items() if value is not None}
+    return {name: value for name, value in requested.items() if value is not None}
 
 
 def _operator(

@@ -1,1 +1,1 @@
-"""Touches told as they come."""
+"""Live localization: touches are localized while the meter measures."""

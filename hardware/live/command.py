@@ -14,6 +14,7 @@ from ...simulator.safe_text import say, terminal
 from ..options import (
     Accuracy,
     Baud,
+    Drift,
     Resource,
     Settle,
     SwitchName,
@@ -53,9 +54,7 @@ def live(
     log: Annotated[
         Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
     ] = None,
-    drift: Annotated[
-        float, typer.Option(help="Allowed change of |Z| of the unpressed skin.")
-    ] = 0.05,
+    drift: Drift = 0.05,
     patience: Annotated[
         float, typer.Option(help="Give up after so many seconds without a sweep.")
     ] = 30.0,

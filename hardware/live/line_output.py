@@ -14,8 +14,8 @@ from .live_session import TimedAnswer
 class LineOutput:
     """Lines `time, answer, probability, latency in ms`, separated by tabs, without control codes.
 
-    answers, notes: output streams. Repeated notes are left out, and remarks that the answer before
-    had, too.
+    answers, notes: output streams. Repeated notes are left out, and so are remarks that the
+    previous answer had.
     """
 
     answers: TextIO

@@ -45,7 +45,7 @@ class LiveBaseline:
 
     @property
     def opening(self) -> list[MeasuredSweep]:
-        """The first FIRSTS sweeps; the first `wanted` until there are so many."""
+        """The first OPENING_COUNT sweeps; the first `wanted` until there are so many."""
         return self._opening[
             : OPENING_COUNT if len(self._opening) >= OPENING_COUNT else self.wanted
         ]
@@ -72,8 +72,9 @@ class LiveBaseline:
     def follow(self, sweep: MeasuredSweep | None, answer: TouchAnswer) -> bool:
         """True if a sweep renewed the baseline in place of the oldest of the latest.
 
-        That happens once in RENEWED_AFTER successive answers "nothing pressed" with a probability
-        of at least SURE. It is never the last of these sweeps, because a touch may begin in it.
+        That happens once in RENEWAL_COUNT successive answers "nothing pressed" with a probability
+        of at least MIN_PROBABILITY. The sweep is never the last of these, because a touch may begin
+        in it.
         sweep: None if only a part was read.
         """
         if not says_unpressed(answer):

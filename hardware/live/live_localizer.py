@@ -40,16 +40,16 @@ def localizer_of(
     build_in_background(model.pipeline)
     note_versions(model, path)
     follower = Follower(model, touching, certain) if touching else None
-    asker = AdaptivePolicy(model, certain, follower, within) if adaptive else None
-    return LiveLocalizer(model, model.known_scene, follower, asker)
+    policy = AdaptivePolicy(model, certain, follower, within) if adaptive else None
+    return LiveLocalizer(model, model.known_scene, follower, policy)
 
 
 @dataclass(frozen=True)
 class LiveLocalizer:
     """A model and its skin.
 
-    follower: lets sweeps add up; None: each is answered alone. asker: chooses the readings of
-    sweeps; None: all of them in their order.
+    follower: combines successive sweeps; None: each sweep is answered by itself. policy: chooses
+    the readings of sweeps; None: all of them in their order.
     """
 
     model: Model
@@ -78,10 +78,10 @@ class LiveLocalizer:
     def answer(
         self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
     ) -> TouchAnswer:
-        """Answer to one sweep; with a filter, also by the sweeps before it.
+        """Answer to one sweep; a filter also uses the sweeps before it.
 
-        rest: unpressed sweeps, of the opening or the latest as their coordinate OPENING of
-        `simulator.sweeps` says; or None. gap: s since the end of the sweep before. during: its
+        rest: unpressed sweeps or None; the coordinate OPENING of `simulator.sweeps` marks those of
+        the opening. gap: s since the end of the sweep before. during: its
         duration, s.
         """
         if self.follower is not None:

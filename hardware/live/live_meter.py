@@ -37,7 +37,7 @@ CHECK_INTERVAL = 1.0
 
 
 class LiveMeter:
-    """One meter with its settings of the beginning, reconnected when it fails.
+    """One meter that keeps the settings of the session's start and is reconnected when it fails.
 
     patience: s without a whole sweep until the session gives up. switch: connects the meter to one
     of the localizer's interfaces, if there are several.
@@ -99,7 +99,7 @@ class LiveMeter:
     def readings(self, watch: Watch, requests: Iterable[tuple[str, float]]) -> MeasuredSweep:
         """Measure at the requested (interface, frequency in Hz). Raises MeterError.
 
-        The settings are checked once in LOOKED_AT seconds.
+        The settings are checked once in CHECK_INTERVAL seconds.
         """
         sweep = measure_readings(self._meter, requests, self.switch, watch)
         if time.monotonic() - self._checked_at > CHECK_INTERVAL:

@@ -24,7 +24,7 @@ OTHER_LINES = 14
 
 
 class LiveScreen:
-    """A picture that each reading updates while the block runs; removed at its end."""
+    """Picture that each reading updates while the block runs; it is removed at the end."""
 
     def __init__(self, console: Console, localizer: LiveLocalizer) -> None:
         from rich.live import Live
@@ -70,7 +70,7 @@ class LiveScreen:
         self._notes.append(text)
 
     def picture(self) -> RenderableType:
-        """The present picture."""
+        """Current picture."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.text import Text

@@ -42,8 +42,8 @@ class AnswerSource:
 class TimedAnswer:
     """One answer with its source and times.
 
-    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the sound sweep
-    before, the longest time from a touch to this answer; None for the first. rate: recent answers
+    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the previous
+    sound sweep, the longest time from a touch to this answer; None for the first. rate: answers
     per second. failed: sweeps lost so far. remarks: notes about this answer.
     """
 
@@ -91,7 +91,7 @@ class SessionDisplay(Protocol):
         ...
 
     def no_answer(self, why: str) -> None:
-        """Show that there is no answer, and why; the answer before is no longer valid."""
+        """Show that there is no answer, and why; the previous answer is no longer valid."""
         ...
 
     def note(self, text: str) -> None:
@@ -172,14 +172,14 @@ class LiveSession:
     def _measured(self, begun: float) -> TimedSweep:
         """The next sweep, whole or adaptive."""
         gap = 0.0 if self._ended is None else begun - self._ended
-        asked = None
+        adaptive_sweep = None
         if self.baseline.complete and not self.baseline.renewal_due:
-            asked = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
-        if asked is None:
+            adaptive_sweep = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
+        if adaptive_sweep is None:
             self._reading_times.begin()
             sweep, part = self.meter.sweep(self._reading_times.reading), None
         else:
-            part, sweep = measure_adaptively(self.meter, asked, self._reading_times)
+            part, sweep = measure_adaptively(self.meter, adaptive_sweep, self._reading_times)
         return TimedSweep(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
@@ -250,7 +250,9 @@ class LiveSession:
                     f"({moved[0]}); leave it untouched, or allow more by --drift"
                 )
             self.baseline.forget()
-            self.display.note(f"was the skin touched? {moved[0]}; measured anew")
+            self.display.note(
+                f"the skin may have been touched: {moved[0]}; measuring the baseline again"
+            )
         self.baseline.add(sweep)
         if self.baseline.complete:
             self._baseline_trials = 0

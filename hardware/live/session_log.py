@@ -82,10 +82,10 @@ class BaselineDataset:
 def read_baselines(
     paths: Sequence[Path], model: Model, *, force: bool = False
 ) -> list[MeasuredSweep]:
-    """Unpressed sweeps of files.
+    """Unpressed sweeps from files.
 
-    anyway: of another skin too. Raises InputError where there are none, or of another skin, other
-    interfaces or frequencies.
+    force: accept files of another skin. Raises InputError if there are none, or if the skin, the
+    interfaces or the frequencies differ from the model's.
     """
     sweeps = read_joined(paths)
     path = ", ".join(map(str, paths))
@@ -135,7 +135,8 @@ def _trace(values: NDArray[np.float64], interface: str) -> InterfaceTrace:
 class SessionLog:
     """Log of all sweeps and answers in a journal. Without a journal nothing is kept.
 
-    told: what was written, in one line, and how a session goes on with its rest.
+    summary: one line that states what was written, and how the next session can start from its
+    baseline.
     """
 
     journal: RecordingJournal | None = None
@@ -154,7 +155,7 @@ class SessionLog:
         before, self._latest = self._latest, JournalEntry(press, sweep, begun, now())
         warn_if_clock_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
-        if not self._kept:  # what writing loads is then at hand when the session is told to end
+        if not self._kept:  # loads the libraries for writing, so that the session ends quickly
             again = WriteContext(overwrite_measured=True, noted={self.journal.folder})
             with in_write_context(again):
                 write_all(self.journal.folder / "first.nc", header, {0: self._latest})

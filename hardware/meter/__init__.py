@@ -1,1 +1,1 @@
-"""One instrument: its connection, its conversation, its settings and its readings."""
+"""Driver of one meter: connection, conversation, settings and readings."""

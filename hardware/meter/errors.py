@@ -20,7 +20,7 @@ class NoAnswerError(MeterError):
 
 
 class GarbledError(MeterError):
-    """The answer is none that a meter gives to the query."""
+    """The answer is not one that a meter gives to the query."""
 
 
 class RefusedError(MeterError):

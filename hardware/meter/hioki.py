@@ -54,7 +54,7 @@ class HiokiMeter:
     model: ClassVar[str]
     frequency: ClassVar[Setting[float]]
 
-    header = Setting(":HEADer", OnOffFormat(), "Whether answers begin with the command's name")
+    header = Setting(":HEADer", OnOffFormat(), "True if answers begin with the command's name")
     items = Setting(":MEASure:ITEM", RegisterFormat(2), "Quantities of a reading")
     valid = Setting(":MEASure:VALid", IntegerFormat(1, 31), "Parts of a reading")
     mode = Setting(":MODE", WordFormat(("LCR", "CONTinuous")), "Mode of measurement")
@@ -79,16 +79,16 @@ class HiokiMeter:
         moves="auto_range",
     )
     auto_range = Setting(
-        ":RANGe:AUTO", OnOffFormat(), "Whether the meter chooses the range", moves="range"
+        ":RANGe:AUTO", OnOffFormat(), "True if the meter chooses the range", moves="range"
     )
     trigger = Setting(
         ":TRIGger",
         WordFormat(("INTernal", "EXTernal")),
-        "What starts a measurement: itself, or *TRG",
+        "Source of the trigger: the meter itself, or *TRG",
     )
     cable = Setting(":CORRection:CABLe", IntegerFormat(0, 1), "Length of the cable, m")
     load_correction = Setting(
-        ":CORRection:LOAD", OnOffFormat(), "Whether load correction is applied"
+        ":CORRection:LOAD", OnOffFormat(), "True if load correction is applied"
     )
     open_correction = MeterProperty(
         ":CORRection:OPEN?", WordFormat(CORRECTIONS), "Open correction in use"
@@ -156,18 +156,18 @@ class HiokiMeter:
         another one, and the errors of `read`.
         """
         self.frequency = frequency
-        question = f"{READ};{type(self).frequency.query}"
-        reading, told = self.talk.query_checked(question, self._reading_at, self._max_seconds)
-        if abs(told / frequency - 1) > ROUNDING:
+        query = f"{READ};{type(self).frequency.query}"
+        reading, reported = self.talk.query_checked(query, self._reading_at, self._max_seconds)
+        if abs(reported / frequency - 1) > ROUNDING:
             raise GarbledError(
-                f"{self.talk.resource}: the meter is at {told:g} Hz instead of {frequency:g} Hz; "
-                "check that nothing else sets it"
+                f"{self.talk.resource}: the meter is at {reported:g} Hz instead of "
+                f"{frequency:g} Hz; check that nothing else sets it"
             )
         return reading
 
     def _reading_at(self, answer: str) -> tuple[MeterReading, float]:
-        reading, _, told = answer.rpartition(";")
-        return parse_reading(reading), type(self).frequency.allowed.read(told.strip())
+        reading, _, reported = answer.rpartition(";")
+        return parse_reading(reading), type(self).frequency.allowed.read(reported.strip())
 
     @property
     def _max_seconds(self) -> float:

@@ -27,10 +27,10 @@ Value = str | int | float | bool
 
 def snapshot(meter: Meter) -> dict[str, Value]:
     """All settings that a reading depends on; the range only if fixed. Raises MeterError."""
-    told = {name: getattr(meter, name) for name in (*SETTABLE, *REPORTED)}
-    if told["auto_range"]:
-        del told["range"]
-    return told
+    values = {name: getattr(meter, name) for name in (*SETTABLE, *REPORTED)}
+    if values["auto_range"]:
+        del values["range"]
+    return values
 
 
 def apply_settings(meter: Meter, settings: Mapping[str, Any]) -> None:

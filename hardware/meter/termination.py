@@ -1,4 +1,4 @@
-"""Orderly end of a command on a signal: the meter is left in order first."""
+"""Orderly end of a command on a signal: the meter's settings are restored first."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A page served on the loopback: viewers get the latest state, their presses come back."""
+"""Page served on the loopback: viewers receive the latest state and send presses."""

@@ -1,4 +1,4 @@
-"""A page served in a thread of its own."""
+"""Serving of a page in a separate thread."""
 
 from __future__ import annotations
 

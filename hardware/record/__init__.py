@@ -1,1 +1,1 @@
-"""Recording a skin: an order of presses, each measured, checked and kept."""
+"""Recording of a skin: presses in a given order, each measured, checked and saved."""

@@ -124,9 +124,9 @@ class RecordingRun:
         step = self.task.order[number]
         before = [entry for place, entry in sorted(self.entries.items()) if place < number]
         sound = [entry for entry in before if not entry.remarks]
-        alike = [entry.sweep for entry in sound if entry.press == step.press]
-        rests = [entry.sweep for entry in sound if entry.press == UNPRESSED_STEP.press]
-        progress = self._progress(number, rests)
+        same_press = [entry.sweep for entry in sound if entry.press == step.press]
+        baselines = [entry.sweep for entry in sound if entry.press == UNPRESSED_STEP.press]
+        progress = self._progress(number, baselines)
         while True:
             try:
                 entry = self._attempt(step, progress)
@@ -137,9 +137,9 @@ class RecordingRun:
                 continue
             if entry is None:
                 return None
-            remarks = self.judge.remarks(entry.sweep, alike, step == UNPRESSED_STEP)
+            remarks = self.judge.remarks(entry.sweep, same_press, step == UNPRESSED_STEP)
             if step != UNPRESSED_STEP:
-                remarks += undetected_press(entry.sweep, rests)
+                remarks += undetected_press(entry.sweep, baselines)
             if self.operator.kept(remarks):
                 self._ends.append(time.monotonic())
                 return replace(entry, remarks=tuple(remarks))

@@ -33,7 +33,7 @@ def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) 
     answers = [entry.answer or (entry.press, None) for entry in entries]
     sweeps = [entry.sweep for entry in entries]
     taken = measured_mask(header.interfaces, header.frequencies, header.of_each)
-    told = {} if header.order else {"answers": json.dumps(answers)}
+    answer_attributes = {} if header.order else {"answers": json.dumps(answers)}
     return sweep_dataset(
         sweeps,
         header.interfaces,
@@ -54,7 +54,7 @@ def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) 
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
             "flagged": json.dumps(_global_frequency_indices(flagged_readings(sweeps), taken)),
             SESSIONS: json.dumps({0: header.session}),
-            **told,
+            **answer_attributes,
             "accuracy": header.accuracy,
             "software": f"rcskin {version('rcskin')}",
         },

@@ -113,8 +113,10 @@ class RecordingJournal:
         self.folder.mkdir(exist_ok=True)
         for path in self.folder.glob(SWEEPS):
             path.unlink()
-        told = asdict(header)
-        _write(self.folder / HEADER, told if header.of_each else _without(OPTIONAL_FIELD, told))
+        content = asdict(header)
+        if not header.of_each:
+            content = _without(OPTIONAL_FIELD, content)
+        _write(self.folder / HEADER, content)
 
     def keep(self, number: int, entry: JournalEntry) -> None:
         """Write a finished sweep."""
@@ -193,9 +195,9 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _unreadable(path: Path, error: Exception) -> InputError:
-    told = " ".join(str(error).split())
+    reason = " ".join(str(error).split())
     return InputError(
-        f"{path}: is no part of a recording: {told}; move it away to record that sweep again"
+        f"{path}: is no part of a recording: {reason}; move it away to record that sweep again"
     )
 
 

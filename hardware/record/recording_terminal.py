@@ -110,19 +110,19 @@ class RecordingScreen:
     def _curves(self) -> str:
         """Change of each quantity against the unpressed skin: a curve if possible, and its span."""
         drawn = self._console.is_terminal and self._console.encoding.startswith("utf")
-        told = [
+        changes = [
             f"{name} {sparkline(change) + ' ' if drawn else ''}"
             f"{np.nanmin(change):+.2g} to {np.nanmax(change):+.2g} %"
             for name, change in self._changes().items()
             if np.isfinite(change).any()
         ]
-        return "; against the unpressed skin " + ", ".join(told) if told else ""
+        return "; against the unpressed skin " + ", ".join(changes) if changes else ""
 
     def _table(self) -> Table:
         from rich.table import Column, Table
 
         changes = self._changes()
-        names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% of rest)" for name in changes)]
+        names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% change)" for name in changes)]
         right = [Column(name, justify="right") for name in names]
         table = Table(*right, "", title=self._title, box=None)
         for place, (frequency, reading) in list(enumerate(self._readings))[-MAX_ROWS:]:
@@ -153,8 +153,8 @@ class PersonOperator:
 
     def same_mounting(self, ago: str) -> bool:
         """Answer of the person."""
-        question = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
-        while not (answer := self._ask_choice(question, "yn")):
+        prompt = f"The last sweep was taken {ago}. Was the skin mounted anew? (y, n, q: quit) "
+        while not (answer := self._ask_choice(prompt, "yn")):
             pass
         return answer == "n"
 
@@ -163,8 +163,8 @@ class PersonOperator:
         place = f"row {step.row}, column {step.column}" if step.row > 0 else step.press
         what = "Release the skin" if step.row == 0 else f"Press {place} and hold it"
         again = "r: repeat the one before, " if progress.number else ""
-        question = f"{progress.words}  {what}, then Enter ({again}q: quit) "
-        if self._ask_choice(question, "r" if progress.number else "") == "r":
+        prompt = f"{progress.words}  {what}, then Enter ({again}q: quit) "
+        if self._ask_choice(prompt, "r" if progress.number else "") == "r":
             return False
         self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
         return True
@@ -186,8 +186,8 @@ class PersonOperator:
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep has no remarks, or the person keeps it all the same."""
         self.show.end(remarks)
-        question = "Enter: redo, a: accept anyway, q: quit "
-        return not remarks or self._ask_choice(question, "ra") == "a"
+        prompt = "Enter: redo, a: accept anyway, q: quit "
+        return not remarks or self._ask_choice(prompt, "ra") == "a"
 
     def again(self, failure: MeterError) -> bool:
         """True if the person wants to try again."""

@@ -18,7 +18,7 @@ class SilentSwitchError(SwitchError):
 
 
 class GarbledSwitchError(SwitchError):
-    """The answer is none of such a switch."""
+    """The answer is not one that such a switch gives."""
 
 
 class RefusedSwitchError(SwitchError):

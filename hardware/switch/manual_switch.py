@@ -41,21 +41,21 @@ class CommandSwitch:
     def put(self, position: str, /) -> None:
         """Run the command. Raises NoSwitchError, SilentSwitchError, RefusedSwitchError."""
         filled = self.template.filled(interface=position)
-        told = f"switching to {position} by {shlex.join(filled)!r}"
+        action = f"switching to {position} by {shlex.join(filled)!r}"
         try:
             done = subprocess.run(
                 filled, stdin=subprocess.DEVNULL, capture_output=True, timeout=self.timeout
             )
         except subprocess.TimeoutExpired as error:
             raise SilentSwitchError(
-                f"{told} did not end within {self.timeout:g} s; check the switch that it turns"
+                f"{action} did not end within {self.timeout:g} s; check the switch that it turns"
             ) from error
         except OSError as error:
-            raise NoSwitchError(f"{told} cannot be run ({error}); check its path") from error
+            raise NoSwitchError(f"{action} cannot be run ({error}); check its path") from error
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
             raise RefusedSwitchError(
-                f"{told} ended with code {done.returncode}{''.join(f' ({s})' for s in said)}; "
+                f"{action} ended with code {done.returncode}{''.join(f' ({s})' for s in said)}; "
                 "check the switch that it turns"
             )
 

@@ -1,6 +1,6 @@
-"""Relay boards on a serial line, in the two languages that most of them speak.
+"""Relay boards on a serial line, in the two command languages that most of them use.
 
-Numato Lab's take text at a prompt, `relay on 0`, `relay off 0`, `relay readall`
+Those of Numato Lab take text at a prompt, `relay on 0`, `relay off 0`, `relay readall`
 (https://numato.com/docs). LC Technology's LCUS boards and their many copies take four bytes: A0,
 the relay, 1 or 0, and the sum of the three. Many answer the byte FF with `CH1: ON` for each relay.
 """
@@ -76,7 +76,7 @@ class SerialLine:
         return parsed
 
     def close(self) -> None:
-        """Let the port go."""
+        """Close the port."""
         self._opened.close()
 
     @contextmanager
@@ -91,25 +91,25 @@ class SerialLine:
 
 @dataclass(frozen=True)
 class NumatoBoard:
-    """A relay board of Numato Lab. driven: the relays of the switch, from 0."""
+    """A relay board of Numato Lab. controlled: the relays of the switch, from 0."""
 
     line: SerialLine
     driven: Closed
 
     def put(self, closed: Closed, /) -> None:
-        """Switch these on and the others off, before: nothing is joined in passing."""
+        """Switch the others off, then these on, so that no two positions are on at once."""
         for number in sorted(self.driven - closed):
             self._command(f"relay off {NUMERALS[number]}")
         for number in sorted(closed):
             self._command(f"relay on {NUMERALS[number]}")
 
     def reported_position(self) -> Closed:
-        """Which of the driven relays are on."""
+        """Controlled relays that are on."""
         state = int(self._command("relay readall", rb"[0-9a-fA-F]+"), 16)
         return frozenset(number for number in self.driven if state >> number & 1)
 
     def close(self) -> None:
-        """Let the line go."""
+        """Close the line."""
         self.line.close()
 
     def _command(self, command: str, answer: bytes = b"") -> bytes:
@@ -121,7 +121,7 @@ class NumatoBoard:
 
 @dataclass(frozen=True)
 class LcusBoard:
-    """A relay board of the LCUS kind. driven: the relays of the switch, from 1.
+    """A relay board of the LCUS kind. controlled: the relays of the switch, from 1.
 
     query: bytes that ask for the state of all relays; empty if the board has no read-back.
     """
@@ -131,18 +131,18 @@ class LcusBoard:
     query: bytes
 
     def put(self, closed: Closed, /) -> None:
-        """Switch these on and the others off, before: nothing is joined in passing."""
+        """Switch the others off, then these on, so that no two positions are on at once."""
         self._send(sorted(self.driven - closed), 0)
         self._send(sorted(closed), 1)
 
     def reported_position(self) -> Closed | None:
-        """Which of the driven relays are on; None without a read-back."""
+        """Controlled relays that are on; None without a read-back."""
         if not self.query:
             return None
         return self.line.ask(self.query, self._states)
 
     def close(self) -> None:
-        """Let the line go."""
+        """Close the line."""
         self.line.close()
 
     def _states(self, answer: bytes) -> Closed | None:

@@ -47,7 +47,7 @@ pymeasure's `Keithley2700`). states: of Keysight's 34970A and its kind."""
 
 
 class ScpiSwitch:
-    """An SCPI switch on an open connection. driven: the channels of the switch."""
+    """An SCPI switch on an open connection. controlled: the channels of the switch."""
 
     def __init__(self, line: Connection, controlled: Closed, routing: Routing) -> None:
         """Raises SwitchError if it does not answer."""
@@ -62,12 +62,12 @@ class ScpiSwitch:
             self._send(self._formatted(self._routing.close, closed))
 
     def reported_position(self) -> Closed:
-        """Closed channels among the driven ones."""
-        question = self._formatted(self._routing.ask, frozenset())
-        return self._ask(question, self._listed if self._routing.listed else self._by_state)
+        """Closed channels among the controlled ones."""
+        query = self._formatted(self._routing.ask, frozenset())
+        return self._ask(query, self._listed if self._routing.listed else self._by_state)
 
     def close(self) -> None:
-        """Let the line go."""
+        """Close the line."""
         self._line.close()
 
     def _formatted(self, message: str, closed: Closed) -> str:

@@ -95,12 +95,12 @@ class DeviceSwitch(Generic[Position]):
         if name is None or device is None:
             return
         try:
-            told = device.reported_position()
-            if told is not None and told != self.positions[name]:
+            reported = device.reported_position()
+            if reported is not None and reported != self.positions[name]:
                 raise StuckSwitchError(
-                    f"the switch turned to {_position_text(told)} while interface {name}, position "
-                    f"{_position_text(self.positions[name])}, was measured; check that nothing "
-                    "else turns it"
+                    f"the switch turned to {_position_text(reported)} while interface {name}, "
+                    f"position {_position_text(self.positions[name])}, was measured; check that "
+                    "nothing else turns it"
                 )
         except SwitchError:
             self.selected = None
@@ -127,21 +127,21 @@ class DeviceSwitch(Generic[Position]):
                 self._device.reported_position() if self._original is None else self._original
             )
         device, position = self._device, self.positions[name]
-        told = device.reported_position()
-        if told == position or (told is None and before == name):
+        reported = device.reported_position()
+        if reported == position or (reported is None and before == name):
             return False
         device.put(position)
-        if told is not None:
+        if reported is not None:
             self._confirm(device, name)
         return True
 
     def _confirm(self, device: SwitchDevice[Position], name: str) -> None:
         end = time.monotonic() + self.patience
-        while (told := device.reported_position()) != self.positions[name]:
+        while (reported := device.reported_position()) != self.positions[name]:
             if time.monotonic() > end:
                 raise StuckSwitchError(
-                    f"the switch reports position {_position_text(told)} after {self.patience:g} s "
-                    f"instead of interface {name}, position "
+                    f"the switch reports position {_position_text(reported)} after "
+                    f"{self.patience:g} s instead of interface {name}, position "
                     f"{_position_text(self.positions[name])}; check its power, its wiring, and "
                     "that nothing else turns it"
                 )

@@ -24,7 +24,7 @@ class VirtualSwitch:
         return str(self._ask("state")["interface"])
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is no connection to close."""
 
     def _ask(self, do: str, **given: str):
         try:

@@ -1,1 +1,1 @@
-"""A meter that is not there: it speaks the IM3523's language over TCP about a skin it is given."""
+"""Virtual meter: speaks the IM3523's language over TCP, and reads a given skin."""

@@ -77,7 +77,7 @@ class Client:
     async def lines(self) -> AsyncIterator[str | None]:
         """Whole lines; None for each that is too long.
 
-        Other clients have their turn after each line. Raises WebError at a line of HTTP or TLS.
+        After each line other clients are served. Raises WebError at a line of HTTP or TLS.
         """
         kept = LineReader()
         while received := await self.reader.read(4096):
@@ -102,7 +102,9 @@ class Client:
 
 @dataclass
 class Clients:
-    """Clients of one port. If there are too many, one without an answer or the longest idle goes.
+    """Clients of one port, limited in number.
+
+    Beyond MAX_CLIENTS, a client that took no answer or else the longest idle one is disconnected.
 
     name: of the port. report: takes faults of clients.
     """
@@ -122,7 +124,8 @@ class Clients:
         except WebError:
             self.report(
                 "clients of HTTP or TLS disconnected",
-                f"{self.name}: disconnected a client of HTTP or TLS, as pages in a browser are",
+                f"{self.name}: disconnected a client that speaks HTTP or TLS, such as a page in a "
+                "browser",
             )
         except (OSError, TimeoutError, asyncio.CancelledError):
             client.leave()

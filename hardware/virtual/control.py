@@ -2,8 +2,8 @@
 
 One JSON object a line, each answered by one: {"do": "press", "press": "2,3"}, {"do": "select",
 "interface": "left"}, {"do": "misbehave", "kind": "late", "times": 2, "seconds": 1.5},
-{"do": "depths"} of the press, {"do": "state"}. Each has the key "token" besides, and whoever does
-not know it is hung up.
+{"do": "depths"} of the press, {"do": "state"}. Each also has the key "token";
+a client that sends another token is disconnected.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from .instrument import Instrument
 from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
 UNKNOWN_TOKEN = (
-    "the virtual meter does not know the token of this request; commands of the user who serves "
-    "it find it on the same computer, all others need TOKEN@HOST:PORT"
+    "the token of this request is not the virtual meter's; commands of the user who serves it find "
+    "the token on the same computer, all others need TOKEN@HOST:PORT"
 )
 
 
 @dataclass
 class ControlPort:
-    """Steers one meter. routines: what presses it by itself, started with the server.
+    """Controls one meter. routines: automatic presses, started with the server.
 
-    token: what clients must know.
+    token: required in each request.
     """
 
     instrument: Instrument

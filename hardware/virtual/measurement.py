@@ -59,9 +59,9 @@ class MeasurementSetup:
         if not cmath.isfinite(Z):
             raise ValueError(f"the skin's impedance is {Z} at {settings.frequency:g} Hz")
         used = self.accuracy.fitting_range(Z) if settings.auto_range else settings.range
-        at_hand = conditions(settings, used, Z)
-        shown = self.readout(Z, at_hand)
-        return MeasurementResult(self._status(shown, at_hand), shown, at_hand)
+        used_conditions = conditions(settings, used, Z)
+        shown = self.readout(Z, used_conditions)
+        return MeasurementResult(self._status(shown, used_conditions), shown, used_conditions)
 
     def _status(self, Z: complex, used_conditions: ReadingConditions) -> int:
         low, high = self.accuracy.span.displayed

@@ -56,7 +56,7 @@ async def open_ports(
             stack.enter_context(stored_token(control.token, steered))
         except (OSError, RuntimeError) as error:
             at = f"{control.token}@{LOOPBACK}:{steered}"
-            report("tokens not kept", f"token not kept ({error}): commands need --control {at}")
+            report("tokens not stored", f"token not stored ({error}); commands need --control {at}")
         for task in control.background():
             stack.callback(task.cancel)
         yield Ports(host, meter, steered)
@@ -105,7 +105,7 @@ async def _apply_fault(said: bytes, fault: Fault | None) -> bytes:
     if fault.kind == "late":
         await asyncio.sleep(fault.seconds)
     if fault.kind == "drop":
-        raise ConnectionAbortedError("told to drop the connection")
+        raise ConnectionAbortedError("the fault `drop` closes the connection")
     instead = {"silent": b"", "garbage": GARBAGE, "half": said[: len(said) // 2]}
     return instead.get(fault.kind, said)
 

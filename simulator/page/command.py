@@ -19,14 +19,15 @@ def page(
         float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
     ] = 1e-3,
     cells: Annotated[
-        int, typer.Option(min=1, max=6, help="Along each side of a pixel, for touches anywhere.")
+        int,
+        typer.Option(min=1, max=6, help="Cells along each side of a pixel, for touches anywhere."),
     ] = CELLS,
 ) -> None:
     """Write a page on which the skin is pressed: one file, for any browser, offline.
 
-    It shows what the meter would read, the field, and where a localizer
-    believes the touch; sliders change what is cast. `rcskin view -o OUT.html`
-    is for looking at one press in space instead.
+    It shows the meter's readings, the field, and where a localizer places the
+    touch; sliders change the sheets and the foam. `rcskin view -o OUT.html`
+    shows a single press in space instead.
     """
     from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
     from ..models.uniform import uniformly_pressed
@@ -38,13 +39,13 @@ def page(
     from .packed import page_data, reduced_for_page
 
     checked_output(output, (".html",))
-    asked = requested_scene(scene)
-    skin = uniformly_pressed(asked, "a page")
+    requested = requested_scene(scene)
+    skin = uniformly_pressed(requested, "a page")
     note_if_noise_free(scene, skin)
-    if scene_spreads_presses(asked):
+    if scene_spreads_presses(requested):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
-        beside = "what the foam's tension spreads beside them is left out"
-        note(f"{scene}: the page presses pixels evenly, by {factor}; {beside}")
+        spread = "the spread of a press by the foam's tension is left out"
+        note(f"{scene}: the page presses whole pixels uniformly, by {factor}; {spread}")
     with on_terminal() as progress:
         reduced = reduced_for_page(skin, rtol, cells, progress)
     text = document(page_data(skin, reduced))

@@ -19,7 +19,7 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
     """
     if scene.reading.own:
         raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")
-    asked = uniformly_pressed(scene, "a page")
+    pressed = uniformly_pressed(scene, "a page")
     with on_terminal() as progress:
-        reduced = reduced_for_page(asked, RTOL, CELLS, progress)
-    return document(page_data(asked, reduced), PageLink(kind, nonce))
+        reduced = reduced_for_page(pressed, RTOL, CELLS, progress)
+    return document(page_data(pressed, reduced), PageLink(kind, nonce))

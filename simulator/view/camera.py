@@ -97,6 +97,6 @@ def _camera_towards(towards: Real, up: Real, places: Real, margin: float) -> Cam
 
 
 def _framed(axes: Real, places: Real, margin: float, above: bool) -> Camera:
-    seen = axes[:2] @ places
-    low, high = seen.min(axis=1) - margin, seen.max(axis=1) + margin
+    projected = axes[:2] @ places
+    low, high = projected.min(axis=1) - margin, projected.max(axis=1) + margin
     return Camera(axes[0], axes[1], axes[2], low, high, above)

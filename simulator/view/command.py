@@ -23,14 +23,14 @@ def view(
         typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu .xdmf or .html."),
     ] = None,
     press: Annotated[
-        str, typer.Option(help="As for `rcskin sweep`; without it the skin is at rest.")
+        str, typer.Option(help="A press as for `rcskin sweep`; default: the unpressed skin.")
     ] = "none",
     frequency: Annotated[
         list[float] | None,
-        typer.Option(help="Hz; may be repeated. Without it one of the interface's, or all."),
+        typer.Option(help="Hz; repeatable. Default: one of the interface's, or all."),
     ] = None,
     interface: Annotated[
-        str | None, typer.Option(help="One of the scene's; without it the first.")
+        str | None, typer.Option(help="Interface of the scene; default: the first.")
     ] = None,
     what: Annotated[
         str,
@@ -44,27 +44,29 @@ def view(
     ] = 1e-4,
     wrapped: Annotated[
         bool | None,
-        typer.Option("--wrapped/--flat", help="In space or spread out; without it as it is."),
+        typer.Option("--wrapped/--flat", help="Draw the skin in space or flat; default: as it is."),
     ] = None,
     exaggerate: Annotated[
-        float | None, typer.Option(help="Times the deflection is drawn; chosen without it.")
+        float | None, typer.Option(help="Factor on the drawn deflection; default: chosen.")
     ] = None,
     animate: Annotated[
         str | None, typer.Option(help="frequency or phase, for OUT.gif and OUT.mp4.")
     ] = None,
     interactive: Annotated[
         bool,
-        typer.Option("--interactive", help="A window; without a display a page in the browser."),
+        typer.Option(
+            "--interactive", help="Open a window, or without a display a page in the browser."
+        ),
     ] = False,
 ) -> None:
     """Show the fields of a skin: pictures, movies, files for ParaView.
 
-    Of several frequencies a picture has a panel each and a movie a frame each;
+    For several frequencies a picture has one panel each, a movie one frame each;
     VTU holds all fields at all frequencies, XDMF has frequency for time, and
-    HTML is a page to turn the skin about in any browser, offline. In SVG and
+    HTML is a page on which the skin can be turned, offline. In SVG and
     PDF the fields are pixels, axes and words are lines.
 
-    Potentials, currents and power are those of 1 V at the terminals.
+    Potentials, currents and power are those for 1 V at the terminals.
     """
 
     _check(output, what, animate, exaggerate, interactive)
@@ -139,13 +141,13 @@ def _viewed_press(
     chosen = checked_interface(interface, scene)
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
-        note(f"{name}: of the interfaces {names} this shows {chosen}; --interface shows another")
+        note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
     frequencies = _frequencies(frequency, scene.reading.frequency_at(chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
     for key in scene.skin.foam.in_time:
-        note(f"{name}: fields are those at the moment of the press, before `{key}` counts")
+        note(f"{name}: fields are those at the moment of the press, before `{key}` has an effect")
     found = fields(scene, pressed, frequencies, chosen, rtol, progress)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     return ViewedPress(scene, pressed, wiring, found)

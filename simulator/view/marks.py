@@ -67,8 +67,8 @@ class Arrows:
         """Arrows on the side of the skin that faces an eye (3,); all if it may move."""
         if towards is None or not self.places.size:
             return self
-        seen = towards @ skin.normals[:, skin.nearest(self.places)] > EDGE_ON
-        return replace(self, places=self.places[:, seen], directions=self.directions[:, seen])
+        visible = towards @ skin.normals[:, skin.nearest(self.places)] > EDGE_ON
+        return replace(self, places=self.places[:, visible], directions=self.directions[:, visible])
 
 
 def marks(

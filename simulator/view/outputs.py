@@ -88,7 +88,7 @@ def title(stage: ViewedPress) -> str:
     press = str(stage.press) if stage.press.touches else ""
     if len(press) > MAX_PRESS_TEXT:
         press = f"{press[:MAX_PRESS_TEXT]}…"
-    pressed = f"press {press}" if press else "at rest"
+    pressed = f"press {press}" if press else "unpressed"
     return f"{stage.scene.name}, {pressed}, interface {stage.interface.name}"
 
 
@@ -134,7 +134,9 @@ def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
 def _frequency_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     """Panels of each picture of a movie over the frequencies."""
     if all(quantity.everywhere for quantity in chosen(what, stage.fields)):
-        raise InputError(f"--what {what}: is the same at all frequencies; write a .png")
+        raise InputError(
+            f"--what {what}: is the same at all frequencies; write a picture, OUT.png, instead"
+        )
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
     return [
         [row[min(at, len(row) - 1)] for row in rows] for at in range(len(stage.fields.frequency))
@@ -201,8 +203,8 @@ def show(stage: ViewedPress, what: str) -> None:
         plotter.subplot(0, number)
         add_all(plotter, panel.scenery, panel.shown, lit=not panel.camera.above, bar=True)
         shown = panel.shown
-        told = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
-        plotter.add_text(told, font_size=9, color="black")
+        text = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
+        plotter.add_text(text, font_size=9, color="black")
         _add_legend(plotter, panel.scenery.marks.foils)
         panel.camera.aim(plotter)
         width, height = plotter.window_size

@@ -163,7 +163,7 @@ HALO, SHADE = 0.3, 0.5
 
 
 def under_grid(colours: Real) -> Real:
-    """Colours, as fractions from 0 to 1, as seen under the lines between pixels."""
+    """Colours, as fractions from 0 to 1, as visible under the lines between pixels."""
     return (1 - SHADE) * ((1 - HALO) * colours + HALO)
 
 
@@ -228,9 +228,9 @@ def add_all(
     ):
         raised = [lifted(line, skin, lift, towards) for line in lines]
         _add_lines(plotter, raised, colour, width, opacity)
-    seen = shown.arrows if shown.arrows is None else shown.arrows.facing(skin, towards)
-    if seen is not None and seen.places.size:
-        plotter.add_mesh(arrow_mesh(seen), color=ARROW, ambient=0.75, diffuse=0.25)
+    visible = shown.arrows if shown.arrows is None else shown.arrows.facing(skin, towards)
+    if visible is not None and visible.places.size:
+        plotter.add_mesh(arrow_mesh(visible), color=ARROW, ambient=0.75, diffuse=0.25)
 
 
 def _add_field(

@@ -239,11 +239,11 @@ def _field(skin: SkinSurface, shown: DisplayedQuantity, unlit: bool) -> go.Mesh3
     import plotly.graph_objects as go
 
     value = f"%{{customdata[2]:.4g}} {shown.unit}"
-    told = np.vstack([MILLI * skin.x, shown.values]).T
+    hover_values = np.vstack([MILLI * skin.x, shown.values]).T
     return go.Mesh3d(
         **_corners(skin.points, triangles(skin.cells)),
         intensity=shown.values.astype(np.float32),
-        customdata=told.astype(np.float32),
+        customdata=hover_values.astype(np.float32),
         hovertemplate=f"x %{{customdata[0]:.1f}} mm, y %{{customdata[1]:.1f}} mm<br>{value}"
         "<extra></extra>",
         colorscale=_colour_scale(shown.colours),

@@ -18,15 +18,15 @@ def _set_valid(meter: Instrument, text: str) -> None:
 
 
 def _correct(meter: Instrument, kind: str, text: str) -> None:
-    asked = matched_word(text, ("OFF", "ALL", "SPOT", "CANCel"))
-    if asked is None:
+    requested = matched_word(text, ("OFF", "ALL", "SPOT", "CANCel"))
+    if requested is None:
         raise CommandError(text)
-    if asked == "CANCEL":
+    if requested == "CANCEL":
         meter.corrections.cancel(kind)
-    elif asked == "OFF":
+    elif requested == "OFF":
         setattr(meter.settings, SETTINGS[kind], "OFF")
     else:
-        meter.corrections.start(meter, kind, asked)
+        meter.corrections.start(meter, kind, requested)
 
 
 def _correction(header: str, kind: str) -> tuple[MeterCommand, MeterCommand]:

@@ -88,7 +88,7 @@ def test_a_slow_page_is_left_out_frames(pages, open_page):
     slow, quick = open_page(pages.live), open_page(pages.live)
     says(slow, "live-answer", "Nothing")
     slow.evaluate(BUSY)
-    says(slow, "left", "Frames left out, drawing being slower:")
+    says(slow, "left", "Frames skipped because drawing is slower:")
     says(quick, "live-answer", "Nothing")
     press_column_3 = {"control": pages.control, "do": "press"}
     send_request(**press_column_3, press="1,3")

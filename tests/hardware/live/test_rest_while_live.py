@@ -24,7 +24,7 @@ def test_a_skin_that_is_touched_while_at_rest_is_asked_for_anew(session, press, 
     live.display.no_answer = no_answer
     live.run(1)
     assert any(
-        "was the skin touched? the unpressed skin has drifted by 2." in n
+        "may have been touched: the unpressed skin has drifted by 2." in n
         for n in live.display.notes
     )
     assert live.display.labels == ["nothing pressed"]

@@ -53,7 +53,7 @@ REST = MeasuredSweep(
 
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
     text = shown(True, [], rest=REST)
-    assert "Rs (% of rest)" in text and "-50.00" in text
+    assert "Rs (% change)" in text and "-50.00" in text
     assert "done; against the unpressed skin Rs █▁ -50 to +0 %, Cp █▁ -50 to +0 %" in text
 
 

@@ -96,7 +96,7 @@ def test_a_request_without_the_token_is_refused_and_hung_up(ports, instrument, r
     given = {"press": {"press": "1,1"}, "misbehave": {"kind": "drop"}, "select": {"interface": ""}}
     line = json.dumps({"do": do, "token": token, **given.get(do, {})}).encode() + b"\n"
     answer = raw(ports.control, 2 * line)
-    assert b"does not know the token" in answer and answer.count(b"\n") == 1
+    assert b"is not the virtual meter's" in answer and answer.count(b"\n") == 1
     assert instrument.press == "none" and not instrument.faults.waiting
 
 

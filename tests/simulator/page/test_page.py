@@ -100,7 +100,7 @@ def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
 
 def test_pixels_pressed_by_depth_are_pressed_evenly_on_a_page(run, tmp_path):
     code, _, err = run("page", "foam", "--cells", 1, "-o", tmp_path / "foam.html")
-    assert code == 0 and "presses pixels evenly, by 2." in err and err.count("\n") == 1
+    assert code == 0 and "presses whole pixels uniformly, by 2." in err and err.count("\n") == 1
 
 
 def test_no_name_ends_the_script_that_holds_it(glove):

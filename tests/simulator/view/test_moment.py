@@ -11,5 +11,5 @@ def test_fields_are_those_at_the_moment_of_the_press(tmp_path, capsys, monkeypat
     write_scene(path, load_scene("strip-1x3").with_({"skin.foam.relaxation": creep}))
     for scene, told in ((path, 1), ("strip-1x3", 0)):
         command._viewed_press(scene, "1,2", [1e3], None, 1e-2, False, None)
-        said = "fields are those at the moment of the press, before `skin.foam.relaxation` counts"
+        said = "moment of the press, before `skin.foam.relaxation` has an effect"
         assert capsys.readouterr().err.count(said) == told

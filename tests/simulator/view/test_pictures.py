@@ -218,7 +218,7 @@ def test_frequencies_stand_side_by_side(fields, stage):
 
 def test_the_title_tells_scene_press_and_interface(fields, stage):
     assert title(stage(fields())) == "scene, press 3,5:2.0, interface meter"
-    assert title(stage(fields(), press="none")) == "scene, at rest, interface meter"
+    assert title(stage(fields(), press="none")) == "scene, unpressed, interface meter"
 
 
 def test_movies_get_pictures_of_even_sides(fields, stage):

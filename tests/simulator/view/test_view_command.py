@@ -74,7 +74,7 @@ def test_the_solvers_fields_are_shown(run, tmp_path):
 @pytest.mark.parametrize(("interface", "noted"), [(None, 1), ("left", 0), ("bottom", 0)])
 def test_which_of_several_interfaces_is_shown_is_said(solved, capsys, interface, noted):
     _viewed_press("sheet-5x5-two-interfaces", "none", [1e4], interface, 1e-3, False, silent)
-    assert capsys.readouterr().err.count("left, bottom this shows left; --interface") == noted
+    assert capsys.readouterr().err.count("shows interface left of left, bottom;") == noted
     assert solved[0][2] == (interface or "left")
 
 

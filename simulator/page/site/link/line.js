@@ -2,8 +2,8 @@
 
 /** @typedef {{frame: number, state: any}} Frame */
 /**
- * frame: receives the newest state. told: receives answers to messages. changed: receives true if the line is up, and the number of frames left out.
- * @typedef {{frame: (state: any) => void, told: (answer: any) => void, changed: (up: boolean, left: number) => void}} Ends
+ * frame: receives the newest state. answered: receives answers to messages. changed: receives true if the line is up, and the number of frames left out.
+ * @typedef {{frame: (state: any) => void, answered: (answer: any) => void, changed: (up: boolean, left: number) => void}} Ends
  */
 
 const FIRST_WAIT = 500; // ms until the next attempt
@@ -47,7 +47,7 @@ export class Line {
 
   /** Handles a message. A hidden page draws nothing, and no further frame is sent to it. @param {any} message */
   #heed(message) {
-    if (message.do) return this.ends.told(message);
+    if (message.do) return this.ends.answered(message);
     requestAnimationFrame(() => {
       if (this.latest && message.frame > this.latest + 1) {
         this.left += message.frame - this.latest - 1;

@@ -8,15 +8,15 @@ import { Pressed } from "rcskin/pressed";
 const section = /** @type {HTMLElement} */ (document.querySelector(".linked"));
 const line = new Line({
   frame: (state) => shown.show(state),
-  told: (answer) => shown instanceof Pressed && shown.told(answer),
+  answered: (answer) => shown instanceof Pressed && shown.answered(answer),
   changed: (up, left) => {
     section.classList.toggle("lost", !up);
     if (!up && shown instanceof Pressed) shown.forget();
     page.element("link").textContent = up
       ? "Linked."
-      : "The link is lost; trying again. If the program was started anew, open the address that it tells.";
+      : "The connection is lost; trying again. If the program was restarted, open the address that it printed.";
     page.element("left").textContent = left
-      ? `Frames left out, drawing being slower: ${left}.`
+      ? `Frames skipped because drawing is slower: ${left}.`
       : "";
   },
 });

@@ -32,16 +32,16 @@ export class Measured {
 
   #draw() {
     const { answer, why, remarks, notes, measured, times, progress } = this.shown;
-    this.#tell("answer", answer ? sentence(answer.words) : "");
-    this.#tell("spoken", answer ? answer.label : "");
-    this.#tell("why", [why, ...remarks].filter(Boolean).map(sentence).join(". "));
-    const told = notes.map((/** @type {string} */ note) => {
+    this.#write("answer", answer ? sentence(answer.words) : "");
+    this.#write("spoken", answer ? answer.label : "");
+    this.#write("why", [why, ...remarks].filter(Boolean).map(sentence).join(". "));
+    const items = notes.map((/** @type {string} */ note) => {
       const item = document.createElement("li");
       item.textContent = note;
       return item;
     });
-    this.page.element("live-notes").replaceChildren(...told);
-    this.#tell("times", inFigures(times, progress));
+    this.page.element("live-notes").replaceChildren(...items);
+    this.#write("times", inFigures(times, progress));
     this.#drawAnswer(answer);
     if (measured) this.#drawMeasured(measured);
   }
@@ -89,7 +89,7 @@ export class Measured {
         marked,
       );
     }
-    this.#tell("residual", this.#inWords(measured, found, left));
+    this.#write("residual", this.#inWords(measured, found, left));
   }
 
   /** Standard errors of a change, or of a reading alone if no baseline is known. @param {number} rests */
@@ -118,18 +118,18 @@ export class Measured {
     const unit = station.noise.magnitude
       ? "standard errors of the meter"
       : "millionths (the scene's meter has no noise)";
-    const against = measured.rests ? "against rest " : "";
+    const what = measured.rests ? "change from the unpressed skin" : "sweep";
     const clock = new Date(measured.at).toLocaleTimeString();
     return (
-      `Sweep of ${clock}. Nearest simulated: ${press}. What is measured ${against}is ` +
-      `${rms.toPrecision(2)} ${unit} from it (root mean square); the farthest is ` +
+      `Sweep of ${clock}. Nearest simulated: ${press}. The measured ${what} differs from it by ` +
+      `${rms.toPrecision(2)} ${unit} (root mean square), at most by ` +
       `${worst.value.toPrecision(2)} at ${withPrefix(skin.frequencies[worst.at], "Hz")}${where}. ` +
-      `The band holds 19 of 20 where the simulation is right.`
+      "Where the simulation is right, 19 of 20 values lie in the band."
     );
   }
 
   /** @param {string} id @param {string} text */
-  #tell(id, text) {
+  #write(id, text) {
     const element = this.page.element(`live-${id}`);
     if (element.textContent !== text) element.textContent = text;
   }

@@ -25,12 +25,12 @@ export class Pressed {
 
   /** @param {any} state of the virtual meter */
   show({ press, interface: drive, reading, faults }) {
-    this.#tell("press", press === "none" ? "Nothing is pressed" : `Pressed: ${press}`);
-    const told = reading
+    this.#write("press", press === "none" ? "Nothing is pressed" : `Pressed: ${press}`);
+    const latest = reading
       ? `Latest reading: ${inWords(reading)}, at interface ${drive}.`
       : `No reading yet, at interface ${drive}.`;
-    const coming = faults.length ? ` Faults to come: ${faults.join(", ")}.` : "";
-    this.#tell("reading", told + coming);
+    const coming = faults.length ? ` Pending faults: ${faults.join(", ")}.` : "";
+    this.#write("reading", latest + coming);
     if (this.asked !== null || this.page.gestures.held.size) return;
     const touches = parsed(press, this.page.skin) ?? [];
     const text = pressText(touches);
@@ -40,8 +40,8 @@ export class Pressed {
   }
 
   /** @param {any} answer to a press */
-  told(answer) {
-    this.#tell("why", answer.do === "refused" ? answer.why : "");
+  answered(answer) {
+    this.#write("why", answer.do === "refused" ? answer.why : "");
     this.agreed = this.asked;
     this.asked = null;
     this.#ask();
@@ -57,7 +57,7 @@ export class Pressed {
   }
 
   /** @param {string} id @param {string} text */
-  #tell(id, text) {
+  #write(id, text) {
     const element = this.page.element(`skin-${id}`);
     if (element.textContent !== text) element.textContent = text;
   }

@@ -25,8 +25,8 @@ export function unmistakable(touches, data) {
 /** @param {string} text @param {import("rcskin/skin").Skin} skin @returns {Touch | null} */
 function touch(text, skin) {
   const { press, range } = skin.data;
-  const factor = (/** @type {string | undefined} */ told) =>
-    told === undefined ? press.capacitance_factor : Number(told);
+  const factor = (/** @type {string | undefined} */ written) =>
+    written === undefined ? press.capacitance_factor : Number(written);
   const pixel = PIXEL.exec(text);
   const rectangle = RECTANGLE.exec(text);
   const strength = factor((pixel ?? [])[3] ?? (rectangle ?? [])[2]);

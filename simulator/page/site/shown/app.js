@@ -91,7 +91,7 @@ function refresh(cast) {
     waiting.picture = 0;
     if (waiting.cast) {
       station.renew(true);
-      tellApart(FEW_DRAWS);
+      showSeparation(FEW_DRAWS);
     }
     draw();
     performance.mark("rcskin-drawn");
@@ -107,7 +107,7 @@ function settle() {
     station.renew(false);
     draw();
   }
-  if (waiting.cast) tellApart(MANY_DRAWS);
+  if (waiting.cast) showSeparation(MANY_DRAWS);
   waiting.cast = false;
   const text = written(state, first);
   history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
@@ -126,11 +126,12 @@ function draw() {
     heldAgainst: measured.rest[drive],
   };
   charts.draw(spectra, station.noise, skin.frequencies[at]);
-  element("reading").textContent = charts.told(spectra, at);
-  const told = station.localizer.told(measured.Z, measured.rest);
-  drawBelief(element("belief"), skin, station.localizer.classes, told.chances);
-  element("belief").setAttribute("aria-label", told.words);
-  if (element("answer").textContent !== told.words) element("answer").textContent = told.words;
+  element("reading").textContent = charts.inWords(spectra, at);
+  const located = station.localizer.locate(measured.Z, measured.rest);
+  drawBelief(element("belief"), skin, station.localizer.classes, located.chances);
+  element("belief").setAttribute("aria-label", located.words);
+  if (element("answer").textContent !== located.words)
+    element("answer").textContent = located.words;
 }
 
 /** @param {number | null} phase rad, null for the amplitude alone */
@@ -157,7 +158,7 @@ function run(time) {
 }
 
 /** @param {number} draws */
-function tellApart(draws) {
+function showSeparation(draws) {
   const { localizer } = station;
   const { column, row, pixel, nearest } = localizer.apart(data.press.factor_spread, draws);
   const percent = (/** @type {number} */ share) => `${Math.round(100 * share)} %`;
@@ -166,8 +167,8 @@ function tellApart(draws) {
       ? "nothing pressed"
       : `pixel ${localizer.classes[k].row},${localizer.classes[k].column}`;
   element("apart").textContent =
-    `Told right, about: columns ${percent(column)}, rows ${percent(row)}, pixels ${percent(pixel)}. ` +
-    `Hardest to tell apart: ${name(nearest.first)} and ${name(nearest.second)}, ` +
+    `Localized correctly, about: columns ${percent(column)}, rows ${percent(row)}, pixels ${percent(pixel)}. ` +
+    `Hardest to distinguish: ${name(nearest.first)} and ${name(nearest.second)}, ` +
     `${nearest.distance.toPrecision(2)} standard errors apart.`;
 }
 
@@ -192,7 +193,7 @@ function begin() {
     `Simulated by rcskin: Rs and Cp are within ${data.rtol} of the finite-element solver's. ` +
     (skin.outline.groups
       ? "Pixels are groups of its mesh's elements."
-      : `Touches that are no whole pixels are laid on ${rows} x ${columns} cells.`);
+      : `Other touches than whole pixels are resolved on ${rows} x ${columns} cells.`);
   const clicks = {
     release: () => gestures.set([]),
     csv: takeSweep,

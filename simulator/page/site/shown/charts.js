@@ -101,10 +101,10 @@ export class Chart {
         1,
         [],
       );
-      const told = this.logarithmic
+      const label = this.logarithmic
         ? Number((10 ** value).toPrecision(2)).toString()
         : value.toFixed(ticks.digits);
-      context.fillText(told, ROOM.left - 5, y(value) + 4);
+      context.fillText(label, ROOM.left - 5, y(value) + 4);
     }
     context.textAlign = "center";
     for (

@@ -74,7 +74,7 @@ export class Controls {
     const [top, bottom] = [state.top, state.bottom].map((factor, k) =>
       withPrefix(data.sheets[k] * factor, "ohm/sq"),
     );
-    const told = {
+    const texts = {
       strength: `${state.strength.toFixed(2)} × C`,
       at: withPrefix(data.frequencies[state.at], "Hz"),
       top,
@@ -84,7 +84,7 @@ export class Controls {
       noise: `${Number((100 * state.noise * data.readout.magnitude_noise).toPrecision(2))} %`,
       factor: `${state.factor.toFixed(2)} × C`,
     };
-    for (const [name, text] of Object.entries(told)) {
+    for (const [name, text] of Object.entries(texts)) {
       element(`${name}-value`).textContent = text;
       element(name).setAttribute("aria-valuetext", text);
     }

@@ -73,7 +73,7 @@ export class SpectraCharts {
   }
 
   /** Readings at one frequency in words. @param {Spectra} spectra @param {number} at its number */
-  told(spectra, at) {
+  inWords(spectra, at) {
     const [f, Z] = [this.frequencies[at], spectra.now[at]];
     const [Rs, Cp] = [withPrefix(Z.re, "ohm"), withPrefix(parallelCapacitance(Z, f), "F")];
     return `At ${withPrefix(f, "Hz")}: Rs ${Rs}, Cp ${Cp}. Bands hold 19 of 20 readings.`;

@@ -115,8 +115,8 @@ export function apart(classes, usual, draws) {
         classes,
         seen.map((value) => value + random()),
       );
-      const told = chances.indexOf(Math.max(...chances));
-      right.pixel += Number(told === index);
+      const chosen = chances.indexOf(Math.max(...chances));
+      right.pixel += Number(chosen === index);
       right.column += Number(heaviest(classes, chances, "column") === own.column);
       right.row += Number(heaviest(classes, chances, "row") === own.row);
       count += 1;

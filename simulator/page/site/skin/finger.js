@@ -10,7 +10,7 @@ export class Finger {
   /** @param {any} data of the page @param {import("rcskin/outline").Outline} outline */
   constructor(data, outline) {
     /** null if the capacitance of fingers is unknown. */
-    this.told = data.finger ?? null;
+    this.given = data.finger ?? null;
     this.parts = data.model.parts ?? null;
     this.across = data.model.across ?? false;
     this.outline = outline;
@@ -23,8 +23,8 @@ export class Finger {
 
   /** Capacitance of a finger on a touch, F. @param {Touch} touch */
   of(touch) {
-    if (!this.told) return 0;
-    const { whole, perArea, series } = this.told;
+    if (!this.given) return 0;
+    const { whole, perArea, series } = this.given;
     if (whole !== null) return whole;
     const own = perArea * this.#area(touch);
     return Number((series ? (own * series) / (own + series) : own).toPrecision(DIGITS));
@@ -60,7 +60,7 @@ export class Finger {
   #area({ x, y, width, height, row, column }) {
     const { outline } = this;
     const pixel = outline.held.findIndex((each) => each.row === row && each.column === column);
-    if (pixel >= 0) return this.told.areas[pixel];
+    if (pixel >= 0) return this.given.areas[pixel];
     let there = 0;
     for (let i = 0; i < LOOKED_AT; i++)
       for (let j = 0; j < LOOKED_AT; j++)

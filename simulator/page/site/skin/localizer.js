@@ -67,7 +67,7 @@ export class Localizer {
   }
 
   /** Answer of the localizer from measured readings. @param {Complex[][]} Z @param {Complex[][]} rest both by interface and frequency */
-  told(Z, rest) {
+  locate(Z, rest) {
     const held = this.seen(rest);
     const belief = believed(
       this.classes,
@@ -102,11 +102,11 @@ export class Localizer {
         : `Row ${row}, column ${column} (${percent(belief.chances[best])})`;
     }
     for (const axis of /** @type {("column" | "row")[]} */ (["column", "row"])) {
-      const told = heaviest(this.classes, belief.chances, axis);
-      const share = summed(this.classes, belief.chances, axis).get(told) ?? 0;
+      const likely = heaviest(this.classes, belief.chances, axis);
+      const share = summed(this.classes, belief.chances, axis).get(likely) ?? 0;
       const other = axis === "column" ? "row" : "column";
-      if (told > 0 && share >= ENOUGH)
-        return `Some ${other} of ${axis} ${told} (${percent(share)})`;
+      if (likely > 0 && share >= ENOUGH)
+        return `Some ${other} of ${axis} ${likely} (${percent(share)})`;
     }
     return `Cannot tell which: most likely row ${row}, column ${column} (${percent(belief.chances[best])})`;
   }
