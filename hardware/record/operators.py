@@ -22,13 +22,13 @@ class StepStatus:
     """Progress of a recording.
 
     number: of the step, from 0. total: steps. left: estimated s until the end, None if unknown.
-    rest: the latest sound unpressed sweep, or None.
+    baseline: the latest sound unpressed sweep, or None.
     """
 
     number: int
     total: int
     left: float | None = None
-    rest: MeasuredSweep | None = None
+    baseline: MeasuredSweep | None = None
 
     @property
     def words(self) -> str:
@@ -103,7 +103,7 @@ class MachineOperator:
         if progress.number != self.current:
             self.current, self.repetitions = progress.number, 0
         self.press_skin(step)
-        self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
+        self.show.begin(f"{progress.words}  press {step.press}", progress.baseline)
         return True
 
     def turn(self, interface: str) -> None:

@@ -177,7 +177,7 @@ def _resumed_header(journal: RecordingJournal, task: RecordingTask) -> Recording
     different = differences(header, task.header)
     if different:
         raise InputError(
-            f"{journal.folder}: holds a recording with another {', '.join(different)}; give "
+            f"{journal.folder}: holds a recording that differs in {', '.join(different)}; give "
             "another output, or move that folder away"
         )
     return header

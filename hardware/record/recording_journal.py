@@ -27,6 +27,8 @@ OPTIONAL_FIELD = "of_each"
 REQUESTED_FIELDS = ("scene", "name", "interfaces", "frequencies", OPTIONAL_FIELD, "rows", "columns")
 REQUESTED_FIELDS += ("order", "asked")
 """Fields of a header that are known before a meter is connected."""
+FIELD_LABELS = {"asked": "settings of the meter", OPTIONAL_FIELD: "frequencies of an interface"}
+"""Labels of fields in messages, if the label is not the name."""
 
 
 @dataclass(frozen=True)
@@ -177,9 +179,10 @@ class RecordingJournal:
 
 
 def differences(begun: RecordingHeader, requested: RecordingHeader) -> list[str]:
-    """Names of the fields in which a request differs from the begun recording."""
+    """Labels of the fields in which a request differs from the begun recording."""
     names = [*REQUESTED_FIELDS, *(["session"] if requested.session else [])]
-    return [name for name in names if getattr(begun, name) != getattr(requested, name)]
+    different = [name for name in names if getattr(begun, name) != getattr(requested, name)]
+    return [FIELD_LABELS.get(name, name) for name in different]
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

@@ -166,7 +166,7 @@ class PersonOperator:
         prompt = f"{progress.words}  {what}, then Enter ({again}q: quit) "
         if self._ask_choice(prompt, "r" if progress.number else "") == "r":
             return False
-        self.show.begin(f"{progress.words}  press {step.press}", progress.rest)
+        self.show.begin(f"{progress.words}  press {step.press}", progress.baseline)
         return True
 
     def turn(self, interface: str) -> None:

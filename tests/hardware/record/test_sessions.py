@@ -141,7 +141,7 @@ def test_a_clock_that_was_set_back_is_told_of(unfinished, record, tmp_path, capl
 
 def test_another_name_is_another_recording(unfinished, record):
     unfinished(1, "--session", "monday")
-    with pytest.raises(InputError, match="holds a recording with another session"):
+    with pytest.raises(InputError, match="holds a recording that differs in session"):
         raise record("--session", "tuesday").exception
 
 
