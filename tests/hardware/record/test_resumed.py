@@ -1,11 +1,9 @@
-"""Recordings that go on: interrupted, finished, of another task, with spoilt or misplaced files."""
+"""Recordings that are resumed: after an end, with another meter, with spoilt or misplaced files."""
 
 import dataclasses
 
 import pytest
-from rcskin.hardware.meter.errors import (
-    NoConnectionError,
-)
+from rcskin.hardware.meter.errors import CorrectionError, NoConnectionError, WrongMeterError
 from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_journal import HEADER, RecordingJournal
