@@ -128,7 +128,7 @@ def test_failed_readings_alone_are_no_reason_to_give_up(session, instrument):
 
 
 def test_a_failed_reading_shows_that_the_meter_is_there(session):
-    link = session(patience=0.2).link
+    link = session(patience=0.2).meter
     link.wait_after_failure(MeterError("gone"))
     time.sleep(0.3)
     assert link.wait_after_failure(FailedReadingError("overflow")) == 0
