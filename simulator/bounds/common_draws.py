@@ -60,7 +60,8 @@ class CommonDraws:
     ) -> DrawScores:
         """Scores for one skin with these readings.
 
-        told: True for readings that are used, shape (interface, frequency); None: all of `reading`.
+        taken: True for readings that are used, shape (interface, frequency); None: all of
+        `reading`.
         """
         taken = reading.read if taken is None else taken
         each = zip(reading.interfaces, taken, strict=True)

@@ -45,14 +45,14 @@ def _grown(score: Score, n: int, excludes: NDArray[np.bool_]) -> NDArray[np.int6
 def _exchanged(
     score: Score, chosen: NDArray[np.int64], excludes: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    least = float(score(chosen[None])[0])
+    lowest = float(score(chosen[None])[0])
     quiet, slot = 0, 0
     while quiet < len(chosen):
         options = _with_each(np.delete(chosen, slot), excludes)
         scores = score(options)
         best = int(np.argmin(scores))
-        if scores[best] < least * (1 - GAIN):
-            least, quiet = float(scores[best]), 0
+        if scores[best] < lowest * (1 - GAIN):
+            lowest, quiet = float(scores[best]), 0
             chosen = np.insert(np.delete(chosen, slot), slot, options[best, -1])
         else:
             quiet += 1

@@ -189,8 +189,8 @@ def position_slopes(
     """Slopes at every position, for all interfaces at all frequencies, in Hz, ascending.
 
     against_rest: number of baseline sweeps that the sweep is compared with, 0 for none.
-    unknown_skin: True if the skin is unknown too. laying: rasterizer of touches, by default
-    `touches_on`. model: error model, needed where not all interfaces are read at all
+    unknown_skin: True if the skin is unknown too. rasterizer: of touches, by default
+    `rasterizer_for`. model: error model, needed where not all interfaces are read at all
     frequencies. Raises InputError for a meter without noise, and as the rasterizer does.
     """
     scene = fields.scene

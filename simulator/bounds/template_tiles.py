@@ -61,11 +61,11 @@ def _balls(known: Templates, tiles: NDArray[np.int64]) -> Balls:
 
 
 def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array) -> Array:
-    near, least = _near(known, tiles, balls, measured)
+    near, lower_bound = _near(known, tiles, balls, measured)
     ends = np.append(tiles[1:], len(known.chance))
     answers = np.searchsorted(known.starts, tiles, side="right") - 1
     prior = known.prior
-    own = (measured**2).sum(axis=1) / 2 + least
+    own = (measured**2).sum(axis=1) / 2 + lower_bound
     total = np.zeros((len(known.starts), len(measured)))
     for tile in np.flatnonzero(near.any(axis=1)).tolist():
         rows, part = np.flatnonzero(near[tile]), slice(tiles[tile], ends[tile])
@@ -84,6 +84,6 @@ def _near(
     np.maximum(squared, 0.0, out=squared)
     with np.errstate(divide="ignore"):
         middle, whole = np.log(known.chance[(tiles + ends) // 2]), np.log(balls.chance)
-    least = (middle[:, None] - squared / 2).max(axis=0)
+    lower_bound = (middle[:, None] - squared / 2).max(axis=0)
     gap = np.maximum(np.sqrt(squared) - balls.radius[:, None], 0.0)
-    return whole[:, None] - gap**2 / 2 > least + math.log(NEGLIGIBLE), least
+    return whole[:, None] - gap**2 / 2 > lower_bound + math.log(NEGLIGIBLE), lower_bound

@@ -238,8 +238,8 @@ class TouchReadings:
         rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
         each = [self._touches.applied(*touch) for touch in own]
-        lattice, laid = self._touches.lattice, self._rasterized(PressBatch.of(own))
-        return rasterization_errors(self.scene, lattice, each, laid, self._impedances)
+        lattice, on_cells = self._touches.lattice, self._rasterized(PressBatch.of(own))
+        return rasterization_errors(self.scene, lattice, each, on_cells, self._impedances)
 
     def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
         """Z in ohm of presses of the model's cells, shape (press, interface, frequency)."""

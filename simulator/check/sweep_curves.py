@@ -144,15 +144,15 @@ def curves_of(
 def _baseline(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
     """Mean baseline of each sweep's session, in the shape of `values`."""
     sessions, unpressed = sweeps["session"].values, sweeps["press"].values == UNPRESSED
-    rest = np.full(values.shape, np.nan)
+    baseline = np.full(values.shape, np.nan)
     for session in np.unique(sessions):
         own = sessions == session
         if not (own & unpressed).any():
             raise InputError(
                 f"session {session} has no baseline sweep (press `none`), which changes need"
             )
-        rest[own] = values[own & unpressed].mean(axis=0)
-    return rest
+        baseline[own] = values[own & unpressed].mean(axis=0)
+    return baseline
 
 
 def _has_baseline(sweeps: xr.Dataset) -> bool:

@@ -213,15 +213,15 @@ def _cut_off(scene: Scene, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
     f, cut_off = scene.reading.frequency_at(interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
-    seen = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
+    reach = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
     if above == 0:
-        seen = "no frequency lies above it: all reach the whole skin"
+        reach = "no frequency lies above it: all reach the whole skin"
     elif above == len(f):
-        seen = "all frequencies lie above it: none reaches the whole skin"
+        reach = "all frequencies lie above it: none reaches the whole skin"
     far = 1e3 * equivalent_scene(scene).reach(interface)
     named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
     text = f"Eq. 6, {far:.3g} mm from the foils"
-    return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {seen}"
+    return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {reach}"
 
 
 def _noise(scene: Scene) -> str:

@@ -79,10 +79,10 @@ def _frame(scene: Scene, ribbons: Sequence[Ribbon]) -> tuple[Span, Span]:
     """Limits of the drawing along x and y, m: the skin with names and numbers."""
     length, width = scene.skin.sides
     unit = max(length, width)
-    ways = [out for ribbon in ribbons for _, out in [_named_at(ribbon, 0.0)]]
+    directions = [out for ribbon in ribbons for _, out in [_named_at(ribbon, 0.0)]]
 
     def room(axis: int, sign: float) -> float:
-        beyond = sum(sign * out[axis] > SLANTED for out in ways)
+        beyond = sum(sign * out[axis] > SLANTED for out in directions)
         return unit * (MARGIN + (NAME_AT + 0.02 + 0.03 * (beyond - 1) if beyond else 0.0))
 
     numbers = NUMBERS * unit

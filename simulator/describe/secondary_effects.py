@@ -41,20 +41,20 @@ def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
 
     Sizes are estimated by `models.stray`.
     """
-    even, around = equivalent_scene(scene), scene.surroundings
-    yield "earth", _earth(even, around)
+    uniform, around = equivalent_scene(scene), scene.surroundings
+    yield "earth", _earth(uniform, around)
     for body in around.body if around else ():
-        yield "body", _body(even, body)
+        yield "body", _body(uniform, body)
     if not (around and around.body):
-        size = _percent(body_share(even))
+        size = _percent(body_share(uniform))
         yield "body", f"at earth, {_place(NEARBY)}: would raise Rs by about {size}; {LEFT_OUT}"
-    yield "rim", _rim(even, around)
-    yield "thickness", _thickness(even, around)
-    yield from _walls(even, around)
+    yield "rim", _rim(uniform, around)
+    yield "thickness", _thickness(uniform, around)
+    yield from _walls(uniform, around)
     yield "finger", _finger(scene, around)
     wide = [foil for foil in scene.contacts if foil.width]
     for foil in wide or scene.contacts[:1]:
-        yield "foil width", _overlap(even, foil)
+        yield "foil width", _overlap(uniform, foil)
     yield from _creep(scene)
 
 

@@ -124,8 +124,8 @@ class PositionMerit:
     @property
     def known(self) -> NDArray[np.float64]:
         """Prior 1/deviation² of x, y and strength, shape (3,)."""
-        least = 1e-3 * max(self.room)
-        sides = [12 / max(side, least) ** 2 for side in self.room]
+        smallest = 1e-3 * max(self.room)
+        sides = [12 / max(side, smallest) ** 2 for side in self.room]
         return np.array([*sides, FARTHEST_STRENGTH**-2])
 
     def value(self, found: LowerTriangle, weight: NDArray[np.float64]) -> NDArray:

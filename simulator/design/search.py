@@ -154,7 +154,7 @@ class _Search:
         ratio = request.sheet_ratio
 
         def mismatched(material: Material, by: float) -> Material:
-            """Both sheets within bounds at a given ratio, with their mean changed least."""
+            """Both sheets within bounds at a given ratio, with little change of their mean."""
             root = math.sqrt(by)
             lowest, highest = low * max(root, 1 / root), high * min(root, 1 / root)
             mean = min(max(_mean(material), lowest), max(highest, lowest))

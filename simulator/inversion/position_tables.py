@@ -113,5 +113,5 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
 def _observed(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
     """Observed changes of uniform skins from the baseline, shape (press, number)."""
     touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
-    seen = unknown.observed(unknown.forward.impedances(touched, unknown.values))
-    return seen[1:] - seen[0]
+    observed = unknown.observed(unknown.forward.impedances(touched, unknown.values))
+    return observed[1:] - observed[0]

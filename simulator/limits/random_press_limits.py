@@ -225,7 +225,7 @@ def _single(values: Array) -> Single:
 def _accuracy_interval(probability: Array, answer: NDArray[np.int64]) -> LimitInterval:
     """Lower and upper estimates of the accuracy.
 
-    told: probability of each answer, shape (reading, answer). answer: the correct one.
+    probability: that of each answer, shape (reading, answer). answer: the correct one.
     """
     best = probability.max(axis=1, keepdims=True)
     ties = probability >= best * (1 - 1e-6)

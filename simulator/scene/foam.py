@@ -118,10 +118,10 @@ class Foam(Table):
     def _permittivity_of_a_dielectric(self) -> Self:
         """Raises ValueError if capacitance and thickness give less permittivity than vacuum has."""
         if self.capacitance_per_area is not None and self.thickness is not None:
-            least = VACUUM_PERMITTIVITY / self.thickness
-            if self.capacitance_per_area < least * (1 - ROUNDING):
+            lowest = VACUUM_PERMITTIVITY / self.thickness
+            if self.capacitance_per_area < lowest * (1 - ROUNDING):
                 raise ValueError(
-                    f"capacitance_per_area must be >= {short(least)} F/m², that of vacuum of the "
+                    f"capacitance_per_area must be >= {short(lowest)} F/m², that of vacuum of the "
                     f"thickness {short(self.thickness)} m, got {short(self.capacitance_per_area)}"
                 )
         return self

@@ -184,10 +184,10 @@ class Random(_Map):
         return self.correlation_length if self.deviation else np.inf
 
     def check(self, sides: Sides) -> None:
-        least = SHORTEST * max(sides)
-        if not self.correlation_length >= least:
+        smallest = SHORTEST * max(sides)
+        if not self.correlation_length >= smallest:
             raise ValueError(
-                f"correlation_length must be >= {least:g} m, {SHORTEST:g} of the skin's longer "
+                f"correlation_length must be >= {smallest:g} m, {SHORTEST:g} of the skin's longer "
                 f"side, got {self.correlation_length:g}"
             )
         if self.distribution == "normal":

@@ -50,8 +50,8 @@ class Circle(NamedTuple):
         """Distance to another circle or to the sides of a polygon, m; 0 if they meet."""
         if isinstance(other, Circle):
             far = float(np.linalg.norm(other.centre - self.centre))
-            apart = max(far - other.radius, other.radius - far) - self.radius
-            return max(apart, self.radius - other.radius - far, 0.0)
+            separation = max(far - other.radius, other.radius - far) - self.radius
+            return max(separation, self.radius - other.radius - far, 0.0)
         nearest = float(distance(self.centre[None], sides(other)).min()) - self.radius
         return max(nearest, float(-self.beyond(other).max()), 0.0)
 
@@ -88,8 +88,8 @@ def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     crossed = np.zeros(np.shape(x)[1:], dtype=bool)
     for (x0, y0), (x1, y1) in sides(polygon):
         if y0 != y1:
-            beside = (y0 > x[1]) != (y1 > x[1])
-            crossed ^= beside & (x[0] < x0 + (x[1] - y0) * ((x1 - x0) / (y1 - y0)))
+            between = (y0 > x[1]) != (y1 > x[1])
+            crossed ^= between & (x[0] < x0 + (x[1] - y0) * ((x1 - x0) / (y1 - y0)))
     return crossed
 
 
@@ -131,8 +131,8 @@ def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
     a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     ends_of_a = [distance(a[:, end], b) for end in (0, 1)]
     ends_of_b = [distance(b[:, end], a).T for end in (0, 1)]
-    apart = np.min([*ends_of_a, *ends_of_b], axis=0)
-    return np.where(np.isnan(crossings(a, b)), apart, 0.0)
+    separation = np.min([*ends_of_a, *ends_of_b], axis=0)
+    return np.where(np.isnan(crossings(a, b)), separation, 0.0)
 
 
 def reach_into(parts: Points, low: Points, high: Points) -> bool:
@@ -147,8 +147,8 @@ def reach_into(parts: Points, low: Points, high: Points) -> bool:
     across = np.stack([-run[..., 1], run[..., 0]], axis=-1)
     axes = np.concatenate([across, np.broadcast_to(np.eye(2), (len(parts), 2, 2))], axis=1)
     own, other = parts @ axes.swapaxes(1, 2), corners @ axes.swapaxes(1, 2)
-    apart = (own.max(axis=1) <= other.min(axis=1)) | (other.max(axis=1) <= own.min(axis=1))
-    return bool((~apart.any(axis=1)).any())
+    separated = (own.max(axis=1) <= other.min(axis=1)) | (other.max(axis=1) <= own.min(axis=1))
+    return bool((~separated.any(axis=1)).any())
 
 
 def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -186,8 +186,8 @@ def _area_below(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.fl
     """
     u, v = np.clip(u, -1.0, 1.0), np.clip(v, -1.0, 1.0)
     w = np.sqrt(1 - v**2)
-    beside = _under_arc(np.minimum(u, -w)) + _under_arc(np.maximum(u, w)) - _under_arc(w)
-    return _under_arc(u) + np.sign(v) * beside + v * (np.clip(u, -w, w) + w)
+    remainder = _under_arc(np.minimum(u, -w)) + _under_arc(np.maximum(u, w)) - _under_arc(w)
+    return _under_arc(u) + np.sign(v) * remainder + v * (np.clip(u, -w, w) + w)
 
 
 def _under_arc(u: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -212,5 +212,5 @@ def distinct(lines: Sequence[float], same: float = SAME_LINE) -> NDArray[np.floa
     A position no further than `same` times the largest one from its predecessor is a duplicate.
     """
     ascending = np.sort(np.asarray(lines))
-    apart = np.diff(ascending) > same * ascending[-1]
-    return ascending[np.append(True, apart)]
+    separated = np.diff(ascending) > same * ascending[-1]
+    return ascending[np.append(True, separated)]

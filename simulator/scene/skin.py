@@ -103,11 +103,11 @@ class Skin(Table):
 
         frequency: Hz. factor: capacitance over the unpressed one.
         """
-        depth, least = self.depth(frequency, factor), MIN_DEPTH * max(self.sides)
-        if depth < least:
+        depth, smallest = self.depth(frequency, factor), MIN_DEPTH * max(self.sides)
+        if depth < smallest:
             raise ValueError(
                 f"`sweep.frequencies`: at {short(frequency)} Hz the field reaches {short(depth)} m "
-                f"from the foils; it must reach {short(least)} m, {short(MIN_DEPTH)} of the "
+                f"from the foils; it must reach {short(smallest)} m, {short(MIN_DEPTH)} of the "
                 "skin's longer side, to be resolved in double precision: lower frequencies, sheet "
                 "resistance or capacitance"
             )

@@ -184,10 +184,10 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
 
 def _check_length(number: int, contact: Contact, skin: Skin) -> None:
     """Raises ValueError for a foil that is too short for double precision."""
-    along, least = curve_section(contact, skin), MIN_GAP * max(skin.sides)
-    if along.stop - along.start < least:
+    along, smallest = curve_section(contact, skin), MIN_GAP * max(skin.sides)
+    if along.stop - along.start < smallest:
         raise ValueError(
-            f"`contact[{number + 1}].span` must leave a foil of at least {short(least)} m, "
+            f"`contact[{number + 1}].span` must leave a foil of at least {short(smallest)} m, "
             f"{MIN_GAP:g} of the skin's longer side, got {short(along.stop - along.start)} m"
         )
 
@@ -203,9 +203,9 @@ def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
             )
     group = conductor_groups(contacts, skin)
     for (i, first), (j, second) in itertools.combinations(enumerate(contacts), 2):
-        apart = first.electrode != second.electrode or group[i] == group[j]
+        separate = first.electrode != second.electrode or group[i] == group[j]
         wide = skin.rectangular and max(first.width, second.width) > 0
-        if wide and not apart and _meet(first, second, skin):
+        if wide and not separate and _meet(first, second, skin):
             raise ValueError(
                 f"contacts {first.name!r} and {second.name!r} overlap by `contact.width`: "
                 f"{short(first.width)} and {short(second.width)} m"

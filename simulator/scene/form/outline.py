@@ -86,22 +86,24 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
     """
     every = [outline, *outline.holes]
     names = ["outline", *(f"outline.holes[{i + 1}]" for i in range(len(outline.holes)))]
-    least = MIN_SEPARATION * max(length, width)
+    min_distance = MIN_SEPARATION * max(length, width)
     for name, curve in zip(names, every, strict=True):
         shape = curve.shape
         _check_within(name, shape, length, width)
         if not isinstance(shape, Circle):
-            check_simple(name, shape, least)
-        elif shape.radius < least:
-            raise ValueError(f"{name}.circle must have a radius of at least {least:g} m")
+            check_simple(name, shape, min_distance)
+        elif shape.radius < min_distance:
+            raise ValueError(f"{name}.circle must have a radius of at least {min_distance:g} m")
     for name, hole in zip(names[1:], every[1:], strict=True):
-        if _separation(outline, hole) < least or not _within(hole, outline):
-            raise ValueError(f"{name} must lie inside the outline, at least {least:g} m from it")
+        if _separation(outline, hole) < min_distance or not _within(hole, outline):
+            raise ValueError(
+                f"{name} must lie inside the outline, at least {min_distance:g} m from it"
+            )
     for (first, a), (second, b) in itertools.combinations(
         zip(names[1:], every[1:], strict=True), 2
     ):
-        if _separation(a, b) < least or _within(a, b) or _within(b, a):
-            raise ValueError(f"{first} and {second} must lie at least {least:g} m apart")
+        if _separation(a, b) < min_distance or _within(a, b) or _within(b, a):
+            raise ValueError(f"{first} and {second} must lie at least {min_distance:g} m apart")
 
 
 def _check_within(
@@ -120,12 +122,12 @@ def _check_within(
             )
 
 
-def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
-    """Raises ValueError if a side is shorter than `least`, or sides come closer than that."""
+def check_simple(name: str, corners: NDArray[np.float64], min_distance: float) -> None:
+    """Raises ValueError if a side is shorter, or if sides come closer, than `min_distance`."""
     each, count = sides(corners), len(corners)
-    short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < least)
+    short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < min_distance)
     if len(short):
-        raise ValueError(f"{name} has a side {short[0] + 1} shorter than {least:g} m")
+        raise ValueError(f"{name} has a side {short[0] + 1} shorter than {min_distance:g} m")
     separation = gap(each, each)
     i = np.arange(count)
     separation[i, i] = np.inf
@@ -134,15 +136,15 @@ def check_simple(name: str, corners: NDArray[np.float64], least: float) -> None:
     folded = np.minimum(
         distance(each[:, 1], before).diagonal(), distance(before[:, 0], each).diagonal()
     )
-    if folded.min() < least:
+    if folded.min() < min_distance:
         raise ValueError(f"{name} turns back on itself at its point {folded.argmin() + 1}")
-    if separation.min() < least:
+    if separation.min() < min_distance:
         a, b = (int(k) + 1 for k in np.unravel_index(separation.argmin(), separation.shape))
         raise ValueError(
             f"{name} must not meet itself: its sides {a} and {b} cross, "
-            f"or come within {least:g} m of each other"
+            f"or come within {min_distance:g} m of each other"
         )
-    if abs(area(corners)) < least**2:
+    if abs(area(corners)) < min_distance**2:
         raise ValueError(f"{name} must enclose an area")
 
 

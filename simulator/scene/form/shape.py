@@ -117,11 +117,11 @@ class Sphere(Table):
 
     def check(self, sides: Sides) -> None:
         """Raises ValueError if the corners of a skin with these sides [m] reach around too far."""
-        least = math.hypot(*sides) / 2 / (FARTHEST * np.pi)
-        if self.radius < least:
+        smallest = math.hypot(*sides) / 2 / (FARTHEST * np.pi)
+        if self.radius < smallest:
             raise ValueError(
-                f"`shape.radius` must be >= {least:.4g} m, for the skin's corners to stay within "
-                f"{FARTHEST:g} of half the way around the sphere, got {self.radius:g}"
+                f"`shape.radius` must be >= {smallest:.4g} m, for the skin's corners to stay "
+                f"within {FARTHEST:g} of half the way around the sphere, got {self.radius:g}"
             )
 
     def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
