@@ -68,12 +68,12 @@ def evaluate(
     if by_model:
         model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
         found = evaluated(model.learned, model.samples(sweeps, baselines))
-        problem, scored = model.problem, "these ones"
+        problem, scored = model.problem, "given sweeps"
         note_known_sweeps(model, sweeps, files[0])
     else:
         samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=baselines)
         note_features(quantities, samples.problem.quantities)
-        problem, scored = samples.problem, "outside the training"
+        problem, scored = samples.problem, "sweeps outside the training"
         with on_terminal() as progress:
             found = _by_folds(
                 samples, name, certain=certain, tune=tune, folds=folds, progress=progress

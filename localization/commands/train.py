@@ -84,7 +84,7 @@ def _meaning(model: Model, sweeps: xr.Dataset) -> list[str]:
 
     if model.target == "position":
         return []
-    return [accuracy_meaning(model.problem, "outside the training", sweeps)]
+    return [accuracy_meaning(model.problem, "sweeps outside the training", sweeps)]
 
 
 def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:

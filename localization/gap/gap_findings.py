@@ -87,7 +87,7 @@ def find_gap(trial: PreparedComparison, progress: ProgressCallback) -> GapFindin
     notes = [*trial.notes, *why, *model_notes]
     if not all(own.values()):
         notes.append(
-            f"A class has a single {trial.pair.label.adjective} sweep: nothing is trained on them."
+            f"A class has a single {trial.pair.label.adjective} sweep: no training on these."
         )
     alone, together = (causes.alone, causes.together) if causes else ((), ())
     return GapFindings(trial, stages, own, alone, notes, model, together)

@@ -82,7 +82,7 @@ class LeftOutSweeps(NamedTuple):
 
     def describe(self, target: str) -> str:
         """These numbers as text."""
-        parts = [f"{self.other} without a {target}"]
+        parts = [f"{self.other} without {'a count of ' if target == 'touches' else 'a '}{target}"]
         if self.without_baseline:
             plural = "" if self.sessions == 1 else "s"
             parts.append(

@@ -115,7 +115,7 @@ def study(
         found = plan.run(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)
-    meaning = accuracy_text(target, CHANGES, "of skins outside the training", scene)
+    meaning = accuracy_text(target, CHANGES, "sweeps of skins outside the training", scene)
     for line in (*first_lines(found.best, output), meaning, found.spacing):
         say(line)
     report_written(points, output, picture)

@@ -110,7 +110,7 @@ def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], requeste
     """Text of `describe_splits`, with a remark if the inner folds hold out no whole sessions."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = (
-        "; inner folds split sessions, which are too few"
+        "; inner folds split sessions, because there are too few"
         if by_session(sessions) and not within
         else ""
     )

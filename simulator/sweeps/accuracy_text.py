@@ -32,13 +32,13 @@ def accuracy_text(
 ) -> str:
     """The line that explains an accuracy.
 
-    features: what was evaluated. scored: which sweeps, such as "outside the training". scene: name
-    or path, for the command that computes the bound. noisy: True if a real or simulated meter read
-    the sweeps.
+    features: what was evaluated. scored: which sweeps, such as "sweeps outside the training".
+    scene: name or path, for the command that computes the bound. noisy: True if a real or
+    simulated meter read the sweeps.
     """
     found = FOUND.get(target, f"{target} was found")
     return (
-        f"accuracy means: share of sweeps, {scored}, whose {found}, from {features}, "
+        f"accuracy means: share of the {scored} whose {found}, from {features}, "
         f"{NOISE if noisy else NOISE_FREE}; rcskin limits {scene} computes the bound for a known "
         "skin"
     )

@@ -65,9 +65,9 @@ def summary(findings: GapFindings) -> list[str]:
     """The most important findings, one sentence each."""
     label, target = findings.trial.pair.label, findings.trial.options.target
     before = _largest(findings, BEFORE)
-    sentences = [f"Over the pressed pixels the mean {label.name} is {before} from the simulation."]
+    sentences = [f"Distance of the mean {label.name} from the simulation, pressed: {before}."]
     if AFTER in findings.stages:
-        sentences.append(f"After calibration it is {_largest(findings, AFTER)}.")
+        sentences.append(f"Distance after calibration: {_largest(findings, AFTER)}.")
     if findings.model:
         rates = findings.model.score.rates()
         sentences.append(

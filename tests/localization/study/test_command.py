@@ -33,7 +33,7 @@ def test_two_axes_make_a_table_a_map_and_an_answer_for_each_second_value(run, tm
     assert (code, err) == (0, "")
     *answers, meaning, spaced, end = out.splitlines()
     assert meaning == (
-        "accuracy means: share of sweeps, of skins outside the training, whose column was found, "
+        "accuracy means: share of the sweeps of skins outside the training whose column was found, "
         "from changes from the unpressed skin, with the meter's noise; rcskin limits strip-1x3 "
         "computes the bound for a known skin"
     )
