@@ -108,9 +108,9 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
     for target in ("touches", "pair", "position"):
         asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / "m.skops")
         code, out, _ = run("train", tmp_path / "three.nc", *asked)
-        assert (
-            code == 0 and f"{7 if target == 'position' else 1} without a {target} left out" in out
-        )
+        named = "count of touches" if target == "touches" else target
+        number = 7 if target == "position" else 1
+        assert code == 0 and f"{number} without a {named} left out" in out
 
 
 def test_answers_at_a_rate_are_told_with_confidence_and_coverage(run, make_sweeps, tmp_path):

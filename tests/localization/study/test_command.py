@@ -81,7 +81,7 @@ def test_a_grid_is_logarithmic_unless_asked_otherwise(run, tmp_path):
     )
     assert out.splitlines()[-2] == "press.factor_spread: 3 values from 0.1 to 0.4, logarithmic"
     told = " ".join(run("study", "--help")[1].replace("│", " ").split())
-    assert "spaced logarithmically unless :linear is said" in told
+    assert "spaced logarithmically unless :linear is given" in told
 
 
 @pytest.mark.usefixtures("unlearned")
