@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import product
 
 REAL = "re real realpart r"
@@ -20,7 +21,7 @@ def _forms(letters: str, parts: str) -> list[str]:
     ]
 
 
-NAMES: dict[str, list[str]] = {
+NAMES: dict[str, Sequence[str]] = {
     "frequency": [
         *"f freq frequency frequencies frequenz fréquence frecuencia frequenza".split(),
         *"周波数 频率 測定周波数 omega ω angularfrequency".split(),

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..impedance import UNRELATED, parallel_capacitance
+from ..impedance import parallel_capacitance
+from .agreement import agreeing_columns, all_zeros, refuse
 from .columns import ANGLES, UNITS, Column
 from .failures import failure_reasons, status_reasons
-from .quantities import PAIRS, Reals, derived, deviation, impedance_of
+from .quantities import PAIRS, Reals, impedance_of
 from .table import ImportedTable
 
 DIGITS = 12
 """Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
-SAME_COLUMN = 0.01
-"""Largest relative difference between two columns of frequencies."""
 ROUNDING = 1.01
 """Factor by which a phase may exceed 180 degrees."""
 
@@ -62,7 +60,7 @@ def impedance_readings(table: ImportedTable) -> ImportedReadings:
     idle = [reason or ("" if np.isfinite(each) else f"`{by.name}` is no reading")
             for reason, each in zip(idle, f, strict=True)]  # fmt: skip
     table, f = table.without(idle), f[[not reason for reason in idle]]
-    _refuse(table, f <= 0, f"the frequency must be > 0 Hz (`{by.name}`)")
+    refuse(table, f <= 0, f"the frequency must be > 0 Hz (`{by.name}`)")
     first, second = (table.numbers(column) for column in pair)
     status = status_reasons(table)
     failing = failure_reasons(table, {pair[0].name: first, pair[1].name: second})
@@ -72,21 +70,15 @@ def impedance_readings(table: ImportedTable) -> ImportedReadings:
     first, second = first[good], second[good]
     _check_numbers(checked, pair, first, second)
     Z = _impedance(checked, pair, first, second, f[good])
-    _refuse(checked, Z == 0, "Z is 0 ohm, which no reading is")
-    _refuse(checked, ~np.isfinite(Z), "Z is infinite, which no reading is")
-    compared = _compare(checked, pair, by, Z, f[good])
+    refuse(checked, Z == 0, "Z is 0 ohm, which no reading is")
+    refuse(checked, ~np.isfinite(Z), "Z is infinite, which no reading is")
+    compared = agreeing_columns(checked, pair, by, Z, f[good])
     filled = np.full(len(f), np.nan, dtype=np.complex128)
     filled[good] = Z
     Cp = np.full(len(f), np.nan)
     Cp[good] = _capacitance(checked, pair, compared, Z, f[good])
-    whole = _with_left_out(table, checked)
+    whole = replace(table, left_out=checked.left_out)
     return ImportedReadings(whole, f, filled, Cp, by, pair, compared, ~good)
-
-
-def _with_left_out(table: ImportedTable, checked: ImportedTable) -> ImportedTable:
-    from dataclasses import replace
-
-    return replace(table, left_out=checked.left_out)
 
 
 def _frequencies(table: ImportedTable, column: Column) -> Reals:
@@ -105,7 +97,7 @@ def _pair(table: ImportedTable) -> tuple[Column, Column]:
             continue
         first, second = found[0][0], found[1][0]
         problems = first.problem or second.problem
-        if not problems and not (_zeros(table, first) or _zeros(table, second)):
+        if not problems and not (all_zeros(table, first) or all_zeros(table, second)):
             return first, second
         problem = problem or problems
     if problem:
@@ -129,25 +121,18 @@ def _not_understood(table: ImportedTable) -> str:
     return f", not {', '.join(others)}" if others else ""
 
 
-def _zeros(table: ImportedTable, column: Column) -> bool:
-    """True if all cells are written as 0."""
-    return all(
-        text and not text.lower().split("e")[0].strip("+-0.,") for text in table.text(column)
-    )
-
-
 def _check_numbers(
     table: ImportedTable, pair: tuple[Column, Column], first: Reals, second: Reals
 ) -> None:
     for column, values in zip(pair, (first, second), strict=True):
         kind = {"magnitude": "|Z|", "admittance": "|Y|"}.get(column.holds)
         if kind is not None:
-            _refuse(table, values < 0, f"{kind} must be >= 0 (`{column.name}`)")
+            refuse(table, values < 0, f"{kind} must be >= 0 (`{column.name}`)")
         if column.holds in ("Cs", "Lp", "Rp", "Q"):
-            _refuse(table, values == 0, f"{column.holds} must not be 0 (`{column.name}`)")
+            refuse(table, values == 0, f"{column.holds} must not be 0 (`{column.name}`)")
         if column.holds in ANGLES:
             beyond = np.abs(values) > np.pi * ROUNDING
-            _refuse(
+            refuse(
                 table,
                 beyond,
                 f"the phase `{column.name}` is beyond 180 degrees; is its unit right?",
@@ -169,99 +154,6 @@ def _impedance(
         raise
 
 
-def _compare(
-    table: ImportedTable,
-    pair: tuple[Column, Column],
-    by: Column,
-    Z: NDArray[np.complex128],
-    f: Reals,
-) -> list[Column]:
-    """The other columns that depend on frequency and Z, all of which agree.
-
-    Raises InputError naming the columns and the first line where one does not. Columns of zeros,
-    of unknown units and cells without a number are not compared.
-    """
-    agreeing = []
-    branches = (pair[0].holds, pair[1].holds) == ("Rs", "Cp")
-    for column in table.columns:
-        used = column in (by, *pair)
-        if column.holds not in UNITS or column.problem or used or _zeros(table, column):
-            continue
-        values = table.readable(column)
-        if column.holds == "frequency":
-            off = np.abs(values / f - 1) > SAME_COLUMN
-            _refuse(table, off, f"`{column.name}` is not the frequency `{by.name}`")
-        elif branches and column.holds != "Rs":
-            continue
-        elif not np.isfinite(values).any():
-            continue
-        else:
-            holds = _holds_beside(table, column)
-            _check_agreement(table, column, holds, pair, values, Z, f)
-        agreeing.append(column)
-    return agreeing
-
-
-def _holds_beside(table: ImportedTable, column: Column) -> str:
-    """What a column holds; a phase beside |Y| alone is that of Y."""
-    alone = table.holding("admittance") and not table.holding("magnitude")
-    named = re.search(r"z|imp", column.name, re.IGNORECASE)
-    impedances = table.holding("Rs") or table.holding("X")
-    if column.holds == "phase" and alone and not named and not impedances:
-        return "admittance phase"
-    return column.holds
-
-
-def _check_agreement(
-    table: ImportedTable,
-    column: Column,
-    holds: str,
-    pair: tuple[Column, Column],
-    values: Reals,
-    Z: NDArray[np.complex128],
-    f: Reals,
-) -> None:
-    known = np.isfinite(values)
-    if holds in ("Cs", "Lp", "Rp", "Q"):
-        known &= values != 0
-    suspect = np.flatnonzero(known)
-    suspect = suspect[deviation(holds, values[suspect], Z[suspect], f[suspect]) > UNRELATED]
-    texts = table.text(column)
-    for place in suspect:
-        rounding = abs(column.factor) * _last_digit(table.form.plain(texts[place]) or "0") / 2
-        one = slice(place, place + 1)
-        off = deviation(holds, values[one], Z[one], f[one], rounding).item()
-        if off > UNRELATED:
-            given = derived(holds, Z[one], f[one]).item() / column.factor
-            hint = _hint(values[place] / column.factor, given)
-            raise table.error(
-                table.rows[place][0],
-                f"`{column.name}` does not follow from `{pair[0].name}` and `{pair[1].name}`: it "
-                f"is {texts[place]} where they give {given:.6g}{hint}; correct it, leave the "
-                "column out, or name the columns with --columns",
-            )
-
-
-def _hint(value: float, given: float) -> str:
-    """The likely cause of a difference: the sign or a unit."""
-    if not given:
-        return ""
-    ratio = value / given
-    if abs(ratio + 1) < UNRELATED:
-        return " (the opposite sign)"
-    power = np.log10(abs(ratio)) if ratio else 0.0
-    if abs(power) > 1 and abs(power - round(power)) < 0.02:
-        return f" (1e{round(power):d} times as much: is its unit right?)"
-    return ""
-
-
-def _last_digit(plain: str) -> float:
-    """The value of one in the last digit of a plain number."""
-    mantissa, _, exponent = plain.lower().partition("e")
-    decimals = len(mantissa.partition(".")[2])
-    return 10.0 ** (int(exponent or 0) - decimals)
-
-
 def _capacitance(
     table: ImportedTable,
     pair: tuple[Column, Column],
@@ -276,8 +168,3 @@ def _capacitance(
             values = table.readable(column)
             return np.where(np.isfinite(values), values, found)
     return found
-
-
-def _refuse(table: ImportedTable, wrong: NDArray[np.bool_], message: str) -> None:
-    if wrong.any():
-        raise table.error(table.rows[int(np.argmax(wrong))][0], message)

@@ -81,7 +81,7 @@ def impedance_of(pair: tuple[str, str], first: Reals, second: Reals, frequency: 
     Raises InputError if Rs and Cp have no solution.
     """
     if pair == ("Rs", "Cp"):
-        return first + 1j * branch_reactance(first, second, frequency)
+        return np.asarray(first + 1j * branch_reactance(first, second, frequency))
     one, a = basic(pair[0], first, frequency)
     two, b = basic(pair[1], second, frequency)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -91,7 +91,8 @@ def impedance_of(pair: tuple[str, str], first: Reals, second: Reals, frequency: 
         if one in ("magnitude", "admittance"):
             a, b = a * np.cos(b), a * np.sin(b)
         direct = one in ("Rs", "magnitude")
-        return a + 1j * b if direct else np.conj(a + 1j * b) / (a**2 + b**2)
+        found = a + 1j * b if direct else np.conj(a + 1j * b) / (a**2 + b**2)
+        return np.asarray(found, dtype=np.complex128)
 
 
 def deviation(

@@ -3,84 +3,32 @@
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InputError
-from .columns import MAY_BE_FREQUENCY, UNITS, Column, recognised, spelled
-from .number_format import NUMBERISH, number_like
+from .header import (
+    DIGITS_ONLY,
+    Scan,
+    count_numbers,
+    has_number,
+    header_readings,
+    misfit_text,
+    recognised_all,
+    unit_row,
+)
+from .no_table import listed, no_table
+from .number_format import number_like
 from .text_lines import (
     ALL_SEPARATORS,
     SEPARATORS,
     SPACE,
     WIDE,
     Lines,
-    header_cells,
     is_comment,
     line_cells,
     trimmed,
 )
-
-MAX_SHOWN = 40
-"""Number of characters shown of a line."""
-
-DIGITS_ONLY = re.compile(r"(?=.*\d)[\d\s.,;+\-eEdD'\"]+")
-"""A line of numbers, even if it cannot be split into them."""
-
-
-@dataclass
-class Scan:
-    """A header and what was found below it.
-
-    line: number of the header's line; 0 for names that the user gave. readings: the ways to split
-    the header. commented: the header is a comment. header, names: cells of the header without and
-    with the units of a line of its own, `units`. names, columns, separator: known from the first
-    line of readings on. rows: number and cells. left_out: number and text of lines that are no
-    readings. misfit: describes a line of numbers above them with other cells. foreign: number of
-    a line that may name other columns. fresh: no reading stands below the header yet.
-    ended: text stands below readings.
-    """
-
-    line: int
-    readings: list[list[str]]
-    commented: bool = False
-    header: list[str] = field(default_factory=list)
-    units: list[str] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)
-    columns: list[Column] = field(default_factory=list)
-    separator: str = ""
-    rows: list[tuple[int, list[str]]] = field(default_factory=list)
-    left_out: list[tuple[int, str]] = field(default_factory=list)
-    misfit: str = ""
-    foreign: int = 0
-    fresh: bool = True
-    ended: bool = False
-
-
-def recognised_all(names: list[str]) -> list[Column]:
-    """The recognized columns of a header."""
-    found = (recognised(name, place) for place, name in enumerate(names))
-    return [column for column in found if column is not None]
-
-
-def is_header(columns: list[Column]) -> bool:
-    """True if columns hold a frequency and another quantity."""
-    known = {column.holds for column in columns}
-    return "frequency" in known and bool(known & (UNITS.keys() - {"frequency"}))
-
-
-def header_readings(text: str) -> list[list[str]]:
-    """The distinct ways to split a line into names of a table; empty if it is no header."""
-    found: list[list[str]] = []
-    if not MAY_BE_FREQUENCY.search(spelled(text)):
-        return found
-    for separator in ALL_SEPARATORS:
-        names = header_cells(text, separator)
-        if names not in found and is_header(recognised_all(names)):
-            found.append(names)
-    return found
 
 
 def scanned(path: Path, lines: Lines, given: list[str] | None) -> tuple[Scan, str]:
@@ -134,65 +82,19 @@ def _open(scans: list[Scan], new: Scan) -> None:
 def _only(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> tuple[Scan, str]:
     filled = [scan for scan in scans if scan.rows]
     if not filled:
-        raise _no_table(path, lines, scans, given)
+        raise no_table(path, lines, scans, given)
     first, *others = filled
     for other in others:
         if other.columns != first.columns:
             raise InputError(
                 f"{path}: line {first.line} and line {other.line} both begin tables, with columns "
-                f"{_listed(first.names)} and {_listed(other.names)}; import one file for each"
+                f"{listed(first.names)} and {listed(other.names)}; import one file for each"
             )
         first.rows += other.rows
         first.left_out += other.left_out
     top = first.line if first.line else first.rows[0][0]
     above = [text for number, text in lines if number < top]
     return first, "\n".join(above)
-
-
-def _no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> InputError:
-    misfits = [scan for scan in scans if scan.misfit]
-    if misfits:
-        return InputError(f"{path}: {misfits[0].misfit}")
-    if given is not None:
-        return InputError(f"{path}: no line has {len(given)} numbers, as many as --columns names")
-    if scans:
-        scan = scans[-1]
-        return InputError(
-            f"{path}: no line of readings below the header in line {scan.line}, whose columns are "
-            f"{_listed(scan.readings[0])}"
-        )
-    return InputError(
-        f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "
-        f"impedance beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
-        f"{_seen(lines)}; --columns f,Rs,X names columns"
-    )
-
-
-def _seen(lines: Lines) -> str:
-    """The cells of the line above the first line of numbers, as the header that may be meant."""
-    above: tuple[int, str] | None = None
-    for number, text in lines:
-        for separator in ALL_SEPARATORS:
-            try:
-                cells = trimmed(line_cells(text, separator))
-            except csv.Error:
-                continue
-            if len(cells) > 2 and all(map(number_like, cells)):
-                if above is None:
-                    return f"; line {number} has {len(cells)} numbers and no names above it"
-                names = trimmed(header_cells(above[1], separator))
-                if len(names) < 2:
-                    names = trimmed(header_cells(above[1], " "))
-                return f"; line {above[0]} has {_listed(names)}"
-        if text.strip():
-            above = number, text
-    return ""
-
-
-def _listed(names: list[str]) -> str:
-    shown = [name for name in names if name]
-    more = f" and {len(shown) - 30} more" if len(shown) > 30 else ""
-    return ", ".join(f"`{name[:MAX_SHOWN]}`" for name in shown[:30]) + more
 
 
 def _add(path: Path, scan: Scan, number: int, text: str) -> bool:
@@ -209,7 +111,7 @@ def _add(path: Path, scan: Scan, number: int, text: str) -> bool:
     if cells == scan.header or cells == scan.units or not any(cells):
         scan.fresh, scan.foreign = scan.fresh or any(cells), 0
         return True
-    if len(cells) != len(scan.names) or not _has_number(scan.columns, cells):
+    if len(cells) != len(scan.names) or not has_number(scan.columns, cells):
         return False
     if scan.foreign:
         raise InputError(
@@ -227,7 +129,7 @@ def _is_reading_in_comment(scan: Scan, number: int, text: str) -> bool:
         cells = trimmed(line_cells(text, scan.separator), len(scan.names))
     except csv.Error:
         return False
-    found = len(cells) == len(scan.names) and _has_number(scan.columns, cells)
+    found = len(cells) == len(scan.names) and has_number(scan.columns, cells)
     if found:
         scan.left_out.append((number, text.strip()))
     return found
@@ -239,14 +141,14 @@ def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
     for names, separator, cells in _splits(scan, text):
         if len(cells) != len(names):
             continue
-        if not scan.units and (with_units := _unit_row(names, cells)):
+        if not scan.units and (with_units := unit_row(names, cells)):
             scan.header, scan.units, scan.readings = names, cells, [with_units]
             return True
-        if not is_comment(text, separator) and _has_number(recognised_all(names), cells):
+        if not is_comment(text, separator) and has_number(recognised_all(names), cells):
             found.append((names, separator, cells))
-    found.sort(key=lambda each: -_numbers(each[0], each[2]))
+    found.sort(key=lambda each: -count_numbers(each[0], each[2]))
     if not found:
-        scan.misfit = scan.misfit or _misfit(scan, number, text)
+        scan.misfit = scan.misfit or misfit_text(scan, number, text)
         if scan.line and not is_comment(text) and not header_readings(text):
             scan.left_out.append((number, text.strip()))
         return False
@@ -281,43 +183,13 @@ def _check_unambiguous(
 
     names, separator, cells = found[0]
     for other_names, other, other_cells in found[1:]:
-        as_good = _numbers(names, cells) == _numbers(other_names, other_cells)
+        as_good = count_numbers(names, cells) == count_numbers(other_names, other_cells)
         if as_good and quantities(names, cells) != quantities(other_names, other_cells):
             kinds = {**SEPARATORS, WIDE: "wide space", SPACE: "space"}
             raise InputError(
                 f"{path}: line {number}: can be split at each {kinds[separator]} or at each "
                 f"{kinds[other]}, which gives other readings"
             )
-
-
-def _numbers(names: list[str], cells: list[str]) -> int:
-    """How many cells of quantities are numbers."""
-    columns = recognised_all(names)
-    return sum(number_like(cells[each.place]) for each in columns if each.holds in UNITS)
-
-
-def _has_number(columns: list[Column], cells: list[str]) -> bool:
-    return any(number_like(cells[each.place]) for each in columns if each.holds in UNITS)
-
-
-def _misfit(scan: Scan, number: int, text: str) -> str:
-    """Describes a line of numbers with another number of cells than the header."""
-    if is_comment(text):
-        return ""
-    counts = []
-    for separator in ALL_SEPARATORS:
-        try:
-            cells = trimmed(line_cells(text, separator))
-        except csv.Error as error:
-            return f"line {number}: cannot be split into cells: {error}"
-        if all(number_like(cell) for cell in cells if cell):
-            counts.append(len(cells))
-    if not counts and DIGITS_ONLY.fullmatch(text):
-        counts = [len(text.split())]
-    if not counts:
-        return ""
-    head = f"the header in line {scan.line} has" if scan.line else "--columns names"
-    return f"line {number}: has {max(counts)} cells where {head} {len(scan.readings[0])}"
 
 
 def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
@@ -339,13 +211,3 @@ def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
         scan.foreign = number
     scan.ended = True
     scan.left_out.append((number, text.strip()))
-
-
-def _unit_row(names: list[str], cells: list[str]) -> list[str]:
-    """The names extended by a line of units; empty if the line holds no units."""
-    if any(NUMBERISH.fullmatch(cell) for cell in cells):
-        return []
-    pairs = zip(names, cells, strict=True)
-    with_units = [f"{name} [{unit}]" if unit else name for name, unit in pairs]
-    usable = {column.holds for column in recognised_all(with_units) if not column.problem}
-    return with_units if "frequency" in usable and len(usable) > 1 else []

@@ -57,7 +57,8 @@ def _touchstone(path: Path) -> Lines:
         network = skrf.Network(str(path))
         f, s, z0 = network.f, network.s, network.z0[:, 0]
         ports = s.shape[1]
-        Z = network.z[:, 0, 0] if ports == 1 else _between_ports(path, s, z0)
+        found = network.z[:, 0, 0] if ports == 1 else _between_ports(path, s, z0)
+        Z = np.asarray(found, dtype=np.complex128)
     except InputError:
         raise
     except Exception as error:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .columns import Column
+from .header import MAX_SHOWN
 from .number_format import POINT, NumberFormat, failed, possible_formats
-from .scanning import MAX_SHOWN, first_header, scanned
+from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines
 from .written_layouts import rewritten
