@@ -1,1 +1,1 @@
-"""Public functions of `import rcskin`: they check their arguments and import what they need."""
+"""Public functions of `import rcskin`, with checks of their arguments."""

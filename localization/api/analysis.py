@@ -115,7 +115,7 @@ def calibrate(
     robust: bool | None = None,
     anyway: bool = False,
 ) -> Calibration:
-    """Fit the scene to measured sweeps, with an estimate and its uncertainty for each parameter.
+    """Fit the parameters of a scene to measured sweeps, with their uncertainties.
 
     scene: the scene, its name or its path. sweeps: the sweeps or the path of their file. fit: names
     of parameters to fit, by default all. fix: names of parameters that keep the scene's values, or

@@ -89,7 +89,9 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
 def dataset(
     scene: Scene | str | Path, sweeps: int = 2000, *, seed: int = 1, rtol: float = 1e-4
 ) -> xr.Dataset:
-    """Simulate sweeps of random skins and presses, with the meter's noise, to train or test on.
+    """Simulate sweeps of random skins and presses, with the meter's noise.
+
+    They serve to train and to test models.
 
     scene: the scene, its name or its path, see `load`; its tables `dataset.press` and
     `dataset.session` define the distributions. sweeps: number of sweeps, all in memory. seed: seed

@@ -25,11 +25,11 @@ LETTER = 0.62
 
 
 def draw_confusion(axes: Axes, confusion: Confusion) -> None:
-    """Draw counts and percent of all sweeps, output class downwards, target class to the right.
+    """Draw counts and percent of all sweeps as a matrix.
 
-    The colour of a cell shows its share of the target class; cells with zero are empty; the
-    percentage is left out if it does not fit. The title shows the accuracy. This is the layout of
-    MATLAB's `plotconfusion`.
+    The output class runs downwards, the target class to the right. The colour of a cell shows its
+    share of the target class; cells with zero are empty; the percentage is left out if it does not
+    fit. The title shows the accuracy. This is the layout of MATLAB's `plotconfusion`.
     """
     axes.grid(False)
     classes = np.arange(len(confusion.labels))

@@ -63,7 +63,7 @@ def draw_reliability(
 
 
 def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
-    """Draw the share of wrong answers against the share answered, the most probable ones first.
+    """Draw the share of wrong answers against the share answered, most probable first.
 
     The dashed curve follows from the stated probabilities. Arguments: see `draw_reliability`.
     Source: Y. Geifman, R. El-Yaniv, Advances in Neural Information Processing Systems 30 (2017).
@@ -82,7 +82,7 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
 def risk(
     probability: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Shares answered, wrong, and expected to be wrong, with each probability as the threshold."""
+    """Shares answered, wrong, and expected to be wrong, for each probability threshold."""
     order = np.argsort(-probability, kind="stable")
     last_of_ties = np.append(np.diff(probability[order]) != 0, True)
     count = np.arange(1, order.size + 1)

@@ -1,4 +1,4 @@
-"""Adaptive sweeps: each reading is chosen by the previous ones, until the answer is certain."""
+"""Adaptive sweeps: the previous readings choose the next one, until the answer is certain."""
 
 from __future__ import annotations
 

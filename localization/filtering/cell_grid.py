@@ -96,10 +96,10 @@ def cell_grid_of(model: Model) -> CellGrid:
 def _interval_moments(
     mean: NDArray[np.float64], deviation: NDArray[np.float64], edges: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Shares of a normal distribution between edges, its mean and variance there, (sweep, part).
+    """Shares of a normal distribution between edges, and its mean and variance there.
 
-    Source: N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous Univariate Distributions 1 (1994),
-    10.1.
+    Each has shape (sweep, part). Source: N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous
+    Univariate Distributions 1 (1994), 10.1.
     """
     deviation = np.maximum(deviation, 1e-3)[:, None]
     at = (edges - mean[:, None]) / deviation

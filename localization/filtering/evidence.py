@@ -1,4 +1,4 @@
-"""Evidence of each sweep for the states of a chain, also of its early and late readings separately.
+"""Evidence of each sweep for the states of a chain, in parts where the state may change.
 
 A model that inverts the simulator gives the likelihood of any part of a sweep. Any other model
 predicts a spliced sweep: the early readings with the late ones of the previous sweep. If that
@@ -35,7 +35,7 @@ class Observer:
     _before: NDArray[np.float64] | None = field(default=None, init=False)
 
     def forget(self) -> None:
-        """Start anew: the next sweep has no predecessor."""
+        """Forget all sweeps so far: the next one has no predecessor."""
         self._before = None
 
     def observe(

@@ -62,7 +62,7 @@ class Follower:
         self.belief = self._chain.start()
 
     def forget(self) -> None:
-        """Start anew: the next sweep is of another session, or much later."""
+        """Forget all sweeps so far: the next one is of another session, or much later."""
         self.belief = self._chain.start()
         self._observer.forget()
 

@@ -1,4 +1,4 @@
-"""Prepared comparison of both sides: versions of the simulated sweeps, samples, and splits.
+"""Prepared comparison of both sides: simulated sweeps by stage, samples, and splits.
 
 Parts that are not possible are left out, and a note says so.
 """

@@ -166,7 +166,7 @@ def _separation(sweeps: xr.Dataset, name: str, target: str) -> NDArray[np.float6
 
 
 def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
-    """Pairs of classes next to each other on the skin: k and k + 1, or pixels that share a side."""
+    """Pairs of adjacent classes: numbers k and k + 1, or pixels that share a side."""
     places = {tuple(map(int, str(each).split(","))): each for each in np.unique(classes).tolist()}
     pressed = {place: each for place, each in places.items() if all(place)}
     steps = np.eye(len(next(iter(places))), dtype=int)

@@ -179,7 +179,7 @@ def _one_of_each(sweeps: xr.Dataset) -> xr.Dataset:
 def _causes(
     trial: PreparedComparison, progress: ProgressCallback
 ) -> tuple[MisfitCauses | None, list[str]]:
-    """Causes of the gap, None without a scene; and notes on parameters that could not be tried."""
+    """Causes of the gap, None without a scene; and notes on untried parameters."""
     from ...simulator.calibration.misfit import gap_by_parameter
 
     if trial.pair.scene is None:

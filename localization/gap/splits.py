@@ -81,7 +81,7 @@ def _split(
 
 
 def _distant(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """`count` of the places, each as far as possible from the previous ones; the first is fixed."""
+    """The first of the places, and others, each as far as possible from the previous ones."""
     if not len(places) or not count:
         return places[:0]
     chosen = [0]

@@ -1,4 +1,4 @@
-"""Baselines: sweeps of the unpressed skin, to which other sweeps of the session are compared.
+"""Baselines: sweeps of the unpressed skin, from which changes are computed.
 
 A sweep is never part of its own baseline, whatever its label, and neither is a later sweep: in a
 lab only earlier measurements are known. All sweeps of a session are compared with the same number

@@ -1,4 +1,4 @@
-"""Places and strengths of a sweep's touches, from the data set's numbers or the press text."""
+"""Places and strengths of touches, from numbers of a data set or the text of a press."""
 
 from __future__ import annotations
 

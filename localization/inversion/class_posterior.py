@@ -1,4 +1,4 @@
-"""Posterior of the class, updated reading by reading, and the most informative next reading."""
+"""Posterior of the class, updated by each reading, and the information of the next one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A localizer without training: it inverts a simulator's tables for the most probable touches.
+"""A classifier without training: it inverts a simulator's tables by Bayes' rule.
 
 Each tabulated touch at each strength is a normal distribution of the meter's readings. Its spread
 comes from the meter's noise and the unknown parameters of the skin. Bayes' rule gives the

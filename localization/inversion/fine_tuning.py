@@ -1,4 +1,4 @@
-"""Fine-tuning by a few labelled touches: of the skin's parameters, or of the model's error.
+"""Fine-tuning of the skin's parameters or of the model's error by labelled touches.
 
 In both modes the probabilities of strengths follow the observed ones.
 """
@@ -44,7 +44,7 @@ def fine_tuned(
 def _with_fitted_skin(
     known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]
 ) -> Hypotheses:
-    """Update the normal unknowns z of the skin: each sweep is m + J t + A z, t its own strength."""
+    """Update the normal unknowns z of the skin; a sweep of strength t is m + J t + A z."""
     unknowns = known.skin.shape[-1]
     precision, pull = np.eye(unknowns), np.zeros(unknowns)
     for x, e in zip(X, entry, strict=True):

@@ -1,4 +1,4 @@
-"""Smooth interpolation of a simulator's table: the meter's response to a touch at any place."""
+"""Smooth interpolation of the meter's response to a touch at any place."""
 
 from __future__ import annotations
 

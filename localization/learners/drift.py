@@ -1,4 +1,4 @@
-"""Synthetic drift between a baseline and the touch after it, from the differences between skins.
+"""Synthetic drift between a baseline and a later touch, from the differences between skins.
 
 Simulated skins do not drift while they are pressed, but real ones do: foam gets stiffer and sheets
 conduct less. Drift has the few directions in which skins also differ, but is much smaller.

@@ -1,4 +1,4 @@
-"""Baseline of a drifting skin, from the opening baseline sweeps and the latest ones together.
+"""Baseline of a drifting skin, from the opening and the latest baseline sweeps.
 
 Few baseline sweeps come shortly before a touch, and their noise is in its change. A skin drifts
 along the few directions in which skins differ most: as a whole it gets stiffer, or conducts less.

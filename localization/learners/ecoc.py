@@ -1,4 +1,4 @@
-"""Error-correcting output codes: SVMs of all pairs of classes joined into one of K classes.
+"""Error-correcting output codes: SVMs of all pairs of classes form one classifier.
 
 A coding matrix M (class, learner) holds +1, -1 or 0: learner j is trained to separate the class of
 +1 from that of -1, without the classes of 0. A new sample goes to the class whose row of M agrees

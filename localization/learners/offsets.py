@@ -1,4 +1,4 @@
-"""Correction of a trained classifier by a few sweeps: one offset of the decisions per class."""
+"""Correction of a trained classifier by a few sweeps: one offset per class."""
 
 from __future__ import annotations
 

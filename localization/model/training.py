@@ -67,7 +67,7 @@ def train(
 def _gate(
     sweeps: xr.Dataset, samples: Samples, rest: xr.Dataset | None, certain: float | None
 ) -> Model | None:
-    """Model of the number of touches from the same features; None if all sweeps have one number."""
+    """Model of the number of touches from these features; None if all sweeps have one number."""
     counted = sweeps.isel(sweep=has_target(sweeps, "touches"))
     if np.unique(labels(counted, "touches")).size < 2:
         return None

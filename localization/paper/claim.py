@@ -89,7 +89,7 @@ def same_proportion(right: int, total: int, confusion: Confusion) -> bool:
 
 
 def neighbour_errors(confusion: Confusion) -> tuple[int, int]:
-    """Number of wrong answers that name the class next to the right one, and of all wrong ones."""
+    """Number of wrong answers that name an adjacent class, and of all wrong answers."""
     counts = np.asarray(confusion.counts)
     wrong = counts.sum() - np.trace(counts)
     adjacent = np.trace(counts, offset=1) + np.trace(counts, offset=-1)

@@ -1,4 +1,4 @@
-"""The paper's figures, drawn from simulated sweeps, and further ones that it would have needed."""
+"""The paper's figures, drawn from simulated sweeps, and further ones."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ def unpressed_resistance(scene: Scene) -> float:
 
 
 def paper_frequencies(scene: Scene) -> NDArray[np.float64]:
-    """Eq 6 with the device's own R and C: f_i in Hz for the end of each pixel, shape (column,)."""
+    """f_i of Eq 6 in Hz for the end of each pixel, with the device's R and C, shape (column,)."""
     device, length = totals(scene), scene.skin.length
     ends = length * np.arange(1, scene.pixels.columns + 1) / scene.pixels.columns
     return interrogation_frequency(ends, device.R / length, device.C / length)

@@ -15,8 +15,8 @@ PAPER = (
     "Pressure Localization Scheme Using a Capacitive Soft Sensor Skin”"
 )
 ASSUMED = (
-    "The paper states neither the meter's noise nor how alike its presses were. The scenes assume "
-    "the noise that stands beside each number; the chart of accuracy against noise shows what that "
+    "The paper states neither the meter's noise nor how equal its presses were. The scenes assume "
+    "the noise that is given with each number; the chart of accuracy against noise shows what that "
     "choice does. Each experiment is one draw of six presses a pixel, as in the paper; the studies "
     f"are means of {DRAWS} draws of the noise."
 )
@@ -47,7 +47,7 @@ def _compared(claims: Sequence[Claim]) -> ReportSection:
     rules = Items([f"{rule}." for rule in RULES.values()], list(RULES))
     rows = [_row(claim) for claim in sorted(claims, key=lambda claim: claim.agrees)]
     grid = TableGrid(["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows)
-    return ReportSection("Every number of the paper beside ours", [introduction, rules, grid])
+    return ReportSection("Every number of the paper next to ours", [introduction, rules, grid])
 
 
 def _row(claim: Claim) -> list[str | Cell]:

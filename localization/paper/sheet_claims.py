@@ -122,7 +122,7 @@ def _ten_frequencies(study: xr.DataArray, noise: str) -> Claim:
         noise=noise,
         why="If the ten lay in the band that the 1-D model gave (1 to 12 kHz here), Cp alone falls "
         f"short about as reported; Rs brings them to {low_both:.0f} %. Ten frequencies spread over "
-        f"the whole band tell the columns from Cp alone ({spread_Cp:.0f} %): what helps is the "
+        f"the whole band separate the columns from Cp alone ({spread_Cp:.0f} %): what helps is the "
         "higher frequencies and Rs, not the number.",
     )
 
@@ -163,7 +163,7 @@ def _contacts(study: xr.DataArray, noise: str) -> Claim:
     return Claim(
         topic="Contact layout: foil along the left and bottom edges",
         source="figure 4(a), IV-D",
-        paper="columns told with > 90 % for n = 3 and 4",
+        paper="columns right with > 90 % for n = 3 and 4",
         ours=f"n = 3, 4, 5: {listed(crossed.values, '.0f')} % with one sheet fed at each of the "
         f"two edges, as drawn; {listed(same.values, '.0f')} % with both fed at the left edge",
         agrees=bool((crossed.sel(n=[3, 4]) > ENOUGH).all()),
@@ -181,7 +181,7 @@ def _rows(sheet: SimulatedExperiment) -> Claim:
     contrast = [100 * row_contrast(scene) for scene in (sheet.scene, floating)]
     noise = 100 * sheet.scene.readout.magnitude_noise
     return Claim(
-        topic="Rows can be told from one interface, less well than columns",
+        topic="Rows can be distinguished from one interface, less well than columns",
         source="V",
         paper="preliminary result",
         ours=f"rows 1 and 5 of column 3 differ by {contrast[0]:.1f} % of |Z| with foils on one "

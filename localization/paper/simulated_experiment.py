@@ -1,4 +1,4 @@
-"""Simulation of the paper's six experiments: every press is solved, then read by the meter."""
+"""Simulation of the paper's six experiments, as the meter reads them."""
 
 from __future__ import annotations
 

@@ -57,8 +57,8 @@ def _equal_at_low_frequency(strip: SimulatedExperiment) -> Claim:
         rule="number",
         why=f"Cp(0) is the total capacitance. At the lowest interrogation frequency, "
         f"{strip.scene.frequencies[0]:.0f} Hz, it is {listed(at_lowest, '+.1f')} % already. And Rs "
-        f"tells the pixel even at zero frequency: {R[0]:.4f} Mohm at rest, {listed(R[1:], '.4f')} "
-        "Mohm with pixel 1 to 5 pressed.",
+        f"depends on the pixel even at zero frequency: {R[0]:.4f} Mohm unpressed, "
+        f"{listed(R[1:], '.4f')} Mohm with pixel 1 to 5 pressed.",
     )
 
 
@@ -118,7 +118,7 @@ def _enough_frequencies(fewest: xr.DataArray, noise: str) -> Claim:
         rule="comparison",
         noise=noise,
         why="Two numbers, Rs and Cp, come with every frequency, and no pixel is ever out of sight: "
-        "few frequencies already tell most pixels, further ones average the noise and separate "
+        "few frequencies already separate most pixels, further ones average the noise and separate "
         "the strength of a press from its place.",
     )
 
@@ -151,7 +151,7 @@ def _confused_pixels(pooled: NDArray[np.int64], noise: str) -> Claim:
         agrees=bool(both_ways.max() > 0 and (first, second) == (3, 4)),
         rule="comparison",
         noise=noise,
-        why="Pixels 4 and 5 have the closest curves of Cp, but Rs tells them apart at this noise. "
+        why="Pixels 4 and 5 have the closest curves of Cp, but Rs separates them at this noise. "
         "What goes wrong here is a press much weaker or stronger than the others, taken for its "
         "neighbour's; a meter noisier in Rs would confuse 4 and 5.",
     )

@@ -1,4 +1,4 @@
-"""Execution of a study, from its axes to its table of findings, on any number of processes."""
+"""Execution of a study on any number of processes, from its axes to its findings."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def scenes_of(
 
 
 def warnings_of(scenes: Sequence[Scene]) -> list[str]:
-    """Number of points that drive floating foils, or leave the model's range, and the first one."""
+    """Warnings of points that drive floating foils, or leave the model's range; one a kind."""
     of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
     messages = [[found[0] for found in each if found] for each in of_points]
     return [
@@ -67,7 +67,7 @@ def warnings_of(scenes: Sequence[Scene]) -> list[str]:
 
 
 def fitting_rtol(scenes: Sequence[Scene]) -> float:
-    """A tolerance that keeps errors of the simulation well below the least noise of the meters."""
+    """A tolerance that keeps errors of the simulation well below the noise of all meters."""
     noises = (
         noise
         for scene in scenes

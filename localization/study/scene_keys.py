@@ -80,7 +80,7 @@ def find_key(name: str, table: Mapping[str, Any]) -> Key:
 
 
 def with_values(table: Mapping[str, Any], values: Mapping[Key, float]) -> Scene:
-    """The scene with these keys changed, validated anew; raises InputError that names them."""
+    """The scene with these keys changed, validated again; raises InputError that names them."""
     changed: Any = copy.deepcopy(table)
     for key, value in values.items():
         for place in key.places:

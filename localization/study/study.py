@@ -66,7 +66,7 @@ class Study(Tabular):
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """The points of a study before they are computed: checked scenes and settings of the score."""
+    """Points of a study before they are computed: checked scenes, and settings of the score."""
 
     table: Mapping[str, Any]
     axes: tuple[Axis, ...]

@@ -52,8 +52,9 @@ def folds_of(
 def splits_of(
     strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
 ) -> Splits:
-    """Split into as many folds as possible, at most `folds`; by session if there are MIN_SESSIONS.
+    """Split into as many folds as possible, at most `folds`.
 
+    Whole sessions are held out if there are MIN_SESSIONS or more.
     strata: labels that every fold has in similar shares, shape (sweep,); None does not stratify.
     Raises InputError if two folds are not possible.
     """
@@ -139,7 +140,7 @@ def _split(y: NDArray, groups: NDArray[np.int64] | None, folds: int, seed: int) 
 
 
 def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Group number of each sweep: one per pressed pixel, and one per unpressed sweep; (sweep,)."""
+    """Group of each sweep: one for each pressed pixel, one for each unpressed sweep, (sweep,)."""
     pixels, number = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
     unpressed = np.flatnonzero(row == 0)
     number[unpressed] = pixels.shape[1] + np.arange(unpressed.size)

@@ -1,4 +1,4 @@
-"""Guard against sweeps of a kind of press that is not in the training, such as two touches.
+"""Guard against kinds of press that are not in the training, such as two touches.
 
 Sweeps of one touch at one place spread little: by strength, by noise and by differences between
 skins. A second touch leads out of that spread, but not out of the range of all single touches. A

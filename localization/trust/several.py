@@ -1,4 +1,4 @@
-"""Guard of a single-touch localizer against several touches, trained on sweeps of several touches.
+"""Guard of a localizer of single touches, trained on sweeps of several touches.
 
 If the strength of a touch varies, two weak touches resemble one touch. An SVM learns to separate
 them from sweeps of both. It uses changes from the baseline: sweeps as read differ more between

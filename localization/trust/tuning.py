@@ -16,7 +16,9 @@ from .folds import splits_of
 
 
 def trainer(estimator: Estimator, *, tune: bool) -> Callable[[Samples], Pipeline]:
-    """A function that trains the localizer on samples. tune: also tunes its parameters on them.
+    """Returns a function that trains the localizer on samples.
+
+    tune: True also tunes its parameters on them.
 
     The function raises InputError if there are no two folds to tune on.
     """

@@ -91,8 +91,8 @@ def _belief_chart(findings: GapFindings) -> list[Chart]:
 def _distribution_chart(findings: GapFindings) -> list[Chart]:
     caption = (
         "Distance between the distributions of each feature: energy coefficient (0: equal, 1: far "
-        "apart) and unbiased MMD². A star marks a distance that occurs with a chance below 5 % if "
-        "there is no gap."
+        "from each other) and unbiased MMD². A star marks a distance that occurs with a chance "
+        "below 5 % if there is no gap."
     )
     chart = Chart("distribution", caption, lambda path: draw_distributions(findings, path))
     return [chart] if all(findings.stages[BEFORE].discrepancies.values()) else []
