@@ -39,11 +39,11 @@ class Tables:
     def __init__(self):
         self.curves = []
 
-    def __call__(self, scene, target, presses, rest=None, averaged=1):
-        shade = 0.0 if rest is None else rest.mean()
-        if rest is not None:
+    def __call__(self, scene, target, presses, baseline=None, averaged=1):
+        shade = 0.0 if baseline is None else baseline.mean()
+        if baseline is not None:
             assert averaged == REST
-            self.curves.append(rest)
+            self.curves.append(baseline)
         common = {
             "deviation": np.full(NUMBERS, NOISE),
             "chances": np.array([0.1, 0.9, 0.0]),
