@@ -98,20 +98,20 @@ def as_text(scene, cells, rises):
 
 
 @pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
-def test_the_full_solver_agrees_within_what_is_told(scene, reduced, cells):
+def test_the_full_solver_agrees_within_the_estimate(scene, reduced, cells):
     """Single touches, two that do not feel each other, and two that meet."""
     random, own = np.random.default_rng(len(cells)), reduced.skin(None)
     cells, rises = np.array(cells), random.uniform(0.1, 2.9, len(cells))
     Z = own.sweep(cells, rises)
     truth = Solver(scene, CLOSELY).solve(parse_press(as_text(scene, cells, rises), DEEP)).Z
     off = relative_difference(Z, truth)
-    told = own.certificate(cells, rises) + reduced.mesh_error + 0.03 * RTOL
-    assert (off <= told + CLOSELY).all()
-    assert told.max() <= RTOL
+    estimated = own.certificate(cells, rises) + reduced.mesh_error + 0.03 * RTOL
+    assert (off <= estimated + CLOSELY).all()
+    assert estimated.max() <= RTOL
     assert reduced.family.coupled(cells) == (np.diff(cells) == 1).any()
 
 
-def test_presses_answer_alike_one_by_one_and_together(reduced):
+def test_presses_have_equal_results_one_by_one_and_together(reduced):
     own = reduced.skin(None)
     cells, rises = np.array([0, 1, 0, 1, 2]), np.array([0.5, 2.0, 1.0, 0.7, 1.5])
     batch = PressBatch(cells, rises, np.array([0, 1, 1, 3, 4, 5]))

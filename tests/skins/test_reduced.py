@@ -1,4 +1,4 @@
-"""Reduced models of skins that are not plain: as accurate as told, and the same from a file."""
+"""Reduced models of skins that are not uniform: as accurate as estimated, and equal from a file."""
 
 import numpy as np
 import pytest
@@ -45,16 +45,16 @@ def press_of(case, columns):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_the_full_solver_agrees_within_what_is_told(families, kinds, name):
+def test_the_full_solver_agrees_within_the_estimate(families, kinds, name):
     reduced, scene = families(name), kinds[name]
     own, solver = reduced.skin(None), Solver(scene, CLOSELY)
     for case in drawn(reduced, 2):
         Z = own.sweep(case.cells, case.rises)
         truth = solver.solve(press_of(case, scene.pixels.columns)).Z
         off = relative_difference(Z, truth)
-        told = own.certificate(case.cells, case.rises) + reduced.mesh_error + 0.03 * RTOL
-        assert (off <= told + CLOSELY).all()
-        assert told.max() <= RTOL
+        estimated = own.certificate(case.cells, case.rises) + reduced.mesh_error + 0.03 * RTOL
+        assert (off <= estimated + CLOSELY).all()
+        assert estimated.max() <= RTOL
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -95,7 +95,7 @@ def test_a_model_is_the_same_from_its_file(families, tmp_path, name):
 
 
 @pytest.mark.slow
-def test_slow_waves_of_the_sheets_are_maps_of_the_sheets(kinds):
+def test_cosine_modes_of_the_sheets_are_maps_of_the_sheets(kinds):
     """Conductance raised by a wave in a reduced model, and drawn as a map of resistance."""
     plain = kinds["hexagon"]
 

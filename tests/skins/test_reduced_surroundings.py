@@ -58,16 +58,16 @@ def families(scenes):
 
 
 @pytest.mark.parametrize("name", AROUND)
-def test_the_full_solver_agrees_within_what_is_told(families, scenes, name):
+def test_the_full_solver_agrees_within_the_estimate(families, scenes, name):
     scene, own = scenes[name], families[name].skin(None)
     solver = Solver(scene, CLOSELY)
     for text in PRESSES:
         press = press_on(scene, text)
         cells, rises = touched_cells(scene, press)
         off = relative_difference(own.sweep(cells, rises), solver.solve(press).Z)
-        told = own.certificate(cells, rises) + families[name].mesh_error + 0.03 * RTOL
-        assert (off <= told + CLOSELY).all()
-        assert told.max() <= RTOL
+        estimated = own.certificate(cells, rises) + families[name].mesh_error + 0.03 * RTOL
+        assert (off <= estimated + CLOSELY).all()
+        assert estimated.max() <= RTOL
 
 
 def test_bodies_and_rims_of_other_sizes_need_no_other_basis(families, scenes):
@@ -75,8 +75,8 @@ def test_bodies_and_rims_of_other_sizes_need_no_other_basis(families, scenes):
     variation = replace(nominal(scene), body=np.exp(0.2), rim=np.exp(-0.3))
     own = families["virtual earth"].skin(variation)
     truth = Solver(scene_with(scene, values), CLOSELY).solve(Press()).Z
-    told = own.certificate(*NOTHING).max() + families["virtual earth"].mesh_error
-    assert relative_difference(own.sweep(*NOTHING), truth).max() <= told + CLOSELY < 2 * RTOL
+    estimated = own.certificate(*NOTHING).max() + families["virtual earth"].mesh_error
+    assert relative_difference(own.sweep(*NOTHING), truth).max() <= estimated + CLOSELY < 2 * RTOL
 
 
 def test_a_model_comes_back_from_its_file_whole(families, tmp_path):
@@ -108,7 +108,7 @@ def forward(scenes):
 
 @pytest.mark.parametrize("cells", [[1], [1, 4], [2, 3, 6]], ids=str)
 def test_slopes_are_differences(forward, cells):
-    """Of rods, of a finger that does not press, and of both kinds of touches at once."""
+    """Slopes by rods, by a finger that does not press, and by both at once."""
     cells = np.array(cells)
     rises = np.where(cells < 4, 0.5, 3e-12)
     found = forward.respond(cells, rises, MOVED)
@@ -148,9 +148,9 @@ def test_fingers_press_by_depth(deep):
     own, press = reduce(deep, ROUGH).skin(None), press_on(deep, "1,1:0.5mm:1pF+1,2:1mm:5pF")
     cells, rises = touched_cells(deep, press)
     off = relative_difference(own.sweep(cells, rises), Solver(deep, RTOL).solve(press).Z)
-    told = own.certificate(cells, rises) + own.reduced.mesh_error
-    assert (off <= told + RTOL).all()
-    assert told.max() <= ROUGH
+    estimated = own.certificate(cells, rises) + own.reduced.mesh_error
+    assert (off <= estimated + RTOL).all()
+    assert estimated.max() <= ROUGH
     up, down = (1 / own.sweep(cells, rises + sign * 1e-14 * (cells > 1)) for sign in (1, -1))
     by_finger = sensitivity(own, cells, rises, own.s).by_finger
     assert by_finger == pytest.approx((up - down) / 2e-14, rel=1e-5)

@@ -69,12 +69,12 @@ def presses(scene, seed):
     for each in (alone, pair, far):
         strengths = random.uniform(0.6, 2.8, len(each)).round(2)
         hands = random.choice(["rod", "3pF"], len(each))
-        told = zip(each, strengths, hands, strict=True)
-        yield "+".join(f"{row},{column}:{factor}:{hand}" for (row, column), factor, hand in told)
+        touches = zip(each, strengths, hands, strict=True)
+        yield "+".join(f"{row},{column}:{factor}:{hand}" for (row, column), factor, hand in touches)
 
 
 @pytest.mark.parametrize("name", ["sheet", "hexagon", "mesh"])
-def test_the_full_solver_agrees_within_what_is_told(families, scenes, name):
+def test_the_full_solver_agrees_within_the_estimate(families, scenes, name):
     scene, own = scenes[name], families[name].skin(None)
     solver, straight = (
         Solver(each, CLOSELY) for each in (scene, scene.with_({"surroundings.edges": False}))
@@ -84,9 +84,9 @@ def test_the_full_solver_agrees_within_what_is_told(families, scenes, name):
         press = press_on(scene, text)
         touched = touched_cells(scene, press)
         truth = solver.solve(press).Z
-        told = own.certificate(*touched).max() + families[name].mesh_error + 0.03 * RTOL
-        assert relative_difference(own.sweep(*touched), truth).max() <= told + CLOSELY
-        assert told <= 2 * RTOL
+        estimated = own.certificate(*touched).max() + families[name].mesh_error + 0.03 * RTOL
+        assert relative_difference(own.sweep(*touched), truth).max() <= estimated + CLOSELY
+        assert estimated <= 2 * RTOL
         most = max(most, relative_difference(straight.solve(press).Z, truth).max())
     assert most > 2 * RTOL
 
@@ -126,7 +126,7 @@ MOVED = {"body": 0.1, "finger": 2e-12, "capacitance": 0.05}
 
 @pytest.mark.parametrize("cells", [[], [1], [1, 4], [0, 1, 2], [4, 7]], ids=str)
 def test_slopes_are_differences(forward, cells):
-    """Of one pixel, of neighbours that differ, and with a finger beside a press."""
+    """Slopes by one pixel, by neighbours that differ, and with a finger next to a press."""
     cells = np.array(cells, dtype=np.int64)
     rises = np.where(cells < 6, 0.5 + 0.2 * np.arange(len(cells)), 3e-12)
     found = forward.respond(cells, rises, MOVED)
@@ -215,11 +215,11 @@ def test_sweeps_of_a_data_set_are_those_of_the_full_model(scenes, tmp_path):
 
 
 def test_random_skins_have_walls_of_their_own_foam(families, scenes):
-    """Of more capacitance at the same thickness: of more permittivity."""
+    """Skin with more capacitance at the same thickness: with more permittivity."""
     scene, reduced = scenes["mesh"], families["mesh"]
     foam = nominal(scene)
     foam.capacitance[:] = 1.2
-    foam = type(foam)(**{**vars(foam), "beside": 1.2})
+    foam = type(foam)(**{**vars(foam), "beyond_pixels": 1.2})
     press = press_on(scene, "1,1:2.2:rod+1,2:1.5:rod")
     truth = Solver(scene_with(scene, {"capacitance": np.log(1.2)}), CLOSELY).solve(press).Z
     found = reduced.skin(foam).sweep(*touched_cells(scene, press))

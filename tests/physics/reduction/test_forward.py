@@ -84,7 +84,7 @@ TWO_INTERFACES = "sheet-5x5-two-interfaces"
 
 @pytest.fixture(scope="module", params=["plain", "floating", "uneven"])
 def reader(request, make_scene, made):
-    """Of one field, of floating terminals at two interfaces, and with slow waves of sheets."""
+    """Models of one field, of floating terminals at two interfaces, and with modes of sheets."""
     if request.param == "plain":
         return made["one field"]
     floating = load_scene(TWO_INTERFACES).with_({"pixels": 2})

@@ -55,23 +55,23 @@ def impedance(scene, model):
     return read(model, scene.interfaces).skin(None).sweep(CELLS, RISES)
 
 
-def apart(Z, truth, scene):
+def relative_error(Z, truth, scene):
     return relative_difference(Z, truth).max()
 
 
 def test_any_reading_is_that_of_the_full_solver(scene, impedance):
     """Films on floating foils included: they short the sheet along the foil."""
     truth = Solver(scene, 1e-6).solve(parse_press(PRESS, 2.0)).Z
-    assert apart(impedance, truth, scene) <= RTOL
+    assert relative_error(impedance, truth, scene) <= RTOL
 
 
 def test_the_certificate_bounds_every_reading(scene, model):
-    """Of the reduction alone: against the same mesh unreduced."""
+    """Error of the reduction alone, against the same mesh without reduction."""
     skin = read(model, scene.interfaces).skin(None)
     bound = skin.certificate(CELLS, RISES)
-    asked = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL, model.frequency
+    given = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL, model.frequency
     excitations = skin.reduced.circuit.excitations
-    exact, Z = skin.reduced.family.solved(*asked, excitations)[0], skin.sweep(CELLS, RISES)
+    exact, Z = skin.reduced.family.solved(*given, excitations)[0], skin.sweep(CELLS, RISES)
     off = relative_difference(Z, exact)
     assert (off <= bound + RTOL * 0.05).all()
 
@@ -79,13 +79,13 @@ def test_the_certificate_bounds_every_reading(scene, model):
 def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
     swapped = interfaces({name: (low, high) for name, (high, low) in READINGS.items()})
     Z = read(model, swapped).skin(None).sweep(CELLS, RISES)
-    assert apart(Z, impedance, scene) <= RTOL * 0.05
+    assert relative_error(Z, impedance, scene) <= RTOL * 0.05
 
 
 def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
     alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
     Z = reduce(alone, RTOL).skin(None).sweep(CELLS, RISES)
-    assert apart(Z, impedance[2:3], scene) <= RTOL
+    assert relative_error(Z, impedance[2:3], scene) <= RTOL
 
 
 def test_every_pair_of_terminals_is_passive(scene, model):
@@ -110,7 +110,7 @@ def test_training_drives_every_terminal_by_one_fewer_readings(make_scene, tops, 
     assert len(readings) == len(names) - 1
 
 
-def test_a_reading_of_contacts_that_there_are_not_is_told(model):
+def test_a_reading_of_unknown_contacts_is_refused(model):
     with pytest.raises(InputError, match="nowhere"):
         read(model, interfaces({"wrong": (["nowhere"], ["top-left"])}))
 
@@ -122,7 +122,7 @@ def test_a_network_gives_all_readings_at_once(scene, model):
     cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
     batch = PressBatch(cells, rises, np.array([0, 1, 3, 9, 9]))
     found = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
-    assert apart(found, skin.sweeps(batch), scene) <= 1e-6
+    assert relative_error(found, skin.sweeps(batch), scene) <= 1e-6
 
 
 def test_terminals_at_one_potential_are_in_parallel(scene, model):

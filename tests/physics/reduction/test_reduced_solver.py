@@ -16,10 +16,10 @@ def test_presses_beyond_the_trained_range_fall_back_to_elements():
     solver = Solver(scene, RTOL, "reduced")
     usual, strong = Press((Touch(2, 2, 2.0),)), Press((Touch(2, 2, 30.0),))
     sweeps = simulate(solver, [usual, strong])
-    told = [solver.explain(press, solver.solve(press)) for press in (usual, strong)]
-    assert "reduced to" in told[0].splitlines()[1]
-    assert "2-D elements" in told[1].splitlines()[1]
-    assert "reduced: the model is trained on factors from 0.5 to 3.0, got 2,2:30.0" in told[1]
+    explained = [solver.explain(press, solver.solve(press)) for press in (usual, strong)]
+    assert "reduced to" in explained[0].splitlines()[1]
+    assert "2-D elements" in explained[1].splitlines()[1]
+    assert "reduced: the model is trained on factors from 0.5 to 3.0, got 2,2:30.0" in explained[1]
     exact = simulate(Solver(scene, 1e-7), [usual, strong])
     for name in ("Rs", "Cp"):
         np.testing.assert_allclose(sweeps[name], exact[name], rtol=RTOL)

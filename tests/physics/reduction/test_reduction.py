@@ -1,4 +1,5 @@
-"""Reduced models: as accurate as asked and as certified, passive, and free in what they promise."""
+"""Reduced models: as accurate as requested and as certified, passive, and free in what they
+promise."""
 
 from dataclasses import replace
 
@@ -163,7 +164,7 @@ def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
 
 @pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)
 def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touches):
-    """Of few touches and of so many that M is turned to its own directions."""
+    """Presses of few touches, and of so many that M is diagonalised."""
     cells, rises = np.arange(touches), np.linspace(0.4, 2.0, touches)
     for reduced in families.values():
         own = reduced.skin(None)
@@ -197,7 +198,7 @@ def test_poles_are_negative_and_the_impedance_passive(families):
         assert (Cp > -1e-18).all()
 
 
-def varied(scene, random, modes, alike):
+def varied(scene, random, modes, same_sheets):
     """A skin whose sheets, films, foam and loss are all off by some per cent."""
 
     def sheet():
@@ -207,9 +208,9 @@ def varied(scene, random, modes, alike):
     pixels = scene.pixels
     return Variation(
         top,
-        1.1 * top if alike else sheet(),
+        1.1 * top if same_sheets else sheet(),
         np.full(len(scene.contacts), random.uniform(0.8, 1.2))
-        if alike
+        if same_sheets
         else random.uniform(0.8, 1.2, len(scene.contacts)),
         random.uniform(0.9, 1.1, (pixels.rows, pixels.columns)),
         Loss(random.uniform(0.0, 0.05)),
@@ -217,18 +218,18 @@ def varied(scene, random, modes, alike):
 
 
 @pytest.mark.parametrize(
-    ("name", "alike"), [("one field", True), ("one field", False), ("films", False)]
+    ("name", "same_sheets"), [("one field", True), ("one field", False), ("films", False)]
 )
-def test_skins_of_a_family(make_scene, name, alike):
+def test_skins_of_a_family(make_scene, name, same_sheets):
     """Sheets, their slow variation, films, foam and loss are free, without another basis."""
     scene, modes = skin(make_scene, name), len(HALF_WAVES)
     touch = pixel_touches(scene)
 
     def draw(random):
         case = touch(random)
-        return Case(varied(scene, random, modes, alike), case.cells, case.rises)
+        return Case(varied(scene, random, modes, same_sheets), case.cells, case.rises)
 
-    reduced = reduce(scene, RTOL, draw, modes=modes, same_sheets=alike)
+    reduced = reduce(scene, RTOL, draw, modes=modes, same_sheets=same_sheets)
     random = np.random.default_rng(3)
     for _ in range(4):
         case = draw(random)
@@ -330,7 +331,7 @@ def test_the_same_bits_on_a_second_run(make_scene, families):
     np.testing.assert_array_equal(again.factors, families["one field"].factors)
 
 
-def test_a_basis_that_outgrows_its_use_is_told(make_scene, monkeypatch):
+def test_a_basis_that_grows_too_large_is_refused(make_scene, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.models.reduced.greedy.LARGEST", 5)
     with pytest.raises(ToleranceError, match=r"an error of .* with \d+ vectors, tolerance 1e-05"):
         reduce(skin(make_scene, "one field"), RTOL)

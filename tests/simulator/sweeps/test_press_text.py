@@ -110,7 +110,7 @@ def test_a_polygon_is_placed_at_its_centroid(make_sweeps):
         ("poly(0,0,1,1,2,2):2", "poly has no area"),
         ("disc(0,0,1):5N", "needs a capacitance factor here, not a force"),
         ("disc(0,0,1):2mm", "needs a capacitance factor here, not a depth"),
-        ("disc(0,0,1)", "says no capacitance factor, nor does a scene"),
+        ("disc(0,0,1)", "has no capacitance factor, and the sweeps store no scene with one"),
     ],
 )
 def test_what_a_localizer_cannot_place_or_weigh_is_told(make_sweeps, text, why):
