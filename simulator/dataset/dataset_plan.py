@@ -200,6 +200,6 @@ def check_cells(scene: Scene) -> None:
     cells, longest = scene.dataset.press.cells, max(scene.pixels.shape)
     if cells * longest > MAX_CELLS:
         raise InputError(
-            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at longest "
+            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
             f"{MAX_CELLS} cells along each side in data sets, got {longest} x {cells}"
         )

@@ -142,7 +142,7 @@ def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
     told = []
     station = ManagedMeter(lambda: open_meter(ports.resource, 1), report=told.append)
     station.ready().cable = 0
-    monkeypatch.setattr(HiokiMeter.cable, "tell", ":CORRection:CABLe 1,")
+    monkeypatch.setattr(HiokiMeter.cable, "command_text", ":CORRection:CABLe 1,")
     station.release()
     assert told == [f"{NOT_AS_FOUND} cable = 1"]
     as_found.cable = 0

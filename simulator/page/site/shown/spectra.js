@@ -24,13 +24,13 @@ export class SpectraCharts {
         of: seriesResistance,
         turned: (/** @type {Complex} */ Z) => Math.abs(Z.im / Z.re),
         itself: new Chart(canvas("Rs"), "Rs", "kohm", 1e-3, true),
-        change: new Chart(canvas("dRs"), "Rs against rest", "%", 100, false),
+        change: new Chart(canvas("dRs"), "Change of Rs", "%", 100, false),
       },
       {
         of: parallelCapacitance,
         turned: (/** @type {Complex} */ Z) => Math.abs(Z.re / Z.im),
         itself: new Chart(canvas("Cp"), "Cp", "pF", 1e12, true),
-        change: new Chart(canvas("dCp"), "Cp against rest", "%", 100, false),
+        change: new Chart(canvas("dCp"), "Change of Cp", "%", 100, false),
       },
     ];
   }

@@ -14,7 +14,7 @@ const SURE = 3.7; // standard deviations: one sweep in ten thousand has a larger
 
 /**
  * Posterior of each class; the prior is equal for all classes, and uniform over the strengths of a curve.
- * @param {Class[]} classes @param {Float64Array} seen against rest, in units of the error
+ * @param {Class[]} classes @param {Float64Array} seen change from the baseline, in units of the error
  * @returns {Belief}
  */
 export function believed(classes, seen) {
