@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from dataclasses import dataclass
 
@@ -123,6 +124,7 @@ def _press_text(row: int, column: int) -> str:
     return f"{row},{column}" if row > 0 and column > 0 else "unknown"
 
 
+@functools.lru_cache(4096)
 def _pixel(press: str) -> tuple[int, int]:
     """Row and column of a press in a table; -1 and -1 if it is no single pixel."""
     try:
