@@ -1,7 +1,7 @@
 """A twin that rcskin's model did not make: a skin of the three-dimensional solve under a hand.
 
-Its sheets and foam are uneven, its leads and meter are drawn, and it drifts, as `twin_parts.skin`
-has it. Around it is what its effect says.
+Sheets and foam are non-uniform, leads and meter are drawn, and the skin drifts, as in
+`twin_parts.skin`. The surroundings are those of an effect.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
 
 THICKNESS = 4e-3
-"""m: of the paper's foam."""
+"""Thickness of the paper's foam, m."""
 FINGER = 103
-"""Kind of random numbers, beside those of `twin_parts.skin`."""
+"""Kind of random numbers, in addition to those of `twin_parts.skin`."""
 SHARE, TIME = 0.1, 1.0
-"""Of the rise of c, that comes with the foam's creep, and its time constant, s."""
+"""Share of the rise of c that comes by creep, and its time constant, s."""
 SAME_FREQUENCY = 1e-3
-"""Relative difference of a frequency of the scene from what the meter rounds it to, at most."""
+"""Largest relative difference between a frequency of the scene and that of the meter."""
 GRID = (12, 12)
-"""Cells of the foam, of which its waves are told."""
+"""Cells of the foam that its cosine modes are fitted to."""
 
 
 def solved(scene: Scene, folder: Path, grid: Grid) -> dict[bool, Solved]:
-    """What is around a scene's skin, without a body and with one, kept in a folder."""
+    """Static solves of a scene's skin without a body and with one, kept in a folder."""
     files = {there: folder / f"{'body' if there else 'air'}.npz" for there in (False, True)}
     if not all(file.exists() for file in files.values()):
         static = Static(block_of(scene, thickness=THICKNESS, grid=grid))
@@ -53,7 +53,7 @@ def solved(scene: Scene, folder: Path, grid: Grid) -> dict[bool, Solved]:
 
 @dataclass(frozen=True)
 class Foreign(Twin):
-    """A twin of an effect. around: what is around its scene's skin."""
+    """A twin with an effect. around: static solve of its scene's skin."""
 
     effect: Effect = Effect("")
     around: Solved | None = None
@@ -118,7 +118,7 @@ class Foreign(Twin):
 
     @property
     def _given_way(self) -> NDArray[np.float64] | float:
-        """Of the rise of c, by frequency: frequencies are read one after the other."""
+        """Share of the rise of c, by frequency: frequencies are read one after the other."""
         if not self.effect.creep:
             return 1.0
         count = len(self.scene.frequencies)
