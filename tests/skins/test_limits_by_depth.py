@@ -227,4 +227,4 @@ def test_touches_that_lie_alike_are_solved_once(foam):
         for name, change in expected.changes.items():
             scale = np.abs(change).max()
             np.testing.assert_allclose(found.changes[name], change, atol=1e-6 * scale)
-    assert len(one._known) == 1
+    assert len(one._cache) == 1

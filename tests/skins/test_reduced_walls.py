@@ -235,7 +235,7 @@ REFUSED = {
         scene.with_({"dataset.press.offset": 0.1}), 20, 1, RTOL
     ),
     "cells of pixels": lambda scene: Forward(scene, 3),
-    "a hand that misses": lambda scene: RandomPresses.of_pixels(
+    "presses at random positions": lambda scene: RandomPresses.of_pixels(
         scene, Uniform(low=1.5, high=2.5), offset=0.1
     ),
 }
