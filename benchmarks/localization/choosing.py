@@ -28,7 +28,7 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.pixels import Pixels
+from rcskin.simulator.scene.pixel_grid import Pixels
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import concatenate, impedance

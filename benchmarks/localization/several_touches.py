@@ -25,7 +25,7 @@ from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
-from rcskin.simulator.scene.distributions import Fixed, Lognormal, Normal, Uniform
+from rcskin.simulator.scene.draw_distributions import Fixed, Lognormal, Normal, Uniform
 from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

@@ -11,7 +11,7 @@ from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
 from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.scene.pixels import Pixels
+from ...simulator.scene.pixel_grid import Pixels
 from ...simulator.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.meter import Experiment, Readout
-from ...simulator.scene.pixels import Pressing
+from ...simulator.scene.pixel_grid import Pressing
 from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError

@@ -15,7 +15,7 @@ from ..measure.experiment import own_presses
 from ..measure.readout import errors_of, observed
 from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..scene.distributions import AnyDistribution
+from ..scene.draw_distributions import AnyDistribution
 from ..scene.frequency import laplace_variable
 from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene

@@ -22,7 +22,7 @@ from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.distributions import AnyDistribution, truncated_normal
+from ..scene.draw_distributions import AnyDistribution, truncated_normal
 from ..scene.frequency import laplace_variable
 from ..scene.randomisation import CUT
 from ..scene.scene import Scene

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
-from ..scene.distributions import AnyDistribution, Fixed, Normal
+from ..scene.draw_distributions import AnyDistribution, Fixed, Normal
 from ..scene.scene import Scene
 from ..sweeps import InputError
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
-from ..scene.distributions import AnyDistribution, truncated_normal
+from ..scene.draw_distributions import AnyDistribution, truncated_normal
 from ..scene.foam_in_time import AMBIENT, ambient_factors
 from ..scene.frequency import Loss
 from ..scene.meter import Leads

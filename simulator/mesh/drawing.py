@@ -13,7 +13,7 @@ from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..press.touch import Disc, Place, Polygon, Rectangle, Touch
 from ..scene.contacts import Contact
-from ..scene.pixels import Pixels
+from ..scene.pixel_grid import Pixels
 from ..scene.planar import Circle, Points, regular, sides
 from ..scene.scene import Scene
 from ..scene.skin import Skin

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.distributions import AnyDistribution
+from ..scene.draw_distributions import AnyDistribution
 from ..scene.foam_in_time import AMBIENT
 from ..scene.scene import Scene
 from .parameters import own_values

@@ -18,7 +18,7 @@ from typing import NoReturn, TypeVar
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
 from ..scene.foam import Foam
-from ..scene.pixels import Pressing
+from ..scene.pixel_grid import Pressing
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin
 from ..sweeps import InputError

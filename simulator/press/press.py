@@ -7,7 +7,7 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from ..scene.form.outline import check_simple
-from ..scene.pixels import Pressing
+from ..scene.pixel_grid import Pressing
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Scene
 from ..scene.surroundings import NO_EARTH

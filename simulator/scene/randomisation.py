@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from .distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
+from .draw_distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
 from .foam_in_time import AMBIENT, ambient_factors
 from .validation import Number, Table, Whole
 

@@ -27,7 +27,7 @@ from .foam_in_time import in_ambient
 from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
-from .pixels import Pixels, Pressing
+from .pixel_grid import Pixels, Pressing
 from .randomisation import Randomisation
 from .reading_setup import ReadingSetup
 from .skin import Name, Skin

@@ -14,7 +14,7 @@ from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.foam import VACUUM_PERMITTIVITY, Foam
-from ..scene.pixels import Pressing
+from ..scene.pixel_grid import Pressing
 from ..scene.scene import Scene
 from ..scene.skin import Sheet
 from ..sweeps import InputError

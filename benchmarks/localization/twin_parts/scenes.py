@@ -7,8 +7,8 @@ scene knows nothing of; with two interfaces the pair that is not driven floats, 
 from __future__ import annotations
 
 from rcskin.simulator.scene.contacts import Contact
-from rcskin.simulator.scene.distributions import Fixed, Lognormal, Normal, Uniform
-from rcskin.simulator.scene.pixels import Pixels
+from rcskin.simulator.scene.draw_distributions import Fixed, Lognormal, Normal, Uniform
+from rcskin.simulator.scene.pixel_grid import Pixels
 from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

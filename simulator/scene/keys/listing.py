@@ -10,7 +10,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..distributions import Fixed
+from ..draw_distributions import Fixed
 from ..map_file import MapFile
 from ..maps import Grid
 from ..scene import Scene

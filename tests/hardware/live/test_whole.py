@@ -11,7 +11,7 @@ from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press, press_on
-from rcskin.simulator.scene.pixels import Pixels
+from rcskin.simulator.scene.pixel_grid import Pixels
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, read
 from typer.testing import CliRunner

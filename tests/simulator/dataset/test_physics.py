@@ -9,7 +9,7 @@ from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import REDUCED, reduced
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.distributions import Fixed, Uniform
+from rcskin.simulator.scene.draw_distributions import Fixed, Uniform
 from rcskin.simulator.scene.meter import Leads, Readout
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
