@@ -123,6 +123,7 @@ IN_ORDER = (
     Benchmark("accuracy/uneven_calibration"),
     Benchmark("accuracy/calibration_coverage", ("--prior", "wide", "--truth", "scene", *OF_SHEET)),
     Benchmark("accuracy/calibration_coverage"),
+    Benchmark("accuracy/calibration_coverage", ("--outliers", "2", "--twins", "100")),
     Benchmark("measured/lines"),
     Benchmark("pictures/gallery"),
     Benchmark("localization/choosing"),

@@ -39,10 +39,10 @@ LEADS = ("lead_resistance", "lead_inductance")
 IDEAL_LINE = ("sheet_resistance", "capacitance", *LEADS)
 CONSTANT_PHASE = (*IDEAL_LINE, "phase_exponent")
 MODELS: Mapping[str, Options] = {
-    "lumped": Options(("capacitance", *LEADS), ("others",), robust=False),
-    "ideal line": Options(IDEAL_LINE, ("others",), robust=False),
-    "constant phase": Options(CONSTANT_PHASE, ("others",), robust=False),
-    "best": Options(),
+    "lumped": Options(("capacitance", *LEADS), ("others",), robust=False, trials=False),
+    "ideal line": Options(IDEAL_LINE, ("others",), robust=False, trials=False),
+    "constant phase": Options(CONSTANT_PHASE, ("others",), robust=False, trials=False),
+    "best": Options(trials=False),
 }
 """Fits of every sweep: three by least squares, and that of `rcskin calibrate` without options."""
 TICKS = (2, 5, 10, 20, 50)

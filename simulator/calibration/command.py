@@ -66,8 +66,8 @@ def calibrate(
     also: Annotated[
         list[str] | None,
         typer.Option(
-            help="Fit body (its distance), rim or finger too, although the scene does not state "
-            "it; may be repeated."
+            help="Fit body (its distance), rim, finger or leak (of the foam) too, although the "
+            "scene does not state it; may be repeated."
         ),
     ] = None,
     robust: Annotated[

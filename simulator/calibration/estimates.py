@@ -30,7 +30,7 @@ from .sheet_intervals import (
     slopes_of,
 )
 
-UNITS = {name: unit if unit.isalpha() else "" for name, unit in VALUES.items()}
+UNITS = {name: "" if unit.startswith("(") else unit for name, unit in VALUES.items()}
 UNITS |= dict.fromkeys(COSINE_MODES, "")
 HEADER = ("quantity", "unit", "scene", "fitted", "from", "to", "source")
 """Column heads of `FittedQuantity.cells`."""

@@ -73,7 +73,8 @@ class Options:
     the scene's spread. prior: see `prior`. uneven, uneven_sheets: True if cosine modes of the foam,
     or of both sheets, are parameters too. also: those of EFFECTS that are parameters although the
     scene does not have them. robust: True for Student's t errors of readings, False for normal
-    ones, None for the likelier of both.
+    ones, None for the likelier of both. trials: True if physics that the scene lacks is tried where
+    the fit does not explain the readings.
     """
 
     fit: tuple[str, ...] = ()
@@ -86,3 +87,4 @@ class Options:
     uneven_sheets: bool = False
     also: tuple[str, ...] = ()
     robust: bool | None = None
+    trials: bool = True

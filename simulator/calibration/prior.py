@@ -54,8 +54,8 @@ def priors(
 ) -> dict[str, Prior]:
     """Prior of every unknown parameter.
 
-    uneven: the cosine modes among them. effects: those of EFFECTS that are unknown although no
-    distribution of the scene draws them.
+    uneven: the cosine modes among them. effects: a leak, or those of EFFECTS, that are unknown
+    although no distribution of the scene draws them.
     """
     own = own_values(measured.scene) | dict.fromkeys(COSINE_MODES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
@@ -70,10 +70,15 @@ def priors(
 
 
 def effect_prior(measured: Measurements, name: str) -> Prior:
-    """Prior of one of EFFECTS where nothing else is known.
+    """Prior of a leak, or of one of EFFECTS, where nothing else is known.
+
+    A leak may conduct as much as the foam charges in the middle of the band.
 
     The capacitance of no touch to earth is below 0, so the smallest stated one is the limit.
     """
+    if name == "leak":
+        f = measured.scene.frequencies
+        return Prior(0.0, 2 * math.pi * math.sqrt(f[0] * f[-1]), 0.0)
     if name != "finger":
         return Prior(0.0, WIDE, *limits(name))
     touches = [touch for reading in measured.sweeps for touch in reading.press.touches]

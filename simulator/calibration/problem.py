@@ -56,7 +56,7 @@ class FitSpec:
             for (name, prior), each in zip(self.fitted.items(), u, strict=False)
         }
         both = {**self.fixed, **found}
-        return {name: both[name] for name in KNOWN if name in both}
+        return {name: both[name] for name in KNOWN if name in both} | both
 
     def unknowns(self, values: Mapping[str, float]) -> NDArray[np.float64]:
         """Unknowns at parameter values; all others at the center of their priors."""

@@ -31,6 +31,7 @@ from .likelihood.distributions import Distributions
 from .likelihood.student import StudentT
 from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
+from .physics_trials import physics_remarks
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import FitSpec
 from .robust import robust_fit, tail_remarks
@@ -118,7 +119,7 @@ def calibrate(
     unknown = with_all_unknown(fit, job.not_fitted)
     distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
     bounds = intervals(scene, unknown, info, degrees, distributions)
-    gained = [] if noise.guessed else trial_remarks(fit, info.freedom, progress)
+    gained = _trial_remarks(fit, info, noise, progress) if options.trials else []
     names = fit.spec.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
@@ -135,6 +136,14 @@ def calibrate(
         not_fitted=tuple(job.not_fitted),
         ideal=compare_with_ideal(fit, progress) if beaten else None,
     )
+
+
+def _trial_remarks(
+    fit: Fit, info: Information, noise: Noise, progress: ProgressCallback
+) -> list[str]:
+    """Remarks on physics that the scene lacks and that would explain the remaining misfit."""
+    surroundings = [] if noise.guessed else trial_remarks(fit, info.freedom, progress)
+    return [*surroundings, *physics_remarks(fit, info.freedom, noise.stated)]
 
 
 def _distributions(

@@ -26,6 +26,8 @@ RIM = 0.6 * VACUUM_PERMITTIVITY
 """F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
 three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
 foam and a virtual earth."""
+ADDABLE = (*EFFECTS, "leak")
+"""Parameters that a scene lacks until they are requested."""
 WORTH = 0.1
 """Smallest share of chi-squared that an effect must remove to be reported."""
 NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
@@ -33,13 +35,17 @@ NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
 
 
 def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene with the surroundings that these of EFFECTS need as parameters.
+    """The scene with the surroundings and the leak that these names need as parameters.
 
-    Raises InputError for a name that is not in EFFECTS, or that the scene cannot have.
+    Raises InputError for a name that is not in ADDABLE, or that the scene cannot have.
     """
     for name in names:
-        if name not in EFFECTS:
-            raise InputError(f"`also` must be one of {', '.join(EFFECTS)}, got {name!r}")
+        if name not in ADDABLE:
+            raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
+    if "leak" in names and scene.skin.foam.leak is None:
+        foam = scene.skin.foam.model_copy(update={"leak": 0.0})
+        scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
+    names = [name for name in names if name in EFFECTS]
     missing = [name for name in names if name not in effects_of(scene)]
     if not missing:
         return scene

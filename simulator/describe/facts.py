@@ -139,6 +139,8 @@ def _foam(skin: Skin) -> str:
     text += f", tan d {foam.loss_tangent:g}" if foam.loss_tangent else ", without loss"
     if foam.phase_exponent != 1:
         text += f", constant phase with exponent {foam.phase_exponent:g}"
+    if foam.leak:
+        text += f", leak {foam.leak:g} 1/s"
     if foam.map is not None:
         text += f", {_varying(foam.map)}"
     if foam.mechanics is not None:

@@ -11,7 +11,6 @@ from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
 from ..scene.draw_distributions import AnyDistribution, truncated_normal
 from ..scene.foam_in_time import AMBIENT, ambient_factors
-from ..scene.frequency import Loss
 from ..scene.meter import Leads
 from ..scene.randomisation import CUT
 from ..scene.scene import Scene
@@ -47,7 +46,7 @@ def drawn_skin(
         _conductance(scene, common, bottom, draws[1], modes) / of_sheets,
         1 / drawn.contact_resistance.at(contacts),
         common_c * own_foam,
-        Loss(foam.loss_tangent + float(drawn.loss_tangent.at(loss)), foam.phase_exponent),
+        foam.loss._replace(tangent=foam.loss_tangent + float(drawn.loss_tangent.at(loss))),
         common_c,
         *(_factor(each, random) for each in (drawn.body, drawn.rim)),
     )

@@ -108,10 +108,15 @@ VALUES = {
     "lead_inductance": "H",
     "stray_capacitance": "F",
     "finger": "F",
+    "leak": "1/s",
+    "exponent_slope": "(per decade)",
 }
 """Parameters that are the value itself, and their units."""
 
-PARAMETERS = tuple(name for name in (*FACTORS, *VALUES) if name not in EFFECTS)
+FURTHER_LOSSES = ("leak", "exponent_slope")
+"""Losses of the foam that are 0 in most scenes, and parameters only on request."""
+
+PARAMETERS = tuple(n for n in (*FACTORS, *VALUES) if n not in (*EFFECTS, *FURTHER_LOSSES))
 """Parameters of every scene."""
 
 
@@ -124,11 +129,11 @@ TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y",
 
 SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
 COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
-KNOWN = (*PARAMETERS, *EFFECTS, *COSINE_MODES)
+KNOWN = (*PARAMETERS, *FURTHER_LOSSES, *EFFECTS, *COSINE_MODES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:
-    """The scene's own parameters, with those of EFFECTS that change it."""
+    """The scene's own parameters, with its leak and those of EFFECTS that change it."""
     foam, leads = scene.skin.foam, scene.leads
     stated = {
         "loss_tangent": foam.loss_tangent,
@@ -138,7 +143,8 @@ def own_values(scene: Scene) -> dict[str, float]:
         "stray_capacitance": leads.unguarded,
     }
     of_every_scene = {name: stated.get(name, 0.0) for name in PARAMETERS}
-    return of_every_scene | dict.fromkeys(effects_of(scene), 0.0)
+    leak = {} if foam.leak is None else {"leak": foam.leak}
+    return of_every_scene | leak | dict.fromkeys(effects_of(scene), 0.0)
 
 
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
@@ -157,7 +163,8 @@ def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, flo
 
 def loss_of(values: Mapping[str, float]) -> Loss:
     """Losses of the foam."""
-    return Loss(values["loss_tangent"], values["phase_exponent"])
+    further = (values.get(name, 0.0) for name in FURTHER_LOSSES)
+    return Loss(values["loss_tangent"], values["phase_exponent"], *further)
 
 
 def leads_of(values: Mapping[str, float]) -> Leads:
@@ -203,6 +210,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         **_capacitance(scene, math.exp(values["capacitance"])),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
+        leak=values.get("leak"),
         map=skin.foam.map,
         **{name: getattr(skin.foam, name) for name in IN_TIME},
     )

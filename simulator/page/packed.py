@@ -107,6 +107,8 @@ def reduced_for_page(
     Raises InputError if a press changes sheets in a way that a page does not support, else
     InputError and ToleranceError as `reduce` does.
     """
+    if scene.skin.foam.leak:
+        raise InputError(f"{scene.name}: a page cannot take `skin.foam.leak`; leave it out here")
     thick = parts_of(scene).thickness > 0
     if (gauged(scene.skin) or thick) and scene.skin.foam.mechanics is not None:
         key = "surroundings.thickness` or `surroundings.solved" if thick else "piezoresistance"

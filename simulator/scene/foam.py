@@ -12,7 +12,7 @@ from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
 from .foam_mechanics import Mechanics, strain_of
 from .frequency import Loss
 from .maps import Map
-from .ranges import LossTangent, PerArea, Permittivity, Thickness
+from .ranges import Leak, LossTangent, PerArea, Permittivity, Thickness
 from .validation import Number, Table, short
 
 GREATEST_STRAIN = 0.99
@@ -35,8 +35,9 @@ class Foam(Table):
     The capacitance is computed from thickness and relative_permittivity. If thickness and
     capacitance_per_area are both given, such as from measurements, they determine the permittivity.
     loss_tangent: tan d in jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance
-    (jw)^a, which has its nominal value at 1 kHz; 1 is an ideal capacitor. map: factor on the
-    capacitance by position. mechanics: response to depth or force of a press; it needs the
+    (jw)^a, which has its nominal value at 1 kHz; 1 is an ideal capacitor. leak: conductance of the
+    foam over its capacitance, which is its conductivity over its permittivity [1/s]. map: factor on
+    the capacitance by position. mechanics: response to depth or force of a press; it needs the
     thickness, and gives the permittivity unless that or capacitance_per_area is given. relaxation:
     one or two standard linear solids, by which the foam creeps under a press and recovers after it.
     hysteresis: fraction of the work of loading that unloading does not return; at the same load, a
@@ -48,6 +49,7 @@ class Foam(Table):
     relative_permittivity: Permittivity | None = None
     loss_tangent: LossTangent = 0.0
     phase_exponent: Annotated[Number, Field(gt=0.5, le=1)] = 1.0
+    leak: Leak | None = None
     map: Map | None = None
     mechanics: Mechanics | None = None
     relaxation: Relaxations | None = None
@@ -82,7 +84,7 @@ class Foam(Table):
     @property
     def loss(self) -> Loss:
         """Losses of the foam for the model's equations."""
-        return Loss(self.loss_tangent, self.phase_exponent)
+        return Loss(self.loss_tangent, self.phase_exponent, self.leak or 0.0)
 
     @property
     def thickness_or_assumed(self) -> float:

@@ -16,42 +16,61 @@ REFERENCE = 1e3
 class Loss(NamedTuple):
     """Losses of a foam, uniform over the skin.
 
-    tangent: tan d. exponent: a of a constant-phase element; 1 for an ideal capacitor.
+    tangent: tan d. exponent: a of a constant-phase element; 1 for an ideal capacitor. leak:
+    conductance over capacitance, 1/s. exponent_slope: rise of the exponent in a decade of
+    frequency, around REFERENCE.
     """
 
     tangent: float = 0.0
     exponent: float = 1.0
+    leak: float = 0.0
+    exponent_slope: float = 0.0
 
 
 LOSSLESS = Loss()
 
 
 def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.complex128]:
-    """s = j omega (1 - j tan d) (j f / REFERENCE)^(a - 1), rad/s. frequency: Hz.
+    """s = j omega (1 - j tan d) (j f / REFERENCE)^(a - 1) + leak, rad/s. frequency: Hz.
 
-    With s for j omega the equations are those of an ideal foam. Source of the constant-phase
-    element: K. S. Cole and R. H. Cole, J. Chem. Phys. 9 (1941) 341.
+    With a slope b of the exponent, a is a + b lg(j f / REFERENCE) / 2. With s for j omega the
+    equations are those of an ideal foam. Source of the constant-phase element: K. S. Cole and
+    R. H. Cole, J. Chem. Phys. 9 (1941) 341.
     """
     f = np.asarray(frequency, dtype=np.float64)
     s = 2 * np.pi * f * (loss.tangent + 1j)
     if loss.exponent != 1:
         s = s * (1j * f / REFERENCE) ** (loss.exponent - 1)
+    if loss.exponent_slope:
+        s = s * np.exp(loss.exponent_slope * _square_of_decades(f))
+    if loss.leak:
+        s = s + loss.leak
     return s.astype(np.complex128)
 
 
+def _square_of_decades(frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Derivative of ln s by `exponent_slope`."""
+    return np.log(1j * frequency / REFERENCE) ** 2 / (2 * np.log(10))
+
+
 def slopes_of_s(frequency: NDArray[np.float64], loss: Loss) -> dict[str, NDArray[np.complex128]]:
-    """Derivatives of `laplace_variable` by ln(capacitance), loss tangent and exponent."""
+    """Derivatives of `laplace_variable` by ln(capacitance) and by each of the losses."""
     s, turned = laplace_variable(frequency, loss), 1j * frequency / REFERENCE
+    charging, bend = s - loss.leak, _square_of_decades(frequency)
+    bent = np.exp(loss.exponent_slope * bend) if loss.exponent_slope else 1.0
     return {
         "capacitance": s,
-        "loss_tangent": 2 * np.pi * frequency * turned ** (loss.exponent - 1),
-        "phase_exponent": s * np.log(turned),
+        "loss_tangent": 2 * np.pi * frequency * turned ** (loss.exponent - 1) * bent,
+        "phase_exponent": charging * np.log(turned),
+        "leak": np.ones_like(s),
+        "exponent_slope": charging * bend,
     }
 
 
 def charging_frequency(frequency: float, loss: Loss) -> float:
-    """Frequency in Hz at which an ideal foam draws the same current as one with this exponent."""
-    return frequency * (frequency / REFERENCE) ** (loss.exponent - 1)
+    """Frequency in Hz at which an ideal foam draws the current of one with exponent and leak."""
+    charging = frequency * (frequency / REFERENCE) ** (loss.exponent - 1)
+    return charging + loss.leak / (2 * np.pi)
 
 
 def penetration_depth(

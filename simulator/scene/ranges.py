@@ -61,6 +61,7 @@ Permittivity = Annotated[
 LossTangent = Annotated[
     Number, within(0.0, 1e3, "(tan d)", "a foam with larger losses conducts and stores nothing")
 ]
+Leak = Annotated[Number, within(0.0, 1e12, "1/s", "a foam that leaks faster stores nothing")]
 Piezoresistance = Annotated[
     Number,
     within(-0.999, 1e4, "(relative)", "at -1 a sheet would lose all resistance"),

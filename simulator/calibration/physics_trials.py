@@ -1,0 +1,119 @@
+"""Trial fits of physics that a scene lacks, where the best fit leaves structure in its residuals.
+
+Noise is independent from one frequency to the next. Residuals that are not have a cause that the
+model lacks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..models.parameters import loss_of
+from ..sweeps.units import prefixed
+from .fit import EXPLAINED, Fit, solve_from
+from .prior import Prior, effect_prior
+from .problem import FitSpec, LeastSquaresProblem
+from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
+
+STRUCTURED = 0.5
+"""Correlation of residuals at neighbouring frequencies from which a fit leaves structure."""
+FEWEST = 12
+"""Fewest frequencies at which the correlation is estimated."""
+SLOPE = 0.1
+"""Prior standard deviation of the change of the exponent in a decade."""
+SHARE = 0.3
+"""Initial resistance of an element in series, over the smallest |Z|."""
+ELEMENTS: Mapping[Element, str] = {
+    "line": "a second line in series",
+    "film": "a film in series",
+}
+
+
+def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
+    """A remark on the structure in the residuals, and on what each trial leaves of chi-squared.
+
+    freedom: degrees of freedom of the fit. stated: True if the noise is known, so that a fit may
+    explain the readings although its residuals are correlated. Empty without structure.
+    """
+    correlation = neighbour_correlation(fit)
+    explained = stated and fit.chi_squared < EXPLAINED * freedom
+    if correlation < STRUCTURED or explained:
+        return []
+    trials = [*_losses(fit), *(_element(fit, each) for each in ELEMENTS)]
+    left = {text: trial.chi_squared / fit.chi_squared for text, trial in trials}
+    shares = (
+        f"{text} leaves {100 * share:.0f} %" for text, share in sorted(left.items(), key=_share)
+    )
+    return [
+        f"the fit leaves structure: residuals at neighbouring frequencies correlate by "
+        f"{correlation:.2f}; of chi-squared, in addition, {'; '.join(shares)}"
+    ]
+
+
+def _share(pair: tuple[str, float]) -> float:
+    return pair[1]
+
+
+def neighbour_correlation(fit: Fit) -> float:
+    """Correlation of residuals of ln |Z| and of phase at neighbouring frequencies.
+
+    0 where an interface has fewer than FEWEST frequencies. Student's t errors weight the readings.
+    """
+    measured = fit.spec.measurements
+    shape = len(measured.sweeps), 2, *measured.sweeps[0].Z.shape
+    r = fit.problem.residuals(fit.u)[: math.prod(shape)].reshape(shape)
+    if fit.spec.tail is not None:
+        squares = (r**2).sum(axis=1, keepdims=True)
+        r = r * np.sqrt(fit.spec.tail.weights(squares))
+    products, squares = 0.0, 0.0
+    for k, read in enumerate(measured.read):
+        if read.sum() >= FEWEST:
+            own = r[..., k, read]
+            products += float((own[..., 1:] * own[..., :-1]).sum())
+            squares += float((own[..., 1:] ** 2).sum() + (own[..., :-1] ** 2).sum()) / 2
+    return products / squares if squares else 0.0
+
+
+def _losses(fit: Fit) -> list[tuple[str, Fit]]:
+    """Fits with an exponent that depends on frequency, and with a leak, and what was fitted."""
+    found = []
+    if "phase_exponent" in fit.spec.names:
+        slope = _solved(fit, {"exponent_slope": Prior(0.0, SLOPE)}, {"exponent_slope": 0.0})
+        change = slope.values["exponent_slope"]
+        found.append((f"an exponent that changes by {change:+.2g} in a decade", slope))
+    if "leak" not in fit.spec.names:
+        leak = _solved(fit, {"leak": effect_prior(fit.spec.measurements, "leak")}, {"leak": 0.0})
+        found.append((f"a leak of {leak.values['leak']:.2g} 1/s (--also leak)", leak))
+    return found
+
+
+def _solved(fit: Fit, priors: Mapping[str, Prior], at: Mapping[str, float]) -> Fit:
+    fixed = {name: value for name, value in fit.spec.fixed.items() if name not in priors}
+    spec = replace(fit.spec, fitted={**fit.spec.fitted, **priors}, fixed=fixed)
+    return solve_from(LeastSquaresProblem(spec, fit.problem.model), {**fit.values, **at})
+
+
+def _element(fit: Fit, element: Element) -> tuple[str, Fit]:
+    """The best fit with an element in series, of several starts, and what was fitted."""
+    frequency, Z = fit.spec.measurements.first
+    model = WithSeriesElement(fit.problem.model, element, loss_of(fit.values))
+    R = SHARE * float(np.abs(Z).min())
+    corners = np.exp(np.quantile(np.log(frequency), [0.25, 0.5, 0.75]))
+    fits = [_with_element(fit.spec, model, fit.values, R, float(f)) for f in corners]
+    best = min(fits, key=lambda each: each.cost)
+    R, C = (math.exp(best.values[name]) for name in (RESISTANCE, CAPACITANCE))
+    return f"{ELEMENTS[element]} of {prefixed(R, 'ohm')} and {prefixed(C, 'F')}", best
+
+
+def _with_element(
+    spec: FitSpec, model: WithSeriesElement, values: Mapping[str, float], R: float, f: float
+) -> Fit:
+    """Fit from an element of resistance R whose corner is at a frequency f."""
+    own = {RESISTANCE: math.log(R), CAPACITANCE: -math.log(2 * math.pi * f * R)}
+    priors = {name: Prior(at, math.log(1e3)) for name, at in own.items()}
+    whole = replace(spec, fitted={**spec.fitted, **priors})
+    return solve_from(LeastSquaresProblem(whole, model), {**values, **own})
