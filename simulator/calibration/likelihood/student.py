@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,7 +83,7 @@ def fitted_tail(squares: NDArray[np.float64], freedom: float, min_scale: float =
         return _scaled(math.exp(logarithm), squares, freedom, min_scale)
 
     low, high = map(math.log, FREEDOM)
-    found = minimize_scalar(
+    found: Any = minimize_scalar(
         lambda logarithm: _misfit(tail(logarithm), squares, freedom),
         bounds=(low, high),
         method="bounded",
