@@ -8,6 +8,8 @@ return the decisions of held-out sweeps. Thresholds need these too, so all would
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
@@ -30,7 +32,7 @@ def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> flo
         return -float(log_softmax(np.exp(logarithm) * decisions, axis=1)[rows, index].mean())
 
     widest = np.log(SHARPEST)
-    found = minimize_scalar(log_loss, bounds=(-widest, widest), method="bounded")
+    found: Any = minimize_scalar(log_loss, bounds=(-widest, widest), method="bounded")
     return float(np.exp(found.x))
 
 
