@@ -61,7 +61,7 @@ def test_a_draped_sphere_is_shorter_across_by_sin_over_angle():
 
 def test_a_skin_wraps_around_a_cylinder_once_at_most():
     Cylinder(radius=0.12 / (2 * np.pi)).check(SIDES)
-    with pytest.raises(ValueError, match=r"`shape.radius` must be >= 0.0191 m, .* once at most"):
+    with pytest.raises(ValueError, match=r"`shape.radius` must be >= 0.0191 m, .* at most once"):
         Cylinder(radius=0.019).check(SIDES)
     Cylinder(radius=0.019, axis="x").check(SIDES)
 

@@ -131,6 +131,6 @@ def test_no_command_opens_a_file_that_received_sweeps_name(received, run, tmp_pa
 
 
 def test_a_stored_scene_that_names_files_is_refused_with_advice(mapped):
-    with pytest.raises(InputError, match="`skin.top.map` names the file 'it.png', and a scene"):
+    with pytest.raises(InputError, match="`skin.top.map` names the file 'it.png', which a scene"):
         parse_scene(tomli_w.dumps(mapped), "sweeps")
     assert "names" not in scene_text(load_scene("glove"))

@@ -60,7 +60,7 @@ def test_a_movie_that_takes_long_is_told_of_after_its_first_picture(
     fields, stage, tmp_path, small_movies, monkeypatch, long, told
 ):
     notes, drawn = [], []
-    monkeypatch.setattr(outputs, "LONG", long)
+    monkeypatch.setattr(outputs, "LONG_DRAWING", long)
 
     def progress(work, done=None, total=1.0, /):
         drawn.append(len(notes))
