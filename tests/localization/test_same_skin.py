@@ -51,9 +51,8 @@ def test_sweeps_of_another_skin_are_refused_and_insisted_on(run, refused, files,
 def test_sweeps_that_do_not_tell_their_skin_are_answered_with_a_note(run, files, saved, command):
     code, out, err = run(command, saved, files / "untold.nc")
     assert code == 0 and out
-    assert (
-        err == f"rcskin: note: {files / 'untold.nc'}: stores no scene, so its skin is not checked\n"
-    )
+    reason = "stores no scene, so its skin cannot be compared with the model's"
+    assert err == f"rcskin: note: {files / 'untold.nc'}: {reason}\n"
 
 
 def test_rest_of_another_skin_is_refused_too(refused, files, saved):
