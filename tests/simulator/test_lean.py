@@ -48,7 +48,7 @@ def test_sweeps_are_simulated_learned_from_and_localized(tmp_path):
         f"localize {model} {sweeps} -o {tmp_path / 'told.csv'}",
     )
     (note,) = done.stderr.splitlines()
-    assert done.returncode == 0 and "15 of these 15 sweeps taught it" in note
+    assert done.returncode == 0 and "trained or adapted on 15 of these 15 sweeps" in note
     assert len((tmp_path / "told.csv").read_text().splitlines()) == 1 + len(pressed)
 
 

@@ -99,7 +99,9 @@ def test_a_sweep_is_asked_reading_by_reading_of_those_taken(models, sweeps, own)
 def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, shared):
     whole, part = sweeps
     for each, scene in ((whole, own), (part, shared)):
-        with pytest.raises(InputError, match="at the `frequencies` that the scene reads it at"):
+        with pytest.raises(
+            InputError, match="takes each interface at its `frequencies` of the scene"
+        ):
             trained(each.assign_attrs(scene=scene_text(scene)), "model-based")
 
 

@@ -20,7 +20,7 @@ def at_rest(random, way, drift=0.0, across=0.0):
 
 def error(learned, now, opening, recent):
     """Root mean square of the reference that changes are told against, over the noise."""
-    reference = recent - learned.settled(recent - opening)
+    reference = recent - learned.correction(recent - opening)
     return np.sqrt(np.square(reference - now).mean()) / NOISE
 
 
