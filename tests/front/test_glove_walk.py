@@ -109,7 +109,7 @@ def model(rcskin, scene, folder):
 
 def test_what_the_scene_says_is_described(rcskin, scene, folder):
     told = rcskin("describe glove.toml -o glove.svg")
-    assert "90 x 60 mm" in told.replace("×", "x") and "alike" in told
+    assert "90 x 60 mm" in told.replace("×", "x") and "give the same sweeps" in told
     assert "left" in (folder / "glove.svg").read_text()
 
 
