@@ -28,7 +28,7 @@ MIN_SHARE, MAX_GAIN = 0.1, 2.5
 LINEAR = 0.1
 """Largest relative deviation of J at an end of a linear interval, and of its remaining drop."""
 OVER = 0.1
-"""Largest excess of an unknown over its bound, in its standard deviation, in a linear interval."""
+"""Largest excess of an unknown over its bound, in its standard deviation."""
 SETTLED = 1e-6
 """Relative change of J, of unknowns and of slopes at which a minimum is accepted."""
 
@@ -131,6 +131,8 @@ class Profile:
     ) -> list[ProfilePoint]:
         """Points on one side, at most twice STEP deviations apart, to a limit or past an end.
 
+        They end where the pivot leaves the model's reach; the distribution extrapolates from there.
+
         Each minimization starts from an extrapolation of the two points before it.
         """
         limit = quantity.limits[int(direction > 0)]
@@ -144,7 +146,10 @@ class Profile:
                 at = last.at + max(share, MIN_SHARE) * way_on if share < 1 else beyond.pop().at
             else:
                 at = limit if step >= abs(limit - last.at) else last.at + direction * step
-            point = self._solved(quantity, at, last.u + (at - last.at) * onward)
+            begin = last.u + (at - last.at) * onward
+            if found and self._beyond_reach(quantity, self._constrained(quantity, at, begin)):
+                break
+            point = self._solved(quantity, at, begin)
             found.append(point)
             gone = _root(point, start) - _root(last, start)
             if gone > 2 * STEP:
@@ -201,6 +206,12 @@ class Profile:
         moved = u.copy()
         moved[quantity.pivot] += (at - value) / slopes[quantity.pivot]
         return moved
+
+    def _beyond_reach(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> bool:
+        """True if the pivot, which the minimization does not bound, leaves the model's reach."""
+        pivot = quantity.pivot
+        over = OVER * self._spread[pivot]
+        return not self._low[pivot] - over <= u[pivot] <= self._high[pivot] + over
 
     def _inside(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.clip(u, self._low, self._high)

@@ -131,6 +131,24 @@ def straight_down(u):
     return (u[0] + u[1] + 0.5) / 0.3
 
 
+def test_no_point_lies_beyond_the_reach_of_the_model():
+    reach = 1.2
+    bounds = (np.array([-reach, -np.inf]), np.array([reach, np.inf]))
+
+    def within_reach(u):
+        assert abs(u[0]) < reach + 0.2
+        return straight(u)
+
+    best = least_of(straight)
+    free, bounded = (
+        Profile(fit_of(reading, slopes_of_straight, best, limits), 1.0, NORMAL)
+        for reading, limits in ((straight, FREE), (within_reach, bounds))
+    )
+    exact = free.distribution(along(0)).interval(NORMAL)
+    assert exact[1] > reach + 0.2
+    np.testing.assert_allclose(bounded.distribution(along(0)).interval(NORMAL), exact, rtol=0.02)
+
+
 def test_an_interval_ends_at_a_limit_of_the_quantity_and_is_shorter_beyond_it():
     bounds = (np.array([0.0, -np.inf]), np.full(2, np.inf))
 
