@@ -10,7 +10,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError, check, loaded, open_zarr, read
 from ...simulator.sweeps.joining import join
-from ...simulator.sweeps.schema import QUANTITIES
+from ...simulator.sweeps.reading_quantities import kind_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +41,7 @@ def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
     texts = [name for name, variable in some.variables.items() if variable.dtype.kind == "T"]
     known = check(loaded(some.copy(), path))
     known = known.assign_coords({name: known[name].astype(object) for name in texts})
-    left = QUANTITIES if in_parts else ()
+    left = kind_of(some).names if in_parts else ()
     return known.assign({name: some[name].variable for name in left})
 
 

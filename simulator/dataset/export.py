@@ -12,7 +12,8 @@ from ..sweeps import InputError, checked_output, open_zarr, read, require_packag
 from ..sweeps.digests import seal_binary, seal_text
 from ..sweeps.formats import netcdf
 from ..sweeps.formats.csv import append_csv
-from ..sweeps.schema import DIMENSIONS, QUANTITIES, TAKEN, taken_of
+from ..sweeps.reading_quantities import kind_of
+from ..sweeps.schema import DIMENSIONS, TAKEN, taken_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +50,7 @@ def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
     columns, taken = {}, taken_of(sweeps)
     for name in sorted(map(str, known)):
         columns |= _columns(name, sweeps[name].values)
-    for name in QUANTITIES:
+    for name in kind_of(sweeps).names:
         columns |= _spectrum(name, sweeps[name].transpose(*DIMENSIONS), taken)
     return pd.DataFrame(columns)
 
@@ -84,13 +85,17 @@ def _in_memory(part: Part, data: Path) -> Part:
 
 def _parts(sweeps: xr.Dataset, data: Path) -> Iterator[tuple[int, xr.Dataset]]:
     """Yields the number of the first sweep of each part, and the part in memory."""
-    chunk = sweeps["Rs"].encoding.get("preferred_chunks", {}).get("sweep", VALUES_AT_ONCE)
+    chunk = (
+        sweeps[kind_of(sweeps).names[0]]
+        .encoding.get("preferred_chunks", {})
+        .get("sweep", VALUES_AT_ONCE)
+    )
     for first in range(0, sweeps.sizes["sweep"], chunk):
         yield first, _in_memory(sweeps.isel(sweep=slice(first, first + chunk)), data)
 
 
 def _write_csv(sweeps: xr.Dataset, path: Path, data: Path) -> None:
-    written = (*QUANTITIES, TAKEN)
+    written = (*kind_of(sweeps).names, TAKEN)
     kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in written])
     for first, part in _parts(kept, data):
         append_csv(part, path, first)

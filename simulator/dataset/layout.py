@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.scene import Scene
-from ..sweeps.schema import DIMENSIONS, LABELS, QUANTITIES
+from ..sweeps.reading_quantities import DESCRIBED, IMPEDANCE
+from ..sweeps.schema import DIMENSIONS, LABELS
 from .dataset_plan import Plan, readings
 from .drawn_presses import MAX_TOUCHES
 from .drawn_session import DrawnSession
@@ -46,8 +47,8 @@ def variables(plan: Plan) -> list[ArraySpec]:
     labels = " ".join(LABELS)
     return [
         *(
-            ArraySpec(name, DIMENSIONS, quantity, meaning, units, labels)
-            for name, (meaning, units) in QUANTITIES.items()
+            ArraySpec(each.name, DIMENSIONS, quantity, each.meaning, each.units, labels)
+            for each in IMPEDANCE.quantities
         ),
         *(
             ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
@@ -112,7 +113,7 @@ def readings_along(plan: Plan) -> dict[str, int]:
 
 def min_size(plan: Plan) -> float:
     """Smallest size of the readings in bytes: compression halves noisy values at most."""
-    of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in QUANTITIES]
+    of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in DESCRIBED]
     return 0.5 * sum(of_each) * plan.sweeps * readings(plan.scene)
 
 

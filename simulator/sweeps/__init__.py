@@ -1,5 +1,6 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
+from .concatenation import concatenate, side_by_side
 from .errors import InputError, OutputError, ToleranceError
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .input_files import loaded, open_zarr, read, sizes_text
@@ -12,9 +13,7 @@ from .schema import (
     UNPRESSED,
     build,
     check,
-    concatenate,
     impedance,
-    side_by_side,
     tabled,
 )
 from .sweep_table import SweepTable

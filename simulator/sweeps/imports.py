@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .concatenation import concatenate
 from .errors import InputError
 from .file_kinds import check_file_kind
 from .importing.account import account
@@ -26,7 +27,7 @@ from .importing.impedance_columns import impedance_readings
 from .importing.labels import Defaults, line_labels
 from .importing.table import read_table
 from .joining import aligned
-from .schema import build, concatenate
+from .schema import build
 
 if TYPE_CHECKING:
     import xarray as xr

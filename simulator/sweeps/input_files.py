@@ -14,7 +14,8 @@ from .file_kinds import check_file_kind
 from .formats.csv import read_csv
 from .formats.netcdf import DAMAGED, read_dataset
 from .optional_packages import require_packages
-from .schema import QUANTITIES, check
+from .reading_quantities import kind_of
+from .schema import check
 from .stored_units import conventional
 from .sweep_table import DIMENSIONS
 
@@ -78,7 +79,7 @@ def open_zarr(path: Path) -> xr.Dataset:
         sealed = check_store(path)
         inputs.check_arrays(path, _declared(path))
         stored = xr.open_zarr(path)
-        _check_whole(path, [*map(str, stored.variables)] if sealed else QUANTITIES)
+        _check_whole(path, [*map(str, stored.variables)] if sealed else kind_of(stored).names)
     except InputError:
         raise
     except DAMAGED as error:

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .concatenation import concatenate, same_taken
 from .errors import InputError
 from .input_files import read
 from .inputs import objects
 from .same_frequency import same_frequencies
 from .same_skin import difference
-from .schema import SESSIONS, TIME, concatenate, same_taken, session_names
+from .schema import SESSIONS, TIME, session_names
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .schema import ERRORS, QUANTITIES, TAKEN, taken_of
+from .reading_quantities import DESCRIBED
+from .schema import TAKEN, taken_of
 from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def restricted(sweeps: xr.Dataset, read: NDArray[np.bool_]) -> xr.Dataset:
     if read.all():
         return sweeps
     there = xr.DataArray(read, dims=DIMENSIONS[1:])
-    names = [name for name in (*QUANTITIES, *ERRORS) if name in sweeps.variables]
+    names = [name for name in DESCRIBED if name in sweeps.variables]
     some = {name: sweeps[name].where(there).transpose(*sweeps[name].dims) for name in names}
     rows, columns = read.any(axis=1), read.any(axis=0)
     bare = sweeps.assign(some).drop_vars(TAKEN, errors="ignore")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, ParamSpec
 import numpy as np
 
 from .errors import InputError
-from .impedance import parallel_capacitance
 from .inputs import objects
+from .reading_quantities import DESCRIBED, IMPEDANCE, kind_of
 from .sweep_table import DIMENSIONS, SweepTable, SweepVariable
 
 if TYPE_CHECKING:
@@ -25,15 +25,6 @@ OPENING = "opening"
 """Coordinate that marks baseline sweeps: the first of a session, or else the latest."""
 MEASURED, VIRTUAL = "measured", "virtual meter"
 """Values of the attribute `model` for sweeps of a real and of the virtual meter."""
-QUANTITIES = {
-    "Rs": ("series resistance, Re Z", "ohm"),
-    "X": ("series reactance, Im Z", "ohm"),
-    "Cp": ("parallel capacitance, Im(1/Z)/omega", "F"),
-}
-ERRORS = {
-    "Rs_error": ("estimated numerical error of Rs", "ohm"),
-    "Cp_error": ("estimated numerical error of Cp", "F"),
-}
 LABELS = {
     "press": "the press as text",
     "row": "pressed pixel's row: 0 nothing pressed, -1 no single pixel",
@@ -82,20 +73,16 @@ def tabled(
         raise InputError(
             f"impedance must have shape (sweep, {len(interface)}, {frequency.size}), got {Z.shape}"
         )
+    more = {**({} if Cp is None else {"Cp": Cp}), **(errors or {})}
+    derived = [each for each in IMPEDANCE.quantities if each.name not in more]
     values = {
-        "Rs": Z.real,
-        "X": Z.imag,
-        "Cp": parallel_capacitance(Z, frequency) if Cp is None else np.asarray(Cp, dtype=float),
-        **{name: np.asarray(error, dtype=float) for name, error in (errors or {}).items()},
+        **{each.name: each.of(Z, frequency) for each in derived},
+        **{name: np.asarray(each, dtype=float) for name, each in more.items()},
     }
     if taken is not None:
         values = {name: np.where(taken, value, np.nan) for name, value in values.items()}
-    described = {**QUANTITIES, **ERRORS}
     quantities = {
-        name: SweepVariable(
-            DIMENSIONS, value, {"long_name": described[name][0], "units": described[name][1]}
-        )
-        for name, value in values.items()
+        name: SweepVariable(DIMENSIONS, value, _described(name)) for name, value in values.items()
     }
     labels = {
         "press": np.array(list(press), dtype=object),
@@ -125,6 +112,10 @@ def tabled(
             ("sweep",), np.asarray(time, dtype=np.float64), described_time
         )
     return _checked(SweepTable(quantities, coordinates, dict(attributes or {})))
+
+
+def _described(name: str) -> dict[str, str]:
+    return {"long_name": DESCRIBED[name].meaning, "units": DESCRIBED[name].units}
 
 
 def _with_xarray(make: Callable[P, SweepTable]) -> Callable[P, xr.Dataset]:
@@ -209,11 +200,12 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
     Raises InputError naming the variable and what is wrong with it: absent, of other dimensions,
     not finite, names that are not printable, or frequencies that are not positive and ascending.
     """
-    for name in (*QUANTITIES, *LABELS, "frequency", "interface"):
+    kind = kind_of(sweeps.variables)
+    for name in (*kind.names, *LABELS, "frequency", "interface"):
         if name not in sweeps.variables:
             raise InputError(f"`{name}` is missing from the sweeps")
     taken = taken_of(sweeps)
-    for name in (*QUANTITIES, *(error for error in ERRORS if error in sweeps)):
+    for name in (*kind.names, *(error for error in kind.error_names if error in sweeps)):
         if set(sweeps[name].dims) != set(DIMENSIONS):
             raise InputError(f"`{name}` must have dimensions {DIMENSIONS}, got {sweeps[name].dims}")
         values = sweeps[name] if taken is None else sweeps[name].transpose(*DIMENSIONS)
@@ -257,62 +249,7 @@ def session_names(sweeps: xr.Dataset) -> dict[int, str]:
 
 def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
     """Z = Rs + jX in ohm, shape (sweep, interface, frequency)."""
-    Rs, X = (sweeps.variables[name].transpose(*DIMENSIONS).values for name in ("Rs", "X"))
-    return Rs + 1j * X
-
-
-def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Concatenates data sets of equal interfaces and frequencies; attributes are the first's.
-
-    Raises InputError if there is none, or if interfaces or frequencies differ.
-    """
-    import xarray as xr
-
-    if not parts:
-        raise InputError("`parts` must hold at least one data set, got none")
-    first = parts[0]
-    for part in parts[1:]:
-        for name in ("interface", "frequency"):
-            if not np.array_equal(part[name].values, first[name].values):
-                raise InputError(f"sweeps of different `{name}` cannot be joined")
-        if not same_taken(part, first):
-            raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
-    masked = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
-    return xr.concat(masked, dim="sweep", combine_attrs="override", join="exact")
-
-
-def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:
-    """True if both data sets have the same mask of readings taken."""
-    first, second = taken_of(one), taken_of(other)
-    if first is None or second is None:
-        return first is second
-    return np.array_equal(first, second)
-
-
-def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Joins recordings of the same presses at different interfaces into one data set.
-
-    Attributes and time are the first's. Raises InputError if presses, sessions or frequencies
-    differ, or if an interface is named twice.
-    """
-    import xarray as xr
-
-    first = parts[0]
-    for part in parts[1:]:
-        for name in (*LABELS, "frequency"):
-            if not np.array_equal(part[name].values, first[name].values):
-                raise InputError(f"sweeps of different `{name}` are not of the same presses")
-    names = [name for part in parts for name in part["interface"].values]
-    if len(set(names)) < len(names):
-        raise InputError(f"`interface` names must be distinct, got {', '.join(names)}")
-    bare = [part.drop_vars(TIME, errors="ignore") for part in parts]
-    if any(TAKEN in part.variables for part in parts):
-        bare = [part if TAKEN in part.variables else _all_taken(part) for part in bare]
-    whole = xr.concat(bare, dim="interface", combine_attrs="override", join="exact")
-    return whole.assign_coords({TIME: first[TIME]}) if TIME in first.variables else whole
-
-
-def _all_taken(sweeps: xr.Dataset) -> xr.Dataset:
-    """Adds the mask TAKEN with all readings taken."""
-    whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=np.int8)
-    return sweeps.assign_coords({TAKEN: (DIMENSIONS[1:], whole)})
+    names = IMPEDANCE.sufficient
+    return IMPEDANCE.reading(
+        {name: sweeps.variables[name].transpose(*DIMENSIONS).values for name in names}
+    )

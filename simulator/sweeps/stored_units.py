@@ -10,13 +10,13 @@ import numpy as np
 
 from .errors import InputError
 from .optional_packages import require_packages
-from .schema import ERRORS, QUANTITIES
+from .reading_quantities import DESCRIBED
 from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-UNITS = {"frequency": "Hz", **{name: unit for name, (_, unit) in {**QUANTITIES, **ERRORS}.items()}}
+UNITS = {"frequency": "Hz", **{name: each.units for name, each in DESCRIBED.items()}}
 OHM = re.compile(r"ohms?|Ω|Ω", re.IGNORECASE)
 
 

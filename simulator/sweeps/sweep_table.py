@@ -40,7 +40,7 @@ class SweepTable:
     @property
     def sizes(self) -> dict[str, int]:
         """Lengths of the dimensions by name."""
-        shape = self.quantities["Rs"].values.shape
+        shape = next(iter(self.quantities.values())).values.shape
         return dict(zip(DIMENSIONS, shape, strict=True))
 
     def dataset(self) -> xr.Dataset:

@@ -1,0 +1,72 @@
+"""Sweeps joined along their dimensions: more sweeps, or more interfaces of the same presses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .errors import InputError
+from .schema import LABELS, TAKEN, TIME, taken_of
+from .sweep_table import DIMENSIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Concatenates data sets of equal interfaces and frequencies; attributes are the first's.
+
+    Raises InputError if there is none, or if interfaces or frequencies differ.
+    """
+    import xarray as xr
+
+    if not parts:
+        raise InputError("`parts` must hold at least one data set, got none")
+    first = parts[0]
+    for part in parts[1:]:
+        for name in ("interface", "frequency"):
+            if not np.array_equal(part[name].values, first[name].values):
+                raise InputError(f"sweeps of different `{name}` cannot be joined")
+        if not same_taken(part, first):
+            raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
+    masked = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
+    return xr.concat(masked, dim="sweep", combine_attrs="override", join="exact")
+
+
+def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:
+    """True if both data sets have the same mask of readings taken."""
+    first, second = taken_of(one), taken_of(other)
+    if first is None or second is None:
+        return first is second
+    return np.array_equal(first, second)
+
+
+def side_by_side(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Joins recordings of the same presses at different interfaces into one data set.
+
+    Attributes and time are the first's. Raises InputError if presses, sessions or frequencies
+    differ, or if an interface is named twice.
+    """
+    import xarray as xr
+
+    first = parts[0]
+    for part in parts[1:]:
+        for name in (*LABELS, "frequency"):
+            if not np.array_equal(part[name].values, first[name].values):
+                raise InputError(f"sweeps of different `{name}` are not of the same presses")
+    names = [name for part in parts for name in part["interface"].values]
+    if len(set(names)) < len(names):
+        raise InputError(f"`interface` names must be distinct, got {', '.join(names)}")
+    bare = [part.drop_vars(TIME, errors="ignore") for part in parts]
+    if any(TAKEN in part.variables for part in parts):
+        bare = [part if TAKEN in part.variables else _all_taken(part) for part in bare]
+    whole = xr.concat(bare, dim="interface", combine_attrs="override", join="exact")
+    return whole.assign_coords({TIME: first[TIME]}) if TIME in first.variables else whole
+
+
+def _all_taken(sweeps: xr.Dataset) -> xr.Dataset:
+    """Adds the mask TAKEN with all readings taken."""
+    whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=np.int8)
+    return sweeps.assign_coords({TAKEN: (DIMENSIONS[1:], whole)})
