@@ -1,0 +1,105 @@
+"""Phases of a multisine with a low peak, and its voltage at the source and at the amplifier.
+
+Sources: M. R. Schroeder, IEEE Trans. Inf. Theory 16 (1970) 85 (phases); E. van der Ouderaa,
+J. Schoukens, J. Renneboog, IEEE Trans. Instrum. Meas. 37 (1988) 145 (clipping).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .reader import Multisine
+
+OVERSAMPLED = 8
+"""Points on a period of the highest tone; between them a peak is at most 8 % higher."""
+CLIPPED = 0.75
+"""Level at which a waveform is clipped, over its peak."""
+CLIPPINGS = 200
+
+
+def waveform(
+    amplitude: NDArray[np.complex128], bins: NDArray[np.int64], points: int
+) -> NDArray[np.float64]:
+    """sum_k Re(A_k exp(2 pi j b_k t)) at that many instants of a period, shape (..., points).
+
+    amplitude: complex A_k, shape (..., tone). bins: periods of each tone in a frame.
+    """
+    spectrum = np.zeros((*amplitude.shape[:-1], points // 2 + 1), dtype=np.complex128)
+    np.add.at(spectrum, (..., bins), amplitude / 2)
+    return np.fft.irfft(spectrum, points) * points
+
+
+def enough_points(bins: NDArray[np.int64]) -> int:
+    """Number of points of a period that show the peak of a waveform."""
+    return 2 ** int(np.ceil(np.log2(OVERSAMPLED * bins.max())))
+
+
+def schroeder_phases(
+    amplitude: NDArray[np.float64], bins: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Phases by which each tone takes a part of the period in proportion to its power.
+
+    phi_k = -2 pi sum_{l<k} (b_{l+1} - b_l) P_l with the share P_l of the power up to tone l; for
+    consecutive tones they are Schroeder's Eq 11.
+    """
+    power = np.cumsum(amplitude**2) / np.sum(amplitude**2)
+    return -2 * np.pi * np.concatenate([[0.0], np.cumsum(np.diff(bins) * power[:-1])])
+
+
+@lru_cache(maxsize=64)
+def _phasors(shares: tuple[float, ...], bins: tuple[int, ...]) -> NDArray[np.complex128]:
+    """Complex amplitudes of tones whose waveform peaks at 1: clipping lowers Schroeder's peak."""
+    number, size = np.array(bins), np.array(shares)
+    points = enough_points(number)
+    phase, lowest = schroeder_phases(size, number), np.inf
+    best = np.zeros(len(size), dtype=np.complex128)
+    for _ in range(CLIPPINGS):
+        amplitude = size * np.exp(1j * phase)
+        wave = waveform(amplitude, number, points)
+        peak = float(np.abs(wave).max())
+        if peak < lowest:
+            best, lowest = amplitude / peak, peak
+        clipped = np.clip(wave, -CLIPPED * peak, CLIPPED * peak)
+        phase = np.angle(np.fft.rfft(clipped)[number])
+    return best
+
+
+def bins_of(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Periods of each tone in a frame, at least 1. frequency: Hz."""
+    return np.maximum(np.rint(frequency * reader.frame), 1).astype(np.int64)
+
+
+def amplitudes(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Complex amplitudes in V at some of the tones; all tones peak at `peak_voltage` together.
+
+    frequency: Hz, ascending; see `Multisine.tones`. Raises InputError as `Multisine.shares` does.
+    """
+    tones = reader.tones(frequency)
+    shares, bins = reader.shares(len(tones)), bins_of(reader, tones)
+    every = reader.peak_voltage * _phasors(tuple(shares.tolist()), tuple(bins.tolist()))
+    return every[np.searchsorted(tones, frequency)]
+
+
+def output(
+    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> NDArray[np.complex128]:
+    """Complex amplitudes at the amplifier's output, -V Z_f / Z, V, of the shape of Z."""
+    return -amplitudes(reader, frequency) * reader.feedback(frequency) / Z
+
+
+def output_peak(
+    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Peak of the amplifier's output, V, shape of Z without its last axis, frequency."""
+    bins = bins_of(reader, frequency)
+    wave = waveform(output(reader, Z, frequency), bins, enough_points(bins))
+    return np.abs(wave).max(axis=-1)
+
+
+def crest_factor(reader: Multisine, frequency: NDArray[np.float64]) -> float:
+    """Peak of the excitation of these tones over its root mean square; sqrt(2) for one tone."""
+    amplitude = np.abs(amplitudes(reader, frequency))
+    return float(reader.peak_voltage / np.sqrt((amplitude**2).sum() / 2))
