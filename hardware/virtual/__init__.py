@@ -1,1 +1,1 @@
-"""Virtual meter: speaks the IM3523's language over TCP, and reads a given skin."""
+"""Virtual meters: each speaks the language of a real model over TCP, and reads a given skin."""

@@ -19,7 +19,6 @@ from ..tokens import new_token, same_token
 from .clients import Client
 from .faults import Fault
 from .instrument import Instrument
-from .measurement import UNDERFLOW, WITHOUT_NUMBERS
 
 UNKNOWN_TOKEN = (
     "the token of this request is not the virtual meter's; commands of the user who serves it find "
@@ -111,13 +110,10 @@ class ControlPort:
 
     def state(self) -> dict[str, Any]:
         """Press, interface, settings and pending faults."""
-        settings = self.instrument.settings
         return {
             "press": self.instrument.press,
             "interface": self.instrument.interface,
-            "frequency": settings.frequency,
-            "range": settings.range,
-            "trigger": settings.trigger,
+            **self.instrument.shown_settings,
             "faults": [fault.kind for fault in self.instrument.faults.waiting],
         }
 
@@ -125,7 +121,7 @@ class ControlPort:
         """State of the page: press, interface, and the latest reading if it has numbers."""
         meter, latest = self.instrument, self.instrument.latest
         reading = None
-        if latest.status not in (*WITHOUT_NUMBERS, UNDERFLOW):
+        if latest.has_numbers:
             Z = latest.Z.real, latest.Z.imag
             reading = {"frequency": latest.conditions.frequency, "Z": Z}
         state = {"press": meter.press, "interface": meter.interface, "reading": reading}

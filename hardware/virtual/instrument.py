@@ -1,52 +1,44 @@
-"""The virtual meter: settings, registers, trigger and readings."""
+"""Common part of all virtual meters: the skin, the clock, the running measurement and faults.
+
+A dialect is a subclass: its identity, settings, commands, errors and times.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ...simulator.sweeps import UNPRESSED
-from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL
 from ..event_counter import Report
 from ..meter.meter_identity import VIRTUAL_SERIAL
 from .faults import Faults
-from .language.parser import ExecutionError
-from .measurement import (
-    NO_RESULT,
-    OVERFLOW,
-    UNDERFLOW,
-    MeasurementResult,
-    MeasurementSetup,
-    conditions,
-    measurement_text,
-)
-from .meter_state import Measuring, Registers, Settings, Standard
-from .virtual_corrections import CorrectionRuns
+from .language.meter_command import MeterCommand
+from .language.parser import LanguageError
+from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
 from .worker import Worker
 
 if TYPE_CHECKING:
     from .measurement import Skin
-
-STATUS_EVENTS = {OVERFLOW: Measuring.MOF, UNDERFLOW: Measuring.MUF, 2: Measuring.REF}
 
 
 @dataclass
 class PendingMeasurement:
     """A running measurement. done: time of its end, s of the loop's clock.
 
-    press: of the skin in the middle of the measurement.
+    points: press, momentary in the middle of the point, and settings of each reading.
     """
 
-    press: Any
-    settings: Settings
+    points: tuple[tuple[Any, MeterSettings], ...]
     done: float
     setup: MeasurementSetup
 
 
 @dataclass
-class Instrument:
+class Instrument(ABC):
     """One meter, shared by clients. pace: factor on all times; 1: as a real meter, 0: none.
 
     skins: by interface, for a switch; interface: the connected one. report_failure: reports why the
@@ -55,14 +47,12 @@ class Instrument:
     """
 
     bench: MeasurementSetup
-    model: str = VIRTUAL_MODEL
+    model: str = ""
     serial: str = VIRTUAL_SERIAL
     pace: float = 1.0
     press: str = UNPRESSED
-    settings: Settings = field(default_factory=Settings)
-    registers: Registers = field(default_factory=Registers)
+    settings: Any = None
     faults: Faults = field(default_factory=Faults)
-    corrections: CorrectionRuns = field(default_factory=CorrectionRuns)
     latest: MeasurementResult = NO_RESULT
     pending: PendingMeasurement | None = None
     fresh_from: float = 0.0
@@ -74,50 +64,66 @@ class Instrument:
     report: Report = lambda kind, text: None
 
     @property
+    @abstractmethod
     def identity(self) -> str:
         """Answer to `*IDN?`."""
-        return f"HIOKI,{self.model},{self.serial},V1.00"
 
-    async def trigger(self) -> None:
-        """`*TRG`: start a measurement. Raises ExecutionError with internal trigger."""
-        if self.settings.trigger != "EXTERNAL":
-            raise ExecutionError("*TRG")
-        self.pending = self._begun(self.now + self._seconds())
+    @property
+    @abstractmethod
+    def line_end(self) -> str:
+        """End of an answer."""
 
-    async def measure(self) -> str:
-        """`:MEASure?`: the latest measurement, which may be stale with internal trigger."""
-        if self.settings.trigger == "INTERNAL" and self.now >= self.fresh_from:
-            self.pending = self._begun(self.now)
-        await self.settle()
-        return measurement_text(self.latest, self.settings)
+    @property
+    @abstractmethod
+    def seconds(self) -> float:
+        """Time of a measurement with the present settings at pace 1, s."""
 
-    async def wait(self) -> None:
-        """`*WAI`: wait for running actions; with internal trigger, for a new reading."""
-        if self.settings.trigger == "INTERNAL":
-            await asyncio.sleep(max(0.0, self.fresh_from - self.now))
-        await self.settle()
-        await self.corrections.finished()
+    @property
+    def shown_settings(self) -> dict[str, Any]:
+        """Settings that the control port shows."""
+        names = ("frequency", "range", "trigger")
+        return {name: getattr(self.settings, name) for name in names}
+
+    @abstractmethod
+    def command(self, words: tuple[str, ...]) -> tuple[MeterCommand, tuple[int, ...]] | None:
+        """Command of these words with the numbers of its suffixes; None if unknown."""
+
+    @abstractmethod
+    def refuse(self, error: LanguageError) -> None:
+        """Note an error of a client, as the dialect reports it."""
+
+    @abstractmethod
+    def fail(self) -> None:
+        """Note a failure inside the meter, as the dialect reports it."""
+
+    @abstractmethod
+    def keep(self, results: Sequence[MeasurementResult]) -> None:
+        """Keep the results of a measurement, one for each point."""
+
+    @abstractmethod
+    def reset(self) -> None:
+        """Set the factory settings, without corrections and readings."""
+
+    @abstractmethod
+    def restart(self) -> None:
+        """Simulate a power cut."""
+
+    def answer_text(self, command: MeterCommand, said: str) -> str:
+        """Answer of a command as it is sent."""
+        return said
 
     async def settle(self) -> None:
-        """Finish the running measurement, if there is one, and keep its result."""
+        """Finish the running measurement, if there is one, and keep its results."""
         pending = self.pending
         if pending is None:
             return
         if (left := pending.done - self.now) > 0:
             await asyncio.sleep(left)
         fault = self.faults.take("status")
-        loop = asyncio.get_running_loop()
-        try:
-            result = await loop.run_in_executor(
-                self.worker, pending.setup.measure, pending.press, pending.settings
-            )
-        except Exception as failure:
-            self.report_failure(
-                f"press {pending.press}: no reading: {failure} ({type(failure).__name__})"
-            )
-            self.registers.note(Standard.DDE)
-            result = NO_RESULT
-        self._keep(replace(result, status=fault.status) if fault else result)
+        results = [await self._measured(pending.setup, *point) for point in pending.points]
+        if fault:
+            results = [replace(result, status=fault.status) for result in results]
+        self.keep(results)
         if self.pending is pending:
             self.pending = None
 
@@ -128,38 +134,29 @@ class Instrument:
 
     def changed(self) -> None:
         """Note a change that affects readings: the next one needs its whole time."""
-        self.fresh_from = self.now + self._seconds()
+        self.fresh_from = self.now + self.pace * self.seconds
 
-    def reset(self) -> None:
-        """`*RST`: factory settings, without corrections and readings."""
-        self.corrections.stop()
-        self.settings, self.corrections = Settings(), CorrectionRuns()
-        self.latest, self.pending = NO_RESULT, None
-        self.changed()
-
-    def restart(self) -> None:
-        """Simulate a power cut: a reset, and a power-on event."""
-        self.reset()
-        self.registers = Registers()
+    def begin(self, done: float, points: Sequence[MeterSettings] = ()) -> None:
+        """Begin a measurement that is done at a time, s, at points or with the present settings."""
+        now, each = self.now, tuple(points) or (deepcopy(self.settings),)
+        step = (done - now) / len(each)
+        presses = [
+            self.bench.skin.momentary(self.press, now + (n + 0.5) * step) for n in range(len(each))
+        ]
+        self.pending = PendingMeasurement(tuple(zip(presses, each, strict=True)), done, self.bench)
 
     @property
     def now(self) -> float:
         """Time of the loop's clock, s."""
         return asyncio.get_running_loop().time()
 
-    def _keep(self, result: MeasurementResult) -> None:
-        self.latest = result
-        if self.settings.auto_range:
-            self.settings.range = result.conditions.range
-        for event in (Measuring.IDX, Measuring.EOM, STATUS_EVENTS.get(result.status)):
-            if event:
-                self.registers.note(event)
-
-    def _begun(self, done: float) -> PendingMeasurement:
-        settings = replace(self.settings, each_range=dict(self.settings.each_range))
-        press = self.bench.skin.momentary(self.press, (self.now + done) / 2)
-        return PendingMeasurement(press, settings, done, self.bench)
-
-    def _seconds(self) -> float:
-        delay = self.settings.each_range[self.settings.range].delay
-        return self.pace * (delay + conditions(self.settings, self.settings.range, 0j).seconds)
+    async def _measured(
+        self, setup: MeasurementSetup, press: Any, settings: MeterSettings
+    ) -> MeasurementResult:
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(self.worker, setup.measure, press, settings)
+        except Exception as failure:
+            self.report_failure(f"press {press}: no reading: {failure} ({type(failure).__name__})")
+            self.fail()
+            return NO_RESULT

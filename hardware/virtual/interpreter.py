@@ -1,14 +1,11 @@
-"""Interpreter of the virtual meter: executes the messages of a line and answers."""
+"""Interpreter of the virtual meters: executes the messages of a line and answers."""
 
 from __future__ import annotations
 
 import inspect
 
 from .instrument import Instrument
-from .language.meter_command import MeterCommand
-from .language.parser import CommandError, ExecutionError, Message, messages
-from .language.vocabulary import find_command
-from .meter_state import Standard
+from .language.parser import UNDEFINED_HEADER, CommandError, ExecutionError, Message, messages
 
 
 async def answer(meter: Instrument, line: str) -> str:
@@ -20,27 +17,21 @@ async def answer(meter: Instrument, line: str) -> str:
         for message in messages(line):
             meter.waiting = bool(answers)
             answers += await _execute(meter, message)
-    except CommandError:
-        meter.registers.note(Standard.CME)
+    except CommandError as error:
+        meter.refuse(error)
     return ";".join(answers)
 
 
 async def _execute(meter: Instrument, message: Message) -> list[str]:
-    command = find_command(message.words, meter.model, meter.settings.compatible)
+    command, suffixes = meter.command(message.words) or (None, ())
     act = command and (command.on_query if message.query else command.on_set)
     if command is None or act is None:
-        raise CommandError(message.words)
-    if not command.fits(message):
-        raise CommandError(message.arguments)
+        raise CommandError(message.words, UNDEFINED_HEADER)
+    command.check_arguments(message)
     try:
-        said = act(meter, *message.arguments)
+        said = act(meter, *suffixes, *message.arguments)
         said = await said if inspect.isawaitable(said) else said
-    except ExecutionError:
-        meter.registers.note(Standard.EXE)
+    except ExecutionError as error:
+        meter.refuse(error)
         return []
-    return [_with_header(meter, command, str(said))] if message.query else []
-
-
-def _with_header(meter: Instrument, command: MeterCommand, said: str) -> str:
-    named = meter.settings.header and command.has_header
-    return f"{command.header.upper()} {said}" if named else said
+    return [] if said is None else [meter.answer_text(command, str(said))]

@@ -15,7 +15,7 @@ from .control import ControlPort
 from .faults import ON_ANSWERS, Fault
 from .instrument import Instrument
 from .interpreter import answer
-from .meter_state import Standard
+from .language.parser import SYNTAX_ERROR, CommandError
 
 GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
 
@@ -90,13 +90,14 @@ def run_in_thread(
 async def _serve_client(instrument: Instrument, client: Client) -> None:
     async for line in client.lines():
         if line is None:
-            instrument.registers.note(Standard.CME)
+            instrument.refuse(CommandError("line", SYNTAX_ERROR))
             continue
         said = await answer(instrument, line)
         if said:
-            end = "\r" if instrument.settings.carriage_return_only else "\r\n"
             fault = instrument.faults.take(*ON_ANSWERS)
-            await client.say(await _apply_fault(f"{said}{end}".encode("ascii"), fault))
+            await client.say(
+                await _apply_fault(f"{said}{instrument.line_end}".encode("ascii"), fault)
+            )
 
 
 async def _apply_fault(said: bytes, fault: Fault | None) -> bytes:

@@ -16,6 +16,7 @@ from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
 from ..meter.accuracy_table import DERIVED_TABLE, read_table
 from ..page.page_address import LOOPBACK
 from .control import ControlPort
+from .hioki.im3523 import VirtualHioki
 from .instrument import Instrument
 from .measurement import MeasurementSetup, Readout
 from .meter_server import Ports, open_ports
@@ -104,7 +105,7 @@ def instrument(served: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_T
     """
     if not 0 <= pace <= 100:
         raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
-    meter = Instrument(
+    meter = VirtualHioki(
         MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
         pace=pace,
         press=served.skin.check(UNPRESSED),

@@ -13,11 +13,11 @@ import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import open_meter
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.instrument import Instrument
+from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
+from rcskin.hardware.virtual.hioki.meter_state import PerRange, Settings
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.meter_state import PerRange, Settings
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.scene_files import load_scene
 from typer.testing import CliRunner
@@ -110,7 +110,7 @@ def make_instrument():
     """A virtual meter that takes no time, on the pillow unless told otherwise."""
 
     def make_instrument(skin=None, readout=exact_readout, **more):
-        return Instrument(
+        return VirtualHioki(
             MeasurementSetup(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more}
         )
 

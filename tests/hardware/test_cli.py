@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
-from rcskin.hardware.virtual.meter_state import Settings
+from rcskin.hardware.virtual.hioki.meter_state import Settings
 from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.hardware.virtual.serving import instrument, recorded
 from rcskin.simulator.sweeps import InputError, impedance, read

@@ -11,8 +11,9 @@ from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
-from rcskin.hardware.virtual.measurement import MeasurementSetup, measurement_text
-from rcskin.hardware.virtual.meter_state import Settings
+from rcskin.hardware.virtual.hioki.meter_state import Settings
+from rcskin.hardware.virtual.hioki.reading_text import measurement_text
+from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.scene.scene import Scene, interface_names
 from rcskin.simulator.sweeps import build

@@ -1,1 +1,1 @@
-"""Command language of the virtual meter."""
+"""Forms of commands, numbers and messages that the languages of meters share."""

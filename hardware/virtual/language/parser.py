@@ -7,15 +7,32 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 WORDS = r"[A-Za-z]\w*(?::[A-Za-z]\w*)*"
+SYNTAX_ERROR, DATA_TYPE_ERROR, PARAMETER_NOT_ALLOWED, MISSING_PARAMETER = -102, -104, -108, -109
+UNDEFINED_HEADER, SUFFIX_OUT_OF_RANGE, NUMERIC_DATA_ERROR = -113, -114, -120
+INVALID_CHARACTER_DATA, TRIGGER_IGNORED, DATA_OUT_OF_RANGE = -141, -211, -222
 HEADER = re.compile(rf"(\*[A-Za-z]+|:?{WORDS})(\?)?", re.ASCII)
 
 
-class CommandError(Exception):
-    """The message is no command: CME is set, and the rest of the line is discarded."""
+class LanguageError(Exception):
+    """An error of a client. code: number of the error in SCPI 1999, volume 2, chapter 21."""
+
+    default_code = 0
+
+    def __init__(self, text: object, code: int | None = None) -> None:
+        super().__init__(text)
+        self.code = self.default_code if code is None else code
 
 
-class ExecutionError(Exception):
-    """The command is impossible now or with this value: EXE is set."""
+class CommandError(LanguageError):
+    """The message is no command: the rest of the line is discarded."""
+
+    default_code = -100
+
+
+class ExecutionError(LanguageError):
+    """The command is impossible now or with this value."""
+
+    default_code = -200
 
 
 @dataclass(frozen=True)
@@ -37,7 +54,7 @@ def messages(line: str) -> Iterator[Message]:
         header, *rest = text.split(maxsplit=1) or [""]
         match = HEADER.fullmatch(header)
         if match is None:
-            raise CommandError(text)
+            raise CommandError(text, SYNTAX_ERROR)
         written = match[1].upper()
         words = tuple(written.lstrip(":").split(":"))
         if not written.startswith("*"):
@@ -51,5 +68,5 @@ def _arguments(text: str = "") -> tuple[str, ...]:
         return ()
     arguments = tuple(part.strip() for part in text.split(","))
     if not all(arguments):
-        raise CommandError(text)
+        raise CommandError(text, SYNTAX_ERROR)
     return arguments

@@ -1,4 +1,4 @@
-"""Numbers in the meter's language."""
+"""Numbers in the language of a meter."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import math
 import re
 from decimal import Decimal
 
-from .parser import CommandError, ExecutionError
+from .parser import DATA_OUT_OF_RANGE, NUMERIC_DATA_ERROR, CommandError, ExecutionError
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
-OVER, UNDER = " 999999E+28", "-999999E+28"
 
 
 def engineering(value: float, digits: int) -> str:
@@ -20,28 +19,15 @@ def engineering(value: float, digits: int) -> str:
     return f"{moved:.{max(digits - 1 - shift, 0)}f}E{int(exponent) - shift:+03d}"
 
 
-def measured_text(value: float, decimals: int | None = None) -> str:
-    """A measured value after a space or a minus: six digits, or `decimals` (phase, Q, D).
-
-    A value beyond any display is written as overflow.
-    """
-    if not (math.isfinite(value) and abs(value) < 1e30):
-        return OVER
-    if decimals is not None:
-        return f"{value: 8.{decimals}f}"
-    text = engineering(value, 6)
-    return text if text.startswith("-") else f" {text}"
-
-
 def number(text: str, low: float, high: float) -> float:
     """Number in an argument.
 
     Raises CommandError if it is none, ExecutionError if it is out of range.
     """
     if NUMBER.fullmatch(text) is None:
-        raise CommandError(text)
+        raise CommandError(text, NUMERIC_DATA_ERROR)
     if not low <= float(text) <= high:
-        raise ExecutionError(text)
+        raise ExecutionError(text, DATA_OUT_OF_RANGE)
     return float(text)
 
 
@@ -49,5 +35,5 @@ def integer(text: str, low: int, high: int) -> int:
     """Number in an argument, rounded to a whole one as a meter does. Raises as `number`."""
     value = number(text, -math.inf, math.inf)
     if not low - 0.5 <= value < high + 0.5:
-        raise ExecutionError(text)
+        raise ExecutionError(text, DATA_OUT_OF_RANGE)
     return math.floor(value + 0.5)

@@ -17,7 +17,7 @@ import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.meter_state import PerRange
+from rcskin.hardware.virtual.hioki.meter_state import PerRange
 from rcskin.simulator.sweeps import UNPRESSED, read, write
 
 SOON = 5

@@ -13,7 +13,7 @@ from rcskin.hardware.meter.setting import Setting
 from rcskin.hardware.record.managed_meter import ManagedMeter
 from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.meter_state import Settings
+from rcskin.hardware.virtual.hioki.meter_state import Settings
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 SETTERS = {

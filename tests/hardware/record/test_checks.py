@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits
-from rcskin.hardware.virtual.measurement import conditions
-from rcskin.hardware.virtual.meter_state import Settings
+from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCY = np.geomspace(1e3, 1e5, 9)

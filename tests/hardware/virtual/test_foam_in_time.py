@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.instrument import Instrument
+from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.press_routines import press_by_script
@@ -21,7 +21,7 @@ CREEP = {"skin.foam.relaxation": [{"share": 0.1, "time_constant": 1.0}]}
 READ = ":MEAS:VAL 2;:MEAS:ITEM 0,18;:FREQ 1105;:TRIG EXT;*TRG;:MEAS?"
 
 
-class Clocked(Instrument):
+class Clocked(VirtualHioki):
     """A meter whose clock is set by hand."""
 
     clock = 100.0
@@ -81,7 +81,7 @@ def test_a_reading_is_of_the_middle_of_its_time(clocked):
     async def triggered():
         await control.press("1,2:2.0")
         await meter.trigger()
-        return meter.pending.press
+        return meter.pending.points[0][0]
 
     (touch,) = asyncio.run(triggered()).touches
     crept = 0.5 * (1 + 0.1 * (1 - np.exp(-1)))

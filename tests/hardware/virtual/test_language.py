@@ -5,13 +5,13 @@ import asyncio
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcskin.hardware.virtual.hioki.im3523 import vocabulary
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.language.meter_command import all_forms, matched_word, short_form
 from rcskin.hardware.virtual.language.parser import CommandError, messages
-from rcskin.hardware.virtual.language.vocabulary import _commands
 
 CME, EXE = 32, 16
-HEADERS = sorted({c.header for c in _commands().values() if not c.header.startswith("*")})
+HEADERS = sorted({c.header for c in vocabulary().commands if not c.header.startswith("*")})
 
 
 def esr(answer):
@@ -216,7 +216,7 @@ ODD = (
 )
 
 
-@pytest.mark.parametrize("header", sorted({c.header for c in _commands().values()}))
+@pytest.mark.parametrize("header", sorted({c.header for c in vocabulary().commands}))
 def test_no_argument_is_answered_by_anything_but_a_register(say, instrument, header):
     lines = [f"{header} {first}{more}" for first in ODD for more in ("", *(f",{x}" for x in ODD))]
     queries = [f"{header}?", *(f"{header}? {odd}" for odd in ODD)]

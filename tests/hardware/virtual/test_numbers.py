@@ -6,7 +6,8 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.virtual.language.values import OVER, engineering, measured_text
+from rcskin.hardware.virtual.hioki.reading_text import OVER, measured_text
+from rcskin.hardware.virtual.language.values import engineering
 from rcskin.hardware.virtual.measurement import quantity
 from rcskin.simulator.sweeps import parallel_capacitance, series_capacitance
 

@@ -1,22 +1,19 @@
-"""Settings and event registers of the virtual meter."""
+"""Settings and event registers of Hioki's meters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntFlag
 
-from ..meter.accuracy_table import RANGES
-
-
-class Standard(IntFlag):
-    """Bits of `*ESR?`."""
-
-    PON = 128
-    CME = 32
-    EXE = 16
-    DDE = 8
-    QYE = 4
-    OPC = 1
+from ...meter.accuracy_table import (
+    RANGES,
+    AccuracyTable,
+    GeneratorLevel,
+    ReadingConditions,
+    full_scale,
+)
+from ..event_registers import EventRegisters, Standard
+from ..measurement import NORMAL, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW
 
 
 class Measuring(IntFlag):
@@ -33,26 +30,18 @@ class Measuring(IntFlag):
 
 
 @dataclass
-class Registers:
+class Registers(EventRegisters):
     """Both event registers with their masks, and the mask of the status byte."""
 
-    standard: int = Standard.PON
     measuring: int = 0
-    standard_mask: int = 0
     measuring_mask: int = 0
-    request_mask: int = 0
 
     def note(self, event: Standard | Measuring) -> None:
         """Set the bit of an event."""
         if isinstance(event, Standard):
-            self.standard |= event
+            super().note(event)
         else:
             self.measuring |= event
-
-    def take_standard(self) -> int:
-        """Read and clear the standard register."""
-        taken, self.standard = int(self.standard), 0
-        return taken
 
     def take_measuring(self) -> int:
         """Read and clear the measuring register."""
@@ -61,18 +50,19 @@ class Registers:
 
     def clear(self) -> None:
         """`*CLS`: clear the events, keep the masks."""
-        self.standard = self.measuring = 0
+        super().clear()
+        self.measuring = 0
 
-    def status_byte(self, waiting: bool) -> int:
-        """Status byte: ESB 32, ESB0 1, MAV 16 with a waiting answer, MSS 64 by the mask."""
-        byte = (
-            32 * bool(self.standard & self.standard_mask)
-            | 16 * waiting
-            | 1 * bool(self.measuring & self.measuring_mask)
-        )
-        return byte | 64 * bool(byte & self.request_mask)
+    def status_byte(self, waiting: bool, further: int = 0) -> int:
+        """Status byte with ESB0 1 of the measuring register."""
+        return super().status_byte(waiting, further | bool(self.measuring & self.measuring_mask))
 
 
+ITEMS = (
+    ("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"),
+    ("Q", "RS", "G", "RP", "X", "B", "RDC"),
+)
+PARAMETERS = ("OFF", *ITEMS[0], *ITEMS[1])
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 
 
@@ -116,3 +106,31 @@ class Settings:
     cable: int = 0
     carriage_return_only: bool = False
     compatible: bool = False
+
+    def conditions(self, Z: complex, accuracy: AccuracyTable) -> ReadingConditions:
+        """Conditions of a measurement of Z in ohm, with the range that the meter uses."""
+        return conditions(self, accuracy.fitting_range(Z) if self.auto_range else self.range, Z)
+
+    def status(self, Z: complex, used: ReadingConditions, accuracy: AccuracyTable) -> int:
+        """Status of a reading that shows Z in ohm under these conditions."""
+        low, high = accuracy.span.displayed
+        size = abs(Z) / full_scale(used.range)
+        if size > high:
+            return OVERFLOW
+        if size < low:
+            return UNDERFLOW
+        return OUTSIDE_GUARANTEE if accuracy.is_outside_guarantee(Z, used) else NORMAL
+
+
+def conditions(settings: Settings, range_number: int, Z: complex) -> ReadingConditions:
+    """Conditions of a measurement of Z in ohm, by the settings and a range."""
+    kept = settings.each_range[range_number]
+    drive = GeneratorLevel.of(vars(settings))
+    return ReadingConditions(
+        settings.frequency,
+        range_number,
+        kept.speed,
+        kept.averaging,
+        drive.open_voltage(Z),
+        settings.cable,
+    )

@@ -1,4 +1,4 @@
-"""Open and short correction of the virtual meter: takes time, ends in an event, may fail."""
+"""Open and short correction of Hioki's meters: takes time, ends in an event, may fail."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from .faults import Faults
-from .language.parser import ExecutionError
+from ..faults import Faults
+from ..language.parser import ExecutionError
 from .meter_state import Measuring, Registers, Settings
 
 SECONDS = {"ALL": 4.0, "SPOT": 1.0}

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from ..instrument import Instrument
-from ..virtual_corrections import SETTINGS
-from .meter_command import MeterCommand, matched_word
-from .parser import CommandError
-from .values import integer
+from typing import TYPE_CHECKING
+
+from ..language.meter_command import MeterCommand, matched_word
+from ..language.parser import CommandError
+from ..language.values import integer
+from .virtual_corrections import SETTINGS
+
+if TYPE_CHECKING:
+    from .im3523 import VirtualHioki
 
 
-def _set_items(meter: Instrument, first: str, second: str) -> None:
+def _set_items(meter: VirtualHioki, first: str, second: str) -> None:
     meter.settings.items = (integer(first, 0, 255), integer(second, 0, 127))
 
 
-def _set_valid(meter: Instrument, text: str) -> None:
+def _set_valid(meter: VirtualHioki, text: str) -> None:
     meter.settings.valid = integer(text, 1, 31)
 
 
-def _correct(meter: Instrument, kind: str, text: str) -> None:
+def _correct(meter: VirtualHioki, kind: str, text: str) -> None:
     requested = matched_word(text, ("OFF", "ALL", "SPOT", "CANCel"))
     if requested is None:
         raise CommandError(text)

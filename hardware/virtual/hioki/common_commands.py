@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from ..instrument import Instrument
-from ..meter_state import Standard
-from .meter_command import MeterCommand
-from .values import integer
+from typing import TYPE_CHECKING
+
+from ..event_registers import Standard
+from ..language.meter_command import MeterCommand
+from ..language.values import integer
+
+if TYPE_CHECKING:
+    from .im3523 import VirtualHioki
 
 
-def _set_mask(name: str, text: str, meter: Instrument) -> None:
+def _set_mask(name: str, text: str, meter: VirtualHioki) -> None:
     setattr(meter.registers, name, integer(text, 0, 255))
 
 
-async def _complete(meter: Instrument) -> int:
+async def _complete(meter: VirtualHioki) -> int:
     await meter.wait()
     return 1
 
 
-async def _note_completion(meter: Instrument) -> None:
+async def _note_completion(meter: VirtualHioki) -> None:
     await meter.wait()
     meter.registers.note(Standard.OPC)
 

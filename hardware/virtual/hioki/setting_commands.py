@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....simulator.sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL
 from ...meter.accuracy_table import RANGES
-from ..instrument import Instrument
-from ..measurement import PARAMETERS
-from ..meter_state import SPEEDS
-from .meter_command import MeterCommand, matched_word
-from .parser import CommandError
-from .values import engineering, integer, number
+from ..language.meter_command import MeterCommand, matched_word
+from ..language.parser import CommandError
+from ..language.values import engineering, integer, number
+from .meter_state import PARAMETERS, SPEEDS
+
+if TYPE_CHECKING:
+    from .im3523 import VirtualHioki
 
 Read = Callable[[str], Any]
 Format = Callable[[Any], str]
@@ -50,14 +51,14 @@ def _averaging_text(value: int) -> str:
 
 
 def _setting_command(header: str, name: str, read: Read, show: Format = str) -> MeterCommand:
-    def set_value(meter: Instrument, text: str) -> None:
+    def set_value(meter: VirtualHioki, text: str) -> None:
         setattr(meter.settings, name, read(text))
         meter.changed()
 
     return MeterCommand(header, set_value, lambda meter: show(getattr(meter.settings, name)))
 
 
-def _set_each(meter: Instrument, which: str, name: str, value: Any) -> None:
+def _set_each(meter: VirtualHioki, which: str, name: str, value: Any) -> None:
     ranges = RANGES if which.upper() == "ALL" else [integer(which, 1, 10)]
     for n in ranges:
         meter.settings.each_range[n] = replace(meter.settings.each_range[n], **{name: value})
@@ -69,7 +70,7 @@ def _each_range(
 ) -> list[MeterCommand]:
     """The IM3523's command with a range, and its siblings' command without."""
 
-    def kept(meter: Instrument, n: int) -> str:
+    def kept(meter: VirtualHioki, n: int) -> str:
         return show(getattr(meter.settings.each_range[n], name))
 
     return [
@@ -89,13 +90,13 @@ def _each_range(
     ]
 
 
-def _set_range(meter: Instrument, text: str) -> None:
+def _set_range(meter: VirtualHioki, text: str) -> None:
     meter.settings.range, meter.settings.auto_range = integer(text, 1, 10), False
     meter.changed()
 
 
 def _parameter(header: str, index: int, siblings_only: bool = False) -> MeterCommand:
-    def set_value(meter: Instrument, text: str) -> None:
+    def set_value(meter: VirtualHioki, text: str) -> None:
         pair = list(meter.settings.parameters)
         pair[index] = _one_of(*PARAMETERS)(text)
         meter.settings.parameters = (pair[0], pair[1])

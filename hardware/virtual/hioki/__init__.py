@@ -1,0 +1,1 @@
+"""Virtual LCR meters of Hioki: IM3523 and its siblings."""
