@@ -1,0 +1,232 @@
+"""Description of the lines of a reader in TOML: format, fields, units, counters, port, rate."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from ...simulator.sweeps import InputError, inputs
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Text = Annotated[str, Field(max_length=100, pattern=r"^[ -~]*$")]
+REPEATED_COLUMN = re.compile(r"(?P<name>.+)\[(?P<length>\d{1,5})\]")
+PARTS = ({"real", "imaginary"}, {"magnitude", "phase"}, {"magnitude"})
+"""Parts of a reading that a line may hold."""
+CHECKSUM_DIGITS = {"xor": 2, "sum": 2, "crc16": 4, "crc32": 8}
+"""Kinds of checksum, with their hexadecimal digits after the last `*` of a line."""
+
+
+class _ReaderModel(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class ReadingFields(_ReaderModel):
+    """Names of the fields or columns of a reading.
+
+    real, imaginary: Rs and X of an impedance, or the parts of a gain. Cp: capacitance of an
+    impedance, F; it must follow from the other two.
+    """
+
+    real: Text = ""
+    imaginary: Text = ""
+    magnitude: Text = ""
+    phase: Text = ""
+    Cp: Text = ""
+
+    @property
+    def named(self) -> dict[str, str]:
+        """Fields by the part of a reading that they hold."""
+        return {part: name for part, name in self.model_dump().items() if name}
+
+
+class ReaderInterface(ReadingFields):
+    """One interface of the skin at the reader.
+
+    name: of the scene. label: value of the field `terminal` in its lines. Fields that only this
+    interface has replace those of the whole file.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=100)]
+    label: Text = ""
+
+    @property
+    def own_fields(self) -> dict[str, str]:
+        """Fields of this interface alone, by part."""
+        return {part: name for part, name in self.named.items() if part not in ("name", "label")}
+
+
+class LineFormat(ReadingFields):
+    """Format of a reader's lines, as its TOML file describes it. Keys: see the how-to page.
+
+    `frequencies`: Hz. `rate`: lines per second. `boot`: s from the opening to the start command.
+    `error`: bound on the error of the magnitude, a fraction; `phase_error`: of the phase, degrees.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^,\x00-\x1f]*$")]
+    format: Literal["json", "csv"]
+    quantity: Literal["impedance", "gain"] = "impedance"
+    lines: Literal["readings", "sweeps"] = "readings"
+    columns: tuple[Text, ...] = ()
+    separator: Annotated[str, Field(min_length=1, max_length=1)] = ","
+    interface: tuple[ReaderInterface, ...] = ()
+    terminal: Text = ""
+    frequency: Text = ""
+    frequency_scale: Positive = 1.0
+    frequencies: tuple[Positive, ...] = ()
+    begins: Literal["lowest", "highest"] = "lowest"
+    unit: Literal["ohm", "V", "bit", "share"] = "ohm"
+    scale: Positive = 1.0
+    amplitude: Positive | None = None
+    phase_unit: Literal["deg", "rad"] = "deg"
+    range: tuple[float, float] | None = None
+    count: Text = ""
+    count_limit: Annotated[int, Field(ge=2)] | None = None
+    sweep: Text = ""
+    time: Text = ""
+    checksum: Literal["", "xor", "sum", "crc16", "crc32"] = ""
+    comment: Text = "#"
+    banner: Text = ""
+    baud: Annotated[int, Field(ge=300, le=10_000_000)] = 115_200
+    boot: Annotated[float, Field(ge=0, le=60)] = 0.0
+    start: Text = ""
+    stop: Text = ""
+    rate: Annotated[float, Field(gt=0, le=1e6)]
+    error: Annotated[float, Field(gt=0, lt=1)] | None = None
+    phase_error: Annotated[float, Field(gt=0, lt=90)] | None = None
+
+    @cached_property
+    def cells(self) -> dict[str, slice]:
+        """Cells of each column of CSV; `name[96]` are 96 cells."""
+        found: dict[str, slice] = {}
+        begun = 0
+        for column in self.columns:
+            repeated = REPEATED_COLUMN.fullmatch(column)
+            name, length = (repeated["name"], int(repeated["length"])) if repeated else (column, 1)
+            found[name] = slice(begun, begun + length)
+            begun += length
+        return found
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells of a line of CSV."""
+        return max((cells.stop for cells in self.cells.values()), default=0)
+
+    def fields_of(self, interface: ReaderInterface | None) -> dict[str, str]:
+        """Fields of a reading at an interface by part: its own, or those of the whole file."""
+        common = {part: getattr(self, part) for part in ReadingFields.model_fields}
+        own = interface.own_fields if interface else {}
+        return {part: name for part, name in {**common, **own}.items() if name}
+
+    @property
+    def counters(self) -> tuple[str, ...]:
+        """Fields that each line has next to its readings."""
+        names = self.count, self.sweep, self.time, self.terminal, self.frequency
+        return tuple(name for name in names if name)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for fault in (
+            _fault_of_fields(self),
+            _fault_of_units(self),
+            _fault_of_interfaces(self),
+            _fault_of_frequencies(self),
+            _fault_of_columns(self),
+        ):
+            if fault:
+                raise ValueError(fault)
+        return self
+
+
+def read_line_format(path: Path) -> LineFormat:
+    """Line format of a TOML file. Raises InputError with the file, the key and the fault."""
+    try:
+        return LineFormat.model_validate(inputs.tables(inputs.text(path, inputs.SETTINGS)))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is no description of a reader in TOML: {error}") from error
+    except ValidationError as error:
+        raise InputError(f"{path}: {_first_fault(error)}") from error
+
+
+def _first_fault(error: ValidationError) -> str:
+    first = error.errors()[0]
+    message = first["msg"].removeprefix("Value error, ")
+    if not first["loc"]:
+        return message
+    key = ".".join(map(str, first["loc"]))
+    got = "" if first["type"] == "missing" else f", got {first['input']!r}"
+    return f"`{key}`: {message}{got}"
+
+
+def _fault_of_fields(given: LineFormat) -> str:
+    for interface in given.interface or (None,):
+        parts = set(given.fields_of(interface))
+        where = f"interface {interface.name!r}: " if interface else ""
+        if parts - {"Cp"} not in PARTS:
+            return (
+                f"{where}a reading needs `real` and `imaginary`, or `magnitude` and `phase`, or "
+                f"`magnitude` alone; got {', '.join(sorted(parts)) or 'none of them'}"
+            )
+        if given.quantity == "impedance" and parts == {"magnitude"}:
+            return f"{where}`magnitude` alone is possible for a gain only; add `phase`"
+        if given.quantity == "gain" and "Cp" in parts:
+            return f"{where}`Cp` belongs to an impedance, and `quantity` is 'gain'"
+    return ""
+
+
+def _fault_of_units(given: LineFormat) -> str:
+    units = ("ohm",) if given.quantity == "impedance" else ("V", "bit", "share")
+    if given.unit not in units:
+        allowed = " or ".join(repr(unit) for unit in units)
+        return f"`unit` of `quantity` {given.quantity!r} must be {allowed}, got {given.unit!r}"
+    if (given.amplitude is None) == (given.unit in ("V", "bit")):
+        return (
+            f"`amplitude` (of the source, V) is needed for the units 'V' and 'bit' and for no "
+            f"other; `unit` is {given.unit!r} and `amplitude` is {given.amplitude}"
+        )
+    if given.range and not given.range[0] < given.range[1]:
+        return f"`range` must ascend, got {list(given.range)}"
+    if (given.error is None) != (given.phase_error is None):
+        return "`error` and `phase_error` are given together or not at all"
+    return ""
+
+
+def _fault_of_interfaces(given: LineFormat) -> str:
+    labels = [interface.label for interface in given.interface]
+    names = [interface.name for interface in given.interface]
+    if len(set(names)) < len(names):
+        return f"`interface`: names must differ, got {', '.join(names)}"
+    if given.terminal and (not all(labels) or len(set(labels)) < len(labels) or not labels):
+        return "`terminal` needs `[[interface]]` tables, each with a `label` of its own"
+    if not given.terminal and any(labels):
+        return "`label` of an interface needs `terminal`, the field that holds the labels"
+    fields = [tuple(sorted(given.fields_of(each).items())) for each in given.interface]
+    if not given.terminal and len(set(fields)) < len(fields):
+        return "interfaces without `label` need fields of their own, such as `magnitude`"
+    return ""
+
+
+def _fault_of_frequencies(given: LineFormat) -> str:
+    if given.lines == "readings" and (given.frequencies or not given.frequency):
+        return '`lines = "readings"` needs `frequency`, the field that holds it, and no list'
+    if given.lines == "sweeps" and bool(given.frequencies) == bool(given.frequency):
+        return '`lines = "sweeps"` needs `frequency` or the list `frequencies`, and not both'
+    if len(set(given.frequencies)) < len(given.frequencies):
+        return "`frequencies` must differ from each other"
+    return ""
+
+
+def _fault_of_columns(given: LineFormat) -> str:
+    if given.format == "json":
+        return "`columns` belongs to csv, and `format` is 'json'" if given.columns else ""
+    if len(given.cells) < len(given.columns) or "" in given.columns:
+        return "`columns` must have different names"
+    needed: set[Any] = set(given.counters)
+    for interface in given.interface or (None,):
+        needed |= set(given.fields_of(interface).values())
+    missing = sorted(needed - given.cells.keys())
+    return f"`columns` must name {', '.join(missing)}" if missing else ""

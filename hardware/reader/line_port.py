@@ -1,0 +1,219 @@
+"""Port of a reader: a serial port or a TCP socket, read in a thread and cut into lines."""
+
+from __future__ import annotations
+
+import re
+import socket
+import time
+from collections import deque
+from contextlib import suppress
+from dataclasses import dataclass
+from threading import Condition, Thread
+from typing import Protocol
+
+from ...simulator.sweeps import InputError
+from ..meter.errors import LostConnectionError, NoConnectionError
+
+SERIAL, TCP = "serial:", "tcp:"
+MAX_LINE = 65_536
+"""Longest line, bytes: a sweep of 1000 frequencies at several terminals."""
+KEPT_LINES = 10_000
+"""Lines that wait at most; the oldest are dropped."""
+POLL = 0.05
+"""Seconds after which a waiting thread looks whether the port was closed."""
+ADDRESS = re.compile(r"(?P<host>\[[^\]]+\]|[^:\[\]]+):(?P<port>\d{1,5})")
+
+
+class _Stream(Protocol):
+    """Bytes of a device. `read` gives b"" if none came in POLL seconds, and raises at the end."""
+
+    def read(self) -> bytes: ...
+    def write(self, sent: bytes) -> None: ...
+    def close(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class ReceivedLine:
+    """One line. text: None if it was too long. begun, ended: arrival of its ends, s (monotonic)."""
+
+    text: str | None
+    begun: float
+    ended: float
+
+
+def is_line_resource(resource: str) -> bool:
+    """True for `serial:PORT` and `tcp:HOST:PORT`."""
+    return resource.startswith((SERIAL, TCP))
+
+
+class LineCutter:
+    """Cuts received bytes into lines. Bytes that are no text of ASCII appear as `?`."""
+
+    def __init__(self) -> None:
+        self._rest, self._overlong, self._begun = b"", False, 0.0
+
+    def feed(self, received: bytes, at: float) -> list[ReceivedLine]:
+        """Lines that these bytes end, without empty ones. at: their arrival, s."""
+        found = []
+        *ends, rest = re.split(rb"[\r\n]+", received)
+        for part in ends:
+            found += self._line(self._rest + part, at)
+            self._rest, self._overlong, self._begun = b"", False, at
+        if not self._rest:
+            self._begun = at if not self._overlong else self._begun
+        self._rest += rest
+        if len(self._rest) > MAX_LINE:
+            self._rest, self._overlong = b"", True
+        return found
+
+    def _line(self, raw: bytes, at: float) -> list[ReceivedLine]:
+        text = "".join(chr(byte) if 32 <= byte < 127 else "?" for byte in raw).strip()
+        begun = self._begun if self._rest or self._overlong else at
+        if self._overlong or len(raw) > MAX_LINE:
+            return [ReceivedLine(None, begun, at)]
+        return [ReceivedLine(text, begun, at)] if text else []
+
+
+class LinePort:
+    """An open port. A thread reads it all the time, so that no line waits in a buffer."""
+
+    def __init__(self, resource: str, stream: _Stream) -> None:
+        self.resource, self._stream = resource, stream
+        self._lines: deque[ReceivedLine] = deque(maxlen=KEPT_LINES)
+        self._arrival, self._failure, self._closed = Condition(), "", False
+        self._thread = Thread(target=self._pump, name=f"reader {resource}", daemon=True)
+        self._thread.start()
+
+    def next_line(self, deadline: float) -> ReceivedLine | None:
+        """The oldest line that waits; None if none comes before the deadline (s, monotonic).
+
+        Raises LostConnectionError if the port failed.
+        """
+        with self._arrival:
+            while not self._lines:
+                self._check_open()
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    return None
+                self._arrival.wait(min(left, 1.0))
+            return self._lines.popleft()
+
+    def write(self, text: str) -> None:
+        """Send a line. Raises LostConnectionError."""
+        try:
+            self._stream.write(f"{text}\n".encode("ascii"))
+        except Exception as error:  # pyserial's, the system's, and termios.error
+            raise self._lost(error) from error
+
+    def close(self) -> None:
+        """Close the port. Closing twice does no harm."""
+        self._closed = True
+        self._thread.join(1.0)
+        with suppress(Exception):
+            self._stream.close()
+
+    def _pump(self) -> None:
+        cutter = LineCutter()
+        while not self._closed:
+            try:
+                received = self._stream.read()
+            except Exception as error:  # pyserial's, the system's, and termios.error
+                with self._arrival:
+                    self._failure = str(error) or type(error).__name__
+                    self._arrival.notify_all()
+                return
+            if received:
+                with self._arrival:
+                    self._lines.extend(cutter.feed(received, time.monotonic()))
+                    self._arrival.notify_all()
+
+    def _check_open(self) -> None:
+        if self._failure or self._closed:
+            raise self._lost(self._failure or "it was closed")
+
+    def _lost(self, error: object) -> LostConnectionError:
+        return LostConnectionError(
+            f"{self.resource}: the connection is lost ({error}); check the cable, the reader's "
+            "power, and that no other program has the port"
+        )
+
+
+def open_line_port(resource: str, baud: int, timeout: float) -> LinePort:
+    """Port of a resource `serial:PORT` or `tcp:HOST:PORT`. timeout: of connecting, writing, s.
+
+    Raises InputError if the name is no such resource, NoConnectionError if it cannot be opened.
+    """
+    check_line_resource(resource)
+    try:
+        if resource.startswith(SERIAL):
+            stream: _Stream = _SerialStream(resource.removeprefix(SERIAL), baud, timeout)
+        else:
+            stream = _TcpStream(*_address(resource), timeout)
+    except Exception as error:  # pyserial's, the system's, and termios.error
+        raise NoConnectionError(
+            f"{resource}: cannot be opened ({error}); check the port or the address, the cable, "
+            "the reader's power, and that no other program has the port"
+        ) from error
+    return LinePort(resource, stream)
+
+
+def check_line_resource(resource: str) -> None:
+    """Raises InputError unless a name that begins with `serial:` or `tcp:` is complete."""
+    if resource.startswith(SERIAL):
+        if not resource.removeprefix(SERIAL):
+            raise InputError(
+                f"{resource!r} names no port; examples: serial:/dev/ttyACM0, serial:COM3"
+            )
+        return
+    match = ADDRESS.fullmatch(resource.removeprefix(TCP))
+    if not match or not 1 <= int(match["port"]) <= 65535:
+        raise InputError(
+            f"{resource!r} must be tcp:HOST:PORT with a port in 1..65535; example: "
+            "tcp:192.168.1.7:9000"
+        )
+
+
+def _address(resource: str) -> tuple[str, int]:
+    host, _, port = resource.removeprefix(TCP).rpartition(":")
+    return host.strip("[]"), int(port)
+
+
+class _SerialStream:
+    """A serial port by pyserial."""
+
+    def __init__(self, port: str, baud: int, timeout: float) -> None:
+        from serial import Serial
+
+        self._opened = Serial(port, baud, timeout=POLL, write_timeout=timeout)
+
+    def read(self) -> bytes:
+        return self._opened.read(max(1, self._opened.in_waiting))
+
+    def write(self, sent: bytes) -> None:
+        self._opened.write(sent)
+
+    def close(self) -> None:
+        self._opened.close()
+
+
+class _TcpStream:
+    """A TCP connection."""
+
+    def __init__(self, host: str, port: int, timeout: float) -> None:
+        self._opened = socket.create_connection((host, port), timeout)
+        self._opened.settimeout(POLL)
+
+    def read(self) -> bytes:
+        try:
+            received = self._opened.recv(65_536)
+        except TimeoutError:
+            return b""
+        if not received:
+            raise ConnectionError("the reader closed it")
+        return received
+
+    def write(self, sent: bytes) -> None:
+        self._opened.sendall(sent)
+
+    def close(self) -> None:
+        self._opened.close()

@@ -1,0 +1,198 @@
+"""Assembly of whole sweeps from the lines of a reader.
+
+A sweep is given only if every line between its first and its last was read, was in its place, and
+no restart of the device was seen. Otherwise it is discarded, and the next one is assembled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...simulator.sweeps.same_frequency import same_frequencies
+from .line_errors import LineError
+from .line_format import LineFormat
+from .line_parser import SHOWN, LineContent, LineReading, parse_line
+
+Place = tuple[str, float]
+"""Interface and frequency in Hz, as the reader sends it."""
+Note = Callable[[str, str], None]
+"""Takes the kind of an event, as a plural, and what happened."""
+RESTARTS, TOO_LONG, REPEATED = "restarts of the device", "lines that are too long", "repeated lines"
+LOST, INCOMPLETE, OTHER = "gaps in the count", "incomplete sweeps", "readings at other frequencies"
+TWICE, LOST_SWEEPS = "readings that came twice", "lost sweeps"
+INTERLEAVED = "interleaved sweeps"
+SHOWN_FREQUENCIES = 3
+
+
+@dataclass
+class SweepAssembly:
+    """Assembles sweeps at these frequencies in Hz by interface, in the order of the format.
+
+    note: takes the faults. on_banner: called when the device sent the banner of its start.
+    """
+
+    line_format: LineFormat
+    frequencies: Mapping[str, NDArray[np.float64]]
+    note: Note
+    on_banner: Callable[[], None] = lambda: None
+    _readings: dict[tuple[str, int], complex] | None = field(default=None, init=False)
+    _latest: LineContent | None = field(default=None, init=False)
+    _text: str = field(default="", init=False)
+    _known: dict[Place, int] = field(default_factory=dict, init=False)
+
+    def feed(self, text: str | None) -> dict[str, NDArray[np.complex128]] | None:
+        """Take a line, None if it was too long. Returns the sweep that it completes, or None."""
+        if text is None:
+            self._discard(TOO_LONG, "a line never ended")
+            return None
+        if self._is_comment(text):
+            return None
+        if self.line_format.banner and self.line_format.banner in text:
+            self._restarted(f"it sent {text[:SHOWN]!r}")
+            self._latest = None
+            self.on_banner()
+            return None
+        try:
+            content = parse_line(text, self.line_format)
+        except LineError as fault:
+            self._discard(fault.kind, str(fault))
+            return None
+        return self._take(content, text)
+
+    def _take(self, content: LineContent, text: str) -> dict[str, NDArray[np.complex128]] | None:
+        before, self._latest = self._latest, content
+        repeated, self._text = text == self._text, text
+        if before is not None:
+            if self._is_repeated(before, content, repeated):
+                return None
+            self._check_order(before, content)
+        if self._begins(before, content):
+            self._readings = {}
+        if self._readings is None:
+            return None
+        for reading in content.readings:
+            if not self._add(reading):
+                return None
+        return self._finished()
+
+    def _is_comment(self, text: str) -> bool:
+        return bool(self.line_format.comment) and text.startswith(self.line_format.comment)
+
+    def _is_repeated(self, before: LineContent, content: LineContent, same_text: bool) -> bool:
+        """True if a line came twice, by its count or, within a sweep, by its text."""
+        if content.count is not None:
+            if content.count != before.count:
+                return False
+            if not same_text:
+                self._discard(TWICE, f"two lines have the count {content.count}")
+                return True
+        elif not same_text or self._readings is None or self._contains_first(content):
+            return False
+        self.note(REPEATED, "a line came twice and was used once")
+        return True
+
+    def _check_order(self, before: LineContent, content: LineContent) -> None:
+        """Discard the present sweep if counters show lost lines or a restart."""
+        limit = self.line_format.count_limit
+        if content.time is not None and before.time is not None and content.time < before.time:
+            self._restarted(f"its time went back from {before.time:g} to {content.time:g}")
+        elif content.count is not None and before.count is not None:
+            step = content.count - before.count
+            step = step % limit if limit else step
+            went = f"from {before.count} to {content.count}"
+            if step < 0:
+                self._restarted(f"its count went back {went}")
+            elif step > 1:
+                self._discard(LOST, f"the count jumped {went}")
+        if content.sweep is not None and before.sweep is not None:
+            went = f"from {before.sweep} to {content.sweep}"
+            if content.sweep == before.sweep - 1:
+                self._discard(INTERLEAVED, f"the number of the sweep went back {went}")
+            elif content.sweep < before.sweep:
+                self._restarted(f"the number of its sweep went back {went}")
+            elif content.sweep > before.sweep + 1:
+                self.note(LOST_SWEEPS, f"the number of the sweep jumped {went}")
+
+    def _begins(self, before: LineContent | None, content: LineContent) -> bool:
+        """True if the line is the first of a sweep; a sweep begun before is then incomplete."""
+        if content.sweep is not None:
+            begins = before is not None and content.sweep != before.sweep
+        else:
+            begins = self._contains_first(content)
+        if begins and self._readings is not None:
+            self._discard(INCOMPLETE, f"a sweep lacks {self._missing()}")
+        return begins
+
+    def _contains_first(self, content: LineContent) -> bool:
+        """True if a line has the reading with which the reader's sweeps begin."""
+        interface = next(iter(self.frequencies))
+        own = self.frequencies[interface]
+        first = int(own.argmax() if self.line_format.begins == "highest" else own.argmin())
+        return any(
+            self._name(reading) == interface and self._index(interface, reading.frequency) == first
+            for reading in content.readings
+        )
+
+    def _name(self, reading: LineReading) -> str:
+        return reading.interface or next(iter(self.frequencies))
+
+    def _add(self, reading: LineReading) -> bool:
+        """Add a reading; False if the sweep was discarded."""
+        name = self._name(reading)
+        if name not in self.frequencies:
+            return True
+        index = self._index(name, reading.frequency)
+        if index is None:
+            count = self.frequencies[name].size
+            self._discard(OTHER, f"{reading.frequency:.6g} Hz is none of the {count} of the scene")
+            return False
+        assert self._readings is not None
+        if (name, index) in self._readings:
+            self._discard(TWICE, f"{reading.frequency:.6g} Hz came twice in a sweep")
+            return False
+        self._readings[name, index] = reading.value
+        return True
+
+    def _index(self, name: str, frequency: float) -> int | None:
+        """Index of a frequency in Hz at an interface, or None."""
+        if (name, frequency) not in self._known:
+            own = self.frequencies[name]
+            found = np.flatnonzero(same_frequencies(np.full(own.shape, frequency), own))
+            if not found.size:
+                return None
+            self._known[name, frequency] = int(found[0])
+        return self._known[name, frequency]
+
+    def _finished(self) -> dict[str, NDArray[np.complex128]] | None:
+        assert self._readings is not None
+        if len(self._readings) < sum(own.size for own in self.frequencies.values()):
+            return None
+        readings, self._readings = self._readings, None
+        return {
+            name: np.array([readings[name, k] for k in range(own.size)])
+            for name, own in self.frequencies.items()
+        }
+
+    def _missing(self) -> str:
+        assert self._readings is not None
+        lacking = [
+            f"{own[k]:.6g} Hz at {name}" if len(self.frequencies) > 1 else f"{own[k]:.6g} Hz"
+            for name, own in self.frequencies.items()
+            for k in range(own.size)
+            if (name, k) not in self._readings
+        ]
+        more = len(lacking) - SHOWN_FREQUENCIES
+        shown = ", ".join(lacking[:SHOWN_FREQUENCIES])
+        return f"{shown} and {more} more" if more > 0 else shown
+
+    def _restarted(self, why: str) -> None:
+        self._discard(RESTARTS, f"the device restarted: {why}")
+
+    def _discard(self, kind: str, why: str) -> None:
+        lost = self._readings is not None
+        self._readings = None
+        self.note(kind, f"{why}; the sweep was discarded" if lost else why)

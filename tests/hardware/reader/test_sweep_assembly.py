@@ -1,0 +1,232 @@
+"""Sweeps from lines: a fault never becomes a wrong sweep, and each is counted."""
+
+import math
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcskin.hardware.reader.line_format import LineFormat
+from rcskin.hardware.reader.line_port import MAX_LINE, LineCutter
+from rcskin.hardware.reader.sweep_assembly import SweepAssembly
+from rcskin.simulator.sweeps import inputs
+
+_files = runpy.run_path(str(Path(__file__).with_name("reader_files.py")))
+ARRAYS, COUNTED, FREQUENCIES = (_files[name] for name in ("ARRAYS", "COUNTED", "FREQUENCIES"))
+counted_lines, true_value = _files["counted_lines"], _files["true_value"]
+
+
+def assembled(text, lines, frequencies=None, **changed):
+    """Sweeps from lines, and the kinds of noted faults."""
+    notes = []
+    line_format = LineFormat.model_validate({**inputs.tables(text), **changed})
+    wanted = {name: np.array(own) for name, own in (frequencies or FREQUENCIES).items()}
+    assembly = SweepAssembly(line_format, wanted, lambda kind, text: notes.append(kind))
+    found = [sweep for sweep in map(assembly.feed, lines) if sweep is not None]
+    return found, notes
+
+
+def whole(sweep):
+    """Truth of a sweep of the device."""
+    return {
+        name: [true_value(name, f, sweep) for f in frequencies]
+        for name, frequencies in FREQUENCIES.items()
+    }
+
+
+def assert_sweeps(found, expected):
+    assert len(found) == len(expected)
+    for sweep, number in zip(found, expected, strict=True):
+        for name, Z in whole(number).items():
+            np.testing.assert_allclose(sweep[name], Z, rtol=1e-12)
+
+
+def stream(*sweeps):
+    """Lines of successive sweeps, counted on."""
+    return [line for k, sweep in enumerate(sweeps) for line in counted_lines(sweep, 6 * k)]
+
+
+def test_lines_become_sweeps_from_the_first_whole_one_on():
+    found, notes = assembled(COUNTED, stream(0, 1, 2)[2:])
+    assert_sweeps(found, [1, 2])
+    assert notes == []
+
+
+CUT = "1,10,A,20"
+FAULTS = {
+    "half a line": (lambda lines: [*lines[:7], CUT, *lines[8:]], ["lines of a wrong length"]),
+    "two lines in one": (
+        lambda lines: [*lines[:7], lines[7][:6] + lines[8], *lines[9:]],
+        ["lines of a wrong length", "gaps in the count"],
+    ),
+    "garbage": (lambda lines: [*lines[:7], "?x??", *lines[8:]], ["lines that are no readings"]),
+    "a line too long": (lambda lines: [*lines[:7], None, *lines[8:]], ["lines that are too long"]),
+    "a lost line": (lambda lines: [*lines[:7], *lines[8:]], ["gaps in the count"]),
+    "a changed count": (
+        lambda lines: [*lines[:7], f"70{lines[7]}", *lines[8:]],
+        ["gaps in the count", "restarts of the device"],
+    ),
+    "two values of one count": (
+        lambda lines: [*lines[:8], lines[7].replace("1010.0", "1020.0"), *lines[8:]],
+        ["readings that came twice"],
+    ),
+    "not a number": (
+        lambda lines: [*lines[:7], lines[7].replace("1010.0", "nan"), *lines[8:]],
+        ["readings out of range"],
+    ),
+    "infinite": (
+        lambda lines: [*lines[:7], lines[7].replace("1010.0", "1e999"), *lines[8:]],
+        ["readings out of range"],
+    ),
+    "no number": (
+        lambda lines: [*lines[:7], lines[7].replace("1010.0", "1_0"), *lines[8:]],
+        ["lines that are no readings"],
+    ),
+    "another frequency": (
+        lambda lines: [*lines[:7], lines[7].replace(",2000,", ",2100,"), *lines[8:]],
+        ["readings at other frequencies"],
+    ),
+    "a frequency twice": (
+        lambda lines: [*lines[:8], lines[8].replace(",4000,", ",2000,"), *lines[9:]],
+        ["readings that came twice"],
+    ),
+    "another terminal": (
+        lambda lines: [*lines[:7], lines[7].replace(",A,", ",C,"), *lines[8:]],
+        ["lines of an unknown terminal"],
+    ),
+    "a restart": (
+        lambda lines: [*lines[:8], "boot: READY", *counted_lines(5), *lines[12:]],
+        ["restarts of the device", "gaps in the count"],
+    ),
+    "a restart without a word": (
+        lambda lines: [*lines[:8], *counted_lines(5), *lines[12:]],
+        ["restarts of the device", "gaps in the count"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_within_a_sweep_costs_that_sweep_and_is_noted(name):
+    """The second of three sweeps is spoilt; a device that restarts begins another one."""
+    spoil, expected = FAULTS[name]
+    found, notes = assembled(COUNTED, spoil(stream(0, 1, 2)))
+    assert_sweeps(found, [0, 5, 2] if "restart" in name else [0, 2])
+    assert set(notes) >= set(expected)
+
+
+def test_a_line_that_comes_twice_is_used_once():
+    lines = stream(0, 1)
+    found, notes = assembled(COUNTED, [*lines[:3], lines[2], *lines[3:]])
+    assert_sweeps(found, [0, 1])
+    assert notes == ["repeated lines"]
+
+
+def test_interleaved_sweeps_give_none():
+    one, other = counted_lines(0), counted_lines(1)
+    numbered = [
+        f"{k},{line}" for pair in zip(one, other, strict=True) for k, line in enumerate(pair)
+    ]
+    columns = ["s", "n", "t", "port", "f", "r", "x"]
+    found, notes = assembled(COUNTED, numbered, columns=columns, count="", sweep="s", time="")
+    assert found == [] and "interleaved sweeps" in notes
+    found, notes = assembled(
+        COUNTED, [line for pair in zip(one, other, strict=True) for line in pair], count="", time=""
+    )
+    assert found == [] and set(notes) == {"incomplete sweeps", "readings that came twice"}
+
+
+def test_without_counters_a_lost_line_is_noticed_by_the_next_sweep():
+    lines = stream(0, 1, 2)
+    found, notes = assembled(COUNTED, [*lines[:7], *lines[8:]], count="", time="")
+    assert_sweeps(found, [0, 2])
+    assert notes == ["incomplete sweeps"]
+
+
+def test_a_count_that_wraps_is_no_fault():
+    lines = [f"{(k + 250) % 256},{line.split(',', 1)[1]}" for k, line in enumerate(stream(0, 1, 2))]
+    found, notes = assembled(COUNTED, lines, count_limit=256)
+    assert_sweeps(found, [0, 1, 2])
+    assert notes == []
+
+
+def array_line(number, sweep, khz=(1, 2, 4), spoil=lambda values: values):
+    """One line of ARRAYS, written by hand."""
+    parts = []
+    for name, short in (("left", "a"), ("bottom", "b")):
+        Z = [true_value(name, 1e3 * f, sweep) for f in khz]
+        mag = ", ".join(f"{abs(z):.9e}" for z in Z)
+        phi = ", ".join(f"{math.atan2(z.imag, z.real):.9f}" for z in spoil(Z))
+        parts.append(f'"{short}": {{"mag": [{mag}], "phi": [{phi}]}}')
+    return f'{{"id": {number}, "khz": {list(khz)}, {", ".join(parts)}}}'
+
+
+def test_arrays_become_sweeps():
+    lines = ["# hello", *(array_line(k, k) for k in range(3))]
+    found, notes = assembled(ARRAYS, lines)
+    assert len(found) == 2 and notes == []  # the first may be a part of one
+    np.testing.assert_allclose(found[0]["bottom"], whole(1)["bottom"], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("line", "kind"),
+    [
+        (array_line(1, 0, khz=(1, 2)), "incomplete sweeps"),
+        (array_line(1, 0, khz=(1, 2, 4, 8)), "readings at other frequencies"),
+        (array_line(1, 0, spoil=lambda Z: Z[:2]), "lines of a wrong length"),
+        (array_line(1, 0).replace('"b"', '"c"'), "lines that are no readings"),
+        (array_line(1, 0)[:-9], "lines that are no readings"),
+        (array_line(1, 0).replace("[1, 2, 4]", "[1, 2, NaN]"), "readings out of range"),
+        (array_line(1, 0).replace("[1, 2, 4]", "[1, 2, true]"), "lines that are no readings"),
+        (array_line(1, 0).replace("[1, 2, 4]", '[1, 2, "4"]'), "lines that are no readings"),
+        (array_line(1, 0).replace('"id": 1', '"id": 1.5'), "lines that are no readings"),
+        ("[" * 100_000, "lines that are no readings"),
+        ("17", "lines that are no readings"),
+    ],
+)
+def test_a_wrong_array_costs_its_sweep(line, kind):
+    found, notes = assembled(ARRAYS, [array_line(0, 0), line, array_line(2, 2), array_line(3, 3)])
+    assert [round(sweep["left"][0].real) for sweep in found] == [1020, 1030]
+    assert kind in notes
+
+
+CHECKED = {
+    "xor": ("1,2,3", "1,2,3*30"),
+    "sum": ("1,2,3", "1,2,3*EE"),
+    "crc16": ("123456789", "123456789*29B1"),
+    "crc32": ("123456789", "123456789*CBF43926"),
+}
+"""Check values of CRC-16/CCITT-FALSE and CRC-32 from the catalogue of parametrised CRC algorithms;
+xor: 31^2C^32^2C^33 = 30; sum: 31+2C+32+2C+33 = EE."""
+
+
+@pytest.mark.parametrize("kind", CHECKED)
+def test_a_checksum_is_that_of_the_literature(kind):
+    from rcskin.hardware.reader.line_parser import checksum
+
+    body, line = CHECKED[kind]
+    assert f"{body}*{checksum(body, kind):X}" == line
+
+
+def test_a_wrong_checksum_costs_the_sweep():
+    def signed(line):
+        total = 0
+        for character in line:
+            total ^= ord(character)
+        return f"{line}*{total:02X}"
+
+    lines = [signed(line) for line in stream(0, 1)]
+    assert_sweeps(assembled(COUNTED, lines, checksum="xor")[0], [0, 1])
+    lines[2] = lines[2].replace("1000.0", "1000.1")
+    found, notes = assembled(COUNTED, lines, checksum="xor")
+    assert_sweeps(found, [1])
+    assert "lines with a wrong checksum" in notes
+
+
+def test_bytes_are_cut_into_lines_however_they_come():
+    sent = b"one\r\ntwo\n\nthr\xffee\r\n" + b"x" * (3 * MAX_LINE) + b"\nfour\nfi"
+    for step in (1_000_000, 50_000, 7):
+        cutter, lines = LineCutter(), []
+        for k in range(0, len(sent), step):
+            lines += cutter.feed(sent[k : k + step], float(k))
+        assert [line.text for line in lines] == ["one", "two", "thr?ee", None, "four"]
+        assert all(line.begun <= line.ended for line in lines)
