@@ -18,7 +18,7 @@ from ...simulator.sweeps import InputError, ToleranceError
 from ..tokens import new_token, same_token
 from .clients import Client
 from .faults import Fault
-from .instrument import Instrument
+from .virtual_device import VirtualDevice
 
 UNKNOWN_TOKEN = (
     "the token of this request is not the virtual meter's; commands of the user who serves it find "
@@ -33,7 +33,7 @@ class ControlPort:
     token: required in each request.
     """
 
-    instrument: Instrument
+    instrument: VirtualDevice
     routines: tuple[Callable[[ControlPort], Coroutine[Any, Any, None]], ...] = ()
     tasks: list[asyncio.Task] = field(default_factory=list)
     token: str = field(default_factory=new_token, repr=False)
@@ -50,7 +50,7 @@ class ControlPort:
         """
         meter = self.instrument
         loop = asyncio.get_running_loop()
-        held = loop.run_in_executor(meter.worker, meter.bench.skin.hold, text, meter.now)
+        held = loop.run_in_executor(meter.worker, meter.skin.hold, text, meter.now)
         meter.press = await held
         meter.changed()
         return meter.press
@@ -88,7 +88,7 @@ class ControlPort:
             return fault.kind
         if do == "depths":
             loop, meter = asyncio.get_running_loop(), self.instrument
-            return await loop.run_in_executor(meter.worker, meter.bench.skin.depths, meter.press)
+            return await loop.run_in_executor(meter.worker, meter.skin.depths, meter.press)
         if do == "state":
             return self.state()
         if do == "select":
@@ -119,12 +119,12 @@ class ControlPort:
 
     def shown(self) -> dict[str, Any]:
         """State of the page: press, interface, and the latest reading if it has numbers."""
-        meter, latest = self.instrument, self.instrument.latest
-        reading = None
-        if latest.has_numbers:
-            Z = latest.Z.real, latest.Z.imag
-            reading = {"frequency": latest.conditions.frequency, "Z": Z}
-        state = {"press": meter.press, "interface": meter.interface, "reading": reading}
+        meter = self.instrument
+        state = {
+            "press": meter.press,
+            "interface": meter.interface,
+            "reading": meter.shown_reading,
+        }
         return {"kind": "skin", "faults": self.state()["faults"], **state}
 
 

@@ -7,19 +7,16 @@ from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ...simulator.sweeps import UNPRESSED
-from ..event_counter import Report
 from ..meter.meter_identity import VIRTUAL_SERIAL
-from .faults import Faults
 from .language.meter_command import MeterCommand
 from .language.parser import LanguageError
 from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
-from .worker import Worker
+from .virtual_device import VirtualDevice
 
 if TYPE_CHECKING:
     from .measurement import Skin
@@ -38,30 +35,30 @@ class PendingMeasurement:
 
 
 @dataclass
-class Instrument(ABC):
-    """One meter, shared by clients. pace: factor on all times; 1: as a real meter, 0: none.
-
-    skins: by interface, for a switch; interface: the connected one. report_failure: reports why the
-    skin has no reading, which a client sees as a failure inside the meter. report: takes faults of
-    clients.
-    """
+class Instrument(VirtualDevice, ABC):
+    """One meter, shared by clients. bench: the connected skin, the readout and the accuracy."""
 
     bench: MeasurementSetup
     model: str = ""
     serial: str = VIRTUAL_SERIAL
-    pace: float = 1.0
-    press: str = UNPRESSED
     settings: Any = None
-    faults: Faults = field(default_factory=Faults)
     latest: MeasurementResult = NO_RESULT
     pending: PendingMeasurement | None = None
     fresh_from: float = 0.0
     waiting: bool = False
-    worker: Worker = field(default_factory=Worker)
-    skins: Mapping[str, Skin] = field(default_factory=dict)
-    interface: str = ""
-    report_failure: Callable[[str], None] = lambda text: None
-    report: Report = lambda kind, text: None
+
+    @property
+    def skin(self) -> Skin:
+        """The connected skin."""
+        return self.bench.skin
+
+    @property
+    def shown_reading(self) -> dict[str, Any] | None:
+        """The latest reading, for a page; None if it has no numbers."""
+        if not self.latest.has_numbers:
+            return None
+        Z = self.latest.Z.real, self.latest.Z.imag
+        return {"frequency": self.latest.conditions.frequency, "Z": Z}
 
     @property
     @abstractmethod
@@ -144,11 +141,6 @@ class Instrument(ABC):
             self.bench.skin.momentary(self.press, now + (n + 0.5) * step) for n in range(len(each))
         ]
         self.pending = PendingMeasurement(tuple(zip(presses, each, strict=True)), done, self.bench)
-
-    @property
-    def now(self) -> float:
-        """Time of the loop's clock, s."""
-        return asyncio.get_running_loop().time()
 
     async def _measured(
         self, setup: MeasurementSetup, press: Any, settings: MeterSettings
