@@ -119,8 +119,10 @@ def correct(
     baud: Baud = 9600,
 ) -> None:
     """Acquire the open or short correction, or end it."""
+    from ..simulator.sweeps import InputError
     from .meter.correction import correct as acquire
-    from .meter.hioki import open_meter
+    from .meter.instruments import open_meter
+    from .meter.lcr_meter import LcrMeter
     from .meter.termination import orderly_termination
     from .record.managed_meter import ManagedMeter
 
@@ -128,6 +130,8 @@ def correct(
         managed = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
         try:
             meter = managed.ready()
+            if not isinstance(meter, LcrMeter):
+                raise InputError(f"{resource}: {meter.model} has no open or short correction")
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
         finally:

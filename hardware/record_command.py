@@ -76,7 +76,7 @@ def record(
     from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
     from .meter.accuracy_table import DERIVED_TABLE, read_table
-    from .meter.hioki import open_meter
+    from .meter.instruments import open_meter
     from .meter.termination import orderly_termination
     from .record.recorder import RecordingTask
     from .record.recorder import record as record_task

@@ -99,7 +99,7 @@ def live(
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
     from ..meter.accuracy_table import DERIVED_TABLE, read_table
-    from ..meter.hioki import open_meter
+    from ..meter.instruments import open_meter
     from ..meter.termination import orderly_termination
     from ..record.sweep_checks import SweepLimits
     from ..switch.switch_options import switch_from_options

@@ -11,8 +11,9 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
-from ..meter.hioki import Meter
-from ..meter.settings_snapshot import require_settings, restore_settings, snapshot
+from ..meter.instruments import instrument_of
+from ..meter.reading_source import ReadingSource
+from ..meter.settings_snapshot import require_settings, restore_settings
 from ..meter.termination import shielded
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
@@ -46,7 +47,7 @@ class LiveMeter:
     def __init__(
         self,
         localizer: LiveLocalizer,
-        connect: Callable[[], Meter],
+        connect: Callable[[], ReadingSource],
         table: AccuracyTable,
         limits: SweepLimits,
         patience: float,
@@ -108,7 +109,12 @@ class LiveMeter:
         return sweep
 
     @property
-    def _meter(self) -> Meter:
+    def sweeps(self) -> bool:
+        """True if the meter sweeps by itself, so that readings have no times of their own."""
+        return self._meter.sweeps
+
+    @property
+    def _meter(self) -> ReadingSource:
         meter = self._station.meter
         assert meter is not None
         return meter
@@ -150,10 +156,10 @@ class LiveMeter:
             if self.switch:
                 self.switch.close()
 
-    def _begin(self, meter: Meter) -> None:
+    def _begin(self, meter: ReadingSource) -> None:
         model, pixels = self._localizer.model, self._localizer.scene.pixels
         check_frequencies(meter, model.frequencies)
-        settings = snapshot(meter)
+        settings = meter.snapshot()
         restore_settings(meter, settings)
         self._station.header = RecordingHeader(
             scene=model.problem.scene,
@@ -173,7 +179,12 @@ class LiveMeter:
         )
         frequency = np.array(model.frequencies)
         self.checker = SweepChecker(
-            frequency, self._table, settings, self._limits, model.own_frequencies
+            frequency,
+            self._table,
+            settings,
+            self._limits,
+            instrument_of(meter.identity.text).conditions,
+            model.own_frequencies,
         )
 
     def _recovered(self) -> None:

@@ -176,8 +176,10 @@ class LiveSession:
         if self.baseline.complete and not self.baseline.renewal_due:
             adaptive_sweep = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
         if adaptive_sweep is None:
-            self._reading_times.begin()
-            sweep, part = self.meter.sweep(self._reading_times.reading), None
+            times = self._reading_times
+            times.begin()
+            watch = times.on_reading if self.meter.sweeps else times.reading
+            sweep, part = self.meter.sweep(watch), None
         else:
             part, sweep = measure_adaptively(self.meter, adaptive_sweep, self._reading_times)
         return TimedSweep(sweep, begun, self.clock(), gap, part)

@@ -8,19 +8,17 @@ from contextlib import suppress
 
 from ...simulator.sweeps import InputError
 from .errors import CorrectionError, MeterError
-from .hioki import Meter
+from .lcr_meter import LcrMeter
 from .termination import shielded
 
-COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
 ADVICE = {
     "open": "check that the leads are apart, connected to nothing, and shielded",
     "short": "check that the leads are joined firmly by a clean shorting bar",
 }
-COMPLETE = 1
 
 
 def correct(
-    meter: Meter,
+    meter: LcrMeter,
     kind: str,
     extent: str = "ALL",
     progress: Callable[[float], None] = lambda seconds: None,
@@ -32,39 +30,38 @@ def correct(
     progress: called with the elapsed seconds, every `interval` s. patience: longest time, s. Raises
     InputError for other words, CorrectionError if the meter fails or does not end in time.
     """
-    if kind not in COMMANDS or extent not in ("ALL", "SPOT", "OFF"):
+    if kind not in ADVICE or extent not in meter.extents:
+        *words, last = meter.extents
         raise InputError(
-            f"`kind` must be open or short and `extent` ALL, SPOT or OFF, got {kind}, {extent}"
+            f"`kind` must be open or short and `extent` {', '.join(words)} or {last}, got {kind}, "
+            f"{extent}"
         )
-    command, talk = COMMANDS[kind], meter.talk
-    meter.trigger = "EXTERNAL"
-    talk.query(":ESR0?", int)
-    talk.send(f"{command} {extent}")
-    if extent == "OFF":
-        return
     try:
+        meter.start_correction(kind, extent)
+        if extent == meter.extents[-1]:
+            return
         completed = _completed(meter, progress, patience, interval)
     except BaseException:
         with shielded(), suppress(MeterError):
-            talk.send(f"{command} CANCel")
+            meter.cancel_correction(kind)
         raise
     if not completed:
-        talk.send(f"{command} CANCel")
+        meter.cancel_correction(kind)
         raise CorrectionError(
-            f"{talk.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"
+            f"{meter.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"
         )
-    error = talk.query(f"{command}:ERRor?", int)
-    if error:
+    fault = meter.correction_fault(kind)
+    if fault:
         raise CorrectionError(
-            f"{talk.resource}: {kind} correction failed with error {error}; {ADVICE[kind]}"
+            f"{meter.resource}: {kind} correction failed with {fault}; {ADVICE[kind]}"
         )
 
 
 def _completed(
-    meter: Meter, progress: Callable[[float], None], patience: float, interval: float
+    meter: LcrMeter, progress: Callable[[float], None], patience: float, interval: float
 ) -> bool:
     begun = time.monotonic()
-    while not meter.talk.query(":ESR0?", int) & COMPLETE:
+    while not meter.correction_done():
         elapsed = time.monotonic() - begun
         if elapsed > patience:
             return False

@@ -8,7 +8,7 @@ from itertools import chain
 
 from .connection import connect, resource_manager
 from .errors import MeterError
-from .hioki import identify
+from .instruments import identify
 from .meter_identity import MeterIdentity
 
 

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import logging
-from contextlib import suppress
-from typing import Any, ClassVar, Self
+from collections.abc import Mapping
+from typing import Any
 
 from ...simulator.sweeps.meter_bands import METER_BANDS
-from .accuracy_table import ReadingConditions
-from .connection import Connection, connect
-from .conversation import Conversation
-from .errors import (
-    GarbledError,
-    LostConnectionError,
-    MeterError,
-    NoConnectionError,
-    WrongMeterError,
-)
-from .meter_identity import MODELS, MeterIdentity, parse_identity
+from .accuracy_table import RANGES, AccuracyTable, GeneratorLevel, ReadingConditions
+from .errors import GarbledError
+from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading
-from .original_settings import SETTINGS_STORE, not_restored_message, restore_original
 from .setting import (
     IntegerFormat,
     MeterProperty,
@@ -32,27 +22,18 @@ from .setting import (
 
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 CORRECTIONS = ("OFF", "ALL", "SPOT")
+CORRECTION_COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
+CORRECTION_COMPLETE = 1
 CP_RS_X = 16, 18
 STATUS_AND_VALUES = 18
+TIMING = ("frequency", "speed", "averaging", "trigger_delay")
 READ = "*TRG;:MEASure?"
 ROUNDING = 6e-5
 """Relative rounding of frequencies, which a meter sets with five digits."""
-SEARCHES = 3
-"""Measurements that one reading may take with automatic range."""
-TIMING = ("frequency", "speed", "averaging", "trigger_delay")
-LOG = logging.getLogger(__name__)
 
 
-class HiokiMeter:
-    """Common part of the four models. Each set is followed by a check of the event register.
-
-    Setting a property raises InputError if the value is not allowed, RefusedError if the meter
-    refuses it, RestartedError if the meter was switched off and on. Everything may raise
-    MeterError.
-    """
-
-    model: ClassVar[str]
-    frequency: ClassVar[Setting[float]]
+class HiokiMeter(LcrMeter):
+    """Common part of the four models."""
 
     header = Setting(":HEADer", OnOffFormat(), "True if answers begin with the command's name")
     items = Setting(":MEASure:ITEM", RegisterFormat(2), "Quantities of a reading")
@@ -97,47 +78,27 @@ class HiokiMeter:
         ":CORRection:SHORt?", WordFormat(CORRECTIONS), "Short correction in use"
     )
 
-    def __init__(self, connection: Connection, identity: MeterIdentity | None = None) -> None:
-        self.talk = Conversation(connection)
-        self.identity = identity or self.talk.query("*IDN?", parse_identity)
-        self.original: dict[str, Any] | None = None
-        self.cached: dict[str, Any] = {}
-        self._store = SETTINGS_STORE.get()
+    settable = (
+        "level",
+        "voltage",
+        "constant_voltage",
+        "constant_current",
+        "range",
+        "auto_range",
+        "speed",
+        "averaging",
+        "trigger_delay",
+        "cable",
+        "load_correction",
+    )
+    timing = TIMING
+    restored_last = ("auto_range", "trigger", "header")
+    extents = ("ALL", "SPOT", "OFF")
 
-    def save_original(self) -> None:
-        """Save the original settings, if there is a store."""
-        if self._store:
-            self._store.save_original()
-
-    def prepare(self) -> None:
-        """Set the meter up so that each reading is new and holds status, Cp, Rs and X.
-
-        From now on `original` collects the original value of each setting that changes. Range,
-        level, speed and correction do not change. Raises MeterError.
-        """
-        if self.original is None:
-            self.original = self._store.original_settings(self.identity) if self._store else {}
-        self.talk.send("*CLS")
+    def set_up(self) -> None:
+        """Set the meter up so that each reading is new and holds status, Cp, Rs and X."""
         self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
         self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
-
-    def restore_original(self) -> None:
-        """Restore all changed settings, see `original_settings`."""
-        restore_original(self)
-
-    def release(self) -> None:
-        """Restore the settings, log those not confirmed, and close.
-
-        A store restores them itself.
-        """
-        try:
-            if self._store is None:
-                with suppress(MeterError):
-                    self.restore_original()
-                if self.original:
-                    LOG.warning("%s: %s", self.talk.resource, not_restored_message(self.original))
-        finally:
-            self.close()
 
     def read(self) -> MeterReading:
         """Reading that this call triggered, never an older one.
@@ -146,7 +107,7 @@ class HiokiMeter:
         FailedReadingError if the meter reports a failure, RefusedError if the meter refused the
         trigger (its answer would be stale), RestartedError, or another MeterError.
         """
-        return self.talk.query_checked(READ, parse_reading, self._max_seconds)
+        return self.talk.query_checked(READ, parse_reading, self.max_seconds)
 
     def read_at(self, frequency: float) -> MeterReading:
         """Reading at a frequency in Hz, in two exchanges.
@@ -157,7 +118,7 @@ class HiokiMeter:
         """
         self.frequency = frequency
         query = f"{READ};{type(self).frequency.query}"
-        reading, reported = self.talk.query_checked(query, self._reading_at, self._max_seconds)
+        reading, reported = self.talk.query_checked(query, self._reading_at, self.max_seconds)
         if abs(reported / frequency - 1) > ROUNDING:
             raise GarbledError(
                 f"{self.talk.resource}: the meter is at {reported:g} Hz instead of "
@@ -169,29 +130,44 @@ class HiokiMeter:
         reading, _, reported = answer.rpartition(";")
         return parse_reading(reading), type(self).frequency.allowed.read(reported.strip())
 
-    @property
-    def _max_seconds(self) -> float:
-        """Longest time of a reading after `prepare`, s."""
-        return 0.0 if self.original is None else SEARCHES * self.seconds
-
-    @property
-    def seconds(self) -> float:
-        """Approximate time of a reading with the present settings, s."""
-        for name in TIMING:
-            if name not in self.cached:
-                self.cached[name] = getattr(self, name)
-        frequency, speed, averaging, delay = (self.cached[name] for name in TIMING)
+    @classmethod
+    def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
+        """Approximate time of a reading, s."""
+        frequency, speed, averaging, delay = (timing[name] for name in TIMING)
         return ReadingConditions(frequency, 1, speed, averaging).seconds + delay
 
-    def close(self) -> None:
-        """Close the connection. Closing twice does no harm."""
-        self.talk.close()
+    @classmethod
+    def conditions(
+        cls, settings: Mapping[str, Any], frequency: float, Z: complex, table: AccuracyTable
+    ) -> ReadingConditions:
+        """Conditions of a reading of Z [ohm] with the settings of a snapshot."""
+        return ReadingConditions(
+            frequency,
+            settings.get("range") or table.fitting_range(Z),
+            settings["speed"],
+            settings["averaging"],
+            GeneratorLevel.of(settings).open_voltage(Z),
+            settings["cable"],
+        )
 
-    def __enter__(self) -> Self:
-        return self
+    def start_correction(self, kind: str, extent: str) -> None:
+        """Start to acquire a correction, or end it; the meter requires the external trigger."""
+        self.trigger = "EXTERNAL"
+        self.talk.query(":ESR0?", int)
+        self.talk.send(f"{CORRECTION_COMMANDS[kind]} {extent}")
 
-    def __exit__(self, *_: object) -> None:
-        self.release()
+    def correction_done(self) -> bool:
+        """True if the started correction has ended."""
+        return bool(self.talk.query(":ESR0?", int) & CORRECTION_COMPLETE)
+
+    def correction_fault(self, kind: str) -> str:
+        """Fault of the correction that has ended; empty if there is none."""
+        error = self.talk.query(f"{CORRECTION_COMMANDS[kind]}:ERRor?", int)
+        return f"error {error}" if error else ""
+
+    def cancel_correction(self, kind: str) -> None:
+        """Cancel the started correction."""
+        self.talk.send(f"{CORRECTION_COMMANDS[kind]} CANCel")
 
 
 class IM3523(HiokiMeter):
@@ -199,15 +175,18 @@ class IM3523(HiokiMeter):
 
     model = "IM3523"
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
-    speed = Setting(":RANGe:SYNC:SPEEd", WordFormat(SPEEDS), "Speed", each_range=True)
+    speed = Setting(":RANGe:SYNC:SPEEd", WordFormat(SPEEDS), "Speed", each_range=RANGES)
     averaging = Setting(
-        ":RANGe:SYNC:AVERaging", IntegerFormat(1, 256, "OFF"), "Readings averaged", each_range=True
+        ":RANGe:SYNC:AVERaging",
+        IntegerFormat(1, 256, "OFF"),
+        "Readings averaged",
+        each_range=RANGES,
     )
     trigger_delay = Setting(
         ":RANGe:SYNC:TRIGger:DELay",
         NumberFormat("s", 0, 9.9999, 5),
         "Time from trigger to measurement",
-        each_range=True,
+        each_range=RANGES,
     )
 
 
@@ -246,48 +225,5 @@ class IM3570(_Sibling):
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3570"], 5), "Frequency")
 
 
-Meter = IM3523 | IM3533 | IM3536 | IM3570
-DIALECTS: dict[str, type[Meter]] = {
-    dialect.model: dialect for dialect in (IM3523, IM3533, IM3536, IM3570)
-}
-
-
-def open_meter(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> Meter:
-    """Meter at a VISA resource, of the model that it reports, set up for readings.
-
-    timeout: longest time of an answer, s. Raises InputError if the name is no resource,
-    NoConnectionError if nothing answers, WrongMeterError if another instrument answers.
-    """
-    return start(connect(resource, timeout, baud_rate))
-
-
-def start(connection: Connection) -> Meter:
-    """Meter of a connection, in its dialect and set up. On failure the connection is closed.
-
-    Raises the errors of `open_meter`.
-    """
-    try:
-        identity = identify(connection)
-        if not identity.model:
-            raise WrongMeterError(
-                f"{connection.resource}: {identity.text!r} answers and is none of "
-                f"{', '.join(MODELS)}; check the address"
-            )
-        meter = DIALECTS[identity.model](connection, identity)
-    except BaseException:
-        connection.close()
-        raise
-    try:
-        meter.prepare()
-    except BaseException:
-        meter.release()
-        raise
-    return meter
-
-
-def identify(connection: Connection) -> MeterIdentity:
-    """Identity of the instrument at the other end. Raises NoConnectionError or MeterError."""
-    try:
-        return Conversation(connection).query("*IDN?", parse_identity)
-    except LostConnectionError as error:
-        raise NoConnectionError(str(error).replace("is lost", "cannot be made")) from error
+HIOKI = (IM3523, IM3533, IM3536, IM3570)
+"""Classes of the four models."""

@@ -13,8 +13,6 @@ from .meter_identity import MeterIdentity
 from .setting import Setting, SettingsOwner
 from .termination import shielded
 
-RESTORED_LAST = ("auto_range", "trigger", "header")
-"""Settings that are restored after all others, in this order."""
 MAX_RESTARTS = 3
 """Number of restarts of the meter that are allowed during the restoring."""
 
@@ -61,9 +59,8 @@ def restore_original(meter: SettingsOwner) -> None:
 
 def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
     """Restore each setting in `kept`, and remove those that the meter confirms."""
-    for name in sorted(
-        kept, key=lambda name: name in RESTORED_LAST and 1 + RESTORED_LAST.index(name)
-    ):
+    last = meter.restored_last
+    for name in sorted(kept, key=lambda name: name in last and 1 + last.index(name)):
         setting = getattr(type(meter), name, None)
         if not isinstance(setting, Setting):
             continue

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
 
 from ...simulator.sweeps import InputError
-from .accuracy_table import RANGES
 
 if TYPE_CHECKING:
     from .conversation import Conversation
@@ -23,6 +23,11 @@ class SettingsOwner(Protocol):
     talk: Conversation
     original: dict[str, Any] | None
     cached: dict[str, Any]
+
+    @property
+    def restored_last(self) -> tuple[str, ...]:
+        """Settings that are restored after all others, in this order."""
+        ...
 
     def save_original(self) -> None:
         """Save `original`, which has changed; the meter is about to change, too."""
@@ -193,10 +198,11 @@ class Setting(MeterProperty[T]):
         allowed: ValueFormat[T],
         meaning: str,
         *,
-        each_range: bool = False,
+        each_range: Sequence[int] = (),
         moves: str = "",
     ) -> None:
-        """each_range: True if the meter keeps one value per range; all are set to the same value.
+        """each_range: numbers of the ranges, if the meter keeps one value per range; all are set to
+        the same value.
 
         moves: another setting that changes with this one.
         """
@@ -220,14 +226,16 @@ class Setting(MeterProperty[T]):
         """Present value, or one value per range."""
         if not self._each_range:
             return self.__get__(meter, type(meter))
-        return tuple(meter.talk.query(f"{self._command}? {n}", self._read) for n in RANGES)
+        return tuple(
+            meter.talk.query(f"{self._command}? {n}", self._read) for n in self._each_range
+        )
 
     def restore(self, meter: SettingsOwner, found: Any) -> None:
         """Set a value that `current_value` gave earlier. Raises as `__set__`."""
         if not self._each_range or len(set(found)) == 1:
             self.__set__(meter, found[0] if self._each_range else found)
             return
-        for n, value in zip(RANGES, found, strict=True):
+        for n, value in zip(self._each_range, found, strict=True):
             meter.talk.send(f"{self._command} {n},{self.allowed.write(value)}")
 
     def _save_original(self, meter: SettingsOwner) -> None:

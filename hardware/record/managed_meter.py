@@ -12,9 +12,9 @@ from typing import Any
 
 from ..meter.conversation import ANSWER_TIMES
 from ..meter.errors import MeterError, WrongMeterError
-from ..meter.hioki import TIMING, Meter
 from ..meter.meter_identity import MeterIdentity
 from ..meter.original_settings import SETTINGS_STORE, not_restored_message, settings_text
+from ..meter.reading_source import ReadingSource
 from ..meter.settings_snapshot import restore_settings
 from ..meter.termination import raise_pending_signal, shielded
 from .recording_journal import RecordingHeader, RecordingJournal
@@ -35,11 +35,11 @@ class ManagedMeter:
     restored at the end of this one.
     """
 
-    connect: Callable[[], Meter]
+    connect: Callable[[], ReadingSource]
     header: RecordingHeader | None = None
     report: Callable[[str], None] = lambda text: None
     journal: RecordingJournal | None = None
-    meter: Meter | None = field(default=None, init=False)
+    meter: ReadingSource | None = field(default=None, init=False)
     _original: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
     _given_up: bool = field(default=False, init=False)
@@ -54,7 +54,7 @@ class ManagedMeter:
                 settings_text(self._original),
             )
 
-    def ready(self) -> Meter:
+    def ready(self) -> ReadingSource:
         """The meter, set up.
 
         Raises MeterError; WrongMeterError if it is not the meter of before.
@@ -116,13 +116,12 @@ class ManagedMeter:
         """True if the meter answered recently, in view of how slow its line is."""
         silent = time.monotonic() - max(begun, ANSWER_TIMES.at)
         return (
-            silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._running_time()
+            silent < GIVE_UP_AFTER + SLOW_LINE_FACTOR * ANSWER_TIMES.longest + self._busy_seconds()
         )
 
-    def _running_time(self) -> float:
+    def _busy_seconds(self) -> float:
         """Longest time of a reading that may still be running, s."""
-        known = self.meter is not None and self.meter.cached.keys() >= set(TIMING)
-        return self.meter.seconds if self.meter and known else 0.0
+        return self.meter.busy_seconds if self.meter else 0.0
 
     def _restore(self) -> None:
         for _ in range(TRIES):
@@ -135,7 +134,7 @@ class ManagedMeter:
                 return
             time.sleep(PAUSE)
 
-    def _connected(self) -> Meter:
+    def _connected(self) -> ReadingSource:
         """The meter over a new connection, with this object as its store of original settings."""
         before = SETTINGS_STORE.set(self)
         try:

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import outside_band
-from ..meter.hioki import Meter
 from ..meter.meter_reading import BY_CODE, MeterReading
+from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def flag_remarks(sweeps: Sequence[MeasuredSweep]) -> list[str]:
 
 
 def measure_sweep(
-    meter: Meter,
+    meter: ReadingSource,
     frequencies: Sequence[float],
     interfaces: Sequence[str],
     switch: Switch | None = None,
@@ -129,7 +129,7 @@ def measure_sweep(
 
 
 def measure_readings(
-    meter: Meter,
+    meter: ReadingSource,
     requests: Iterable[tuple[str, float]],
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
@@ -160,18 +160,23 @@ def measure_readings(
     )
 
 
-def check_frequencies(meter: Meter, frequencies: Sequence[float]) -> None:
+def check_frequencies(meter: ReadingSource, frequencies: Sequence[float]) -> None:
     """Raises InputError if the meter's model does not reach one of the frequencies in Hz."""
-    beyond = outside_band(meter.model, frequencies)
+    beyond = outside_band(meter.model, frequencies, meter.band)
     if beyond:
         raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
 
 
 def _trace(
-    meter: Meter, frequencies: Sequence[float], interface: str, watch: Watch
+    meter: ReadingSource, frequencies: Sequence[float], interface: str, watch: Watch
 ) -> InterfaceTrace:
-    begun = now()
-    readings = [_at(meter, float(frequency), watch) for frequency in frequencies]
+    begun, wanted = now(), [float(frequency) for frequency in frequencies]
+    if meter.sweeps:
+        readings = meter.read_sweep(wanted)
+        for frequency, reading in zip(wanted, readings, strict=True):
+            watch(frequency, reading)
+    else:
+        readings = [_at(meter, frequency, watch) for frequency in wanted]
     return _trace_of(readings, interface, begun, now())
 
 
@@ -189,7 +194,7 @@ def _trace_of(
     )
 
 
-def _at(meter: Meter, frequency: float, watch: Watch) -> MeterReading:
+def _at(meter: ReadingSource, frequency: float, watch: Watch) -> MeterReading:
     reading = meter.read_at(frequency)
     watch(frequency, reading)
     return reading

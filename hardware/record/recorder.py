@@ -14,8 +14,9 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import MeterError
-from ..meter.hioki import Meter
-from ..meter.settings_snapshot import apply_settings, require_settings, restore_settings, snapshot
+from ..meter.instruments import instrument_of
+from ..meter.reading_source import ReadingSource
+from ..meter.settings_snapshot import require_settings, restore_settings
 from ..meter.termination import shielded
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
@@ -50,7 +51,7 @@ class RecordingTask:
 
     header: RecordingHeader
     output: Path
-    connect: Callable[[], Meter]
+    connect: Callable[[], ReadingSource]
     table: AccuracyTable
     limits: SweepLimits = SweepLimits()
     same_mounting: bool = False
@@ -85,6 +86,7 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
             task.table,
             header.settings,
             task.limits,
+            instrument_of(header.meter).conditions,
             header.of_each,
         )
         run = RecordingRun(task, station, operator, judge, entries)
@@ -201,8 +203,8 @@ def _start(
 ) -> RecordingHeader:
     meter = station.ready()
     check_frequencies(meter, task.header.frequencies)
-    apply_settings(meter, task.header.asked)
-    settings = snapshot(meter)
+    meter.apply_settings(task.header.asked)
+    settings = meter.snapshot()
     restore_settings(meter, settings)
     begun = now()
     station.header = replace(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +10,14 @@ import numpy as np
 
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
-from ..meter.accuracy_table import AccuracyTable, GeneratorLevel, ReadingConditions, full_scale
+from ..meter.accuracy_table import AccuracyTable, ReadingConditions, full_scale
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CP_TOLERANCE = 1e-3
+ConditionsOf = Callable[[Mapping[str, Any], float, complex, AccuracyTable], ReadingConditions]
 
 
 @dataclass(frozen=True)
@@ -42,13 +43,15 @@ class SweepLimits:
 class SweepChecker:
     """Checks sweeps. frequency: Hz. settings: the meter's, as in a snapshot.
 
-    of_each: frequencies of interfaces with their own, by name, Hz.
+    conditions: conditions of a reading, see `LcrMeter.conditions`. of_each: frequencies of
+    interfaces with their own, by name, Hz.
     """
 
     frequency: NDArray[np.float64]
     table: AccuracyTable
     settings: Mapping[str, Any]
     limits: SweepLimits
+    conditions: ConditionsOf
     of_each: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def remarks(
@@ -91,16 +94,7 @@ class SweepChecker:
         return ErrorBounds(*np.array(pairs).T)
 
     def _conditions(self, frequency: float, Z: complex) -> ReadingConditions:
-        settings = self.settings
-        drive = GeneratorLevel.of(settings)
-        return ReadingConditions(
-            frequency,
-            settings.get("range") or self.table.fitting_range(Z),
-            settings["speed"],
-            settings["averaging"],
-            drive.open_voltage(Z),
-            settings["cable"],
-        )
+        return self.conditions(self.settings, frequency, Z, self.table)
 
     def _law_remarks(self, trace: InterfaceTrace) -> list[str]:
         if not self.limits.two_terminal:

@@ -17,9 +17,14 @@ VIRTUAL_MODEL = "IM3523"
 """The model that the virtual meter imitates."""
 
 
-def outside_band(model: str, frequencies: Iterable[float]) -> str:
-    """Message with a model's range and the frequencies [Hz] outside it; empty if there are none."""
-    low, high = METER_BANDS[model]
+def outside_band(
+    model: str, frequencies: Iterable[float], band: tuple[float, float] | None = None
+) -> str:
+    """Message with a model's range and the frequencies [Hz] outside it; empty if there are none.
+
+    band: lowest and highest frequency, Hz; default: that of METER_BANDS.
+    """
+    low, high = band or METER_BANDS[model]
     outside = [each for each in frequencies if not low <= each <= high]
     if not outside:
         return ""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
 from rcskin.hardware.virtual.hioki.meter_state import PerRange, Settings

@@ -16,7 +16,7 @@ from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread

@@ -9,7 +9,7 @@ from pathlib import Path
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import RecordingTask, record

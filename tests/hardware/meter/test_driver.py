@@ -13,14 +13,10 @@ from rcskin.hardware.meter.errors import (
     RefusedError,
     RestartedError,
 )
-from rcskin.hardware.meter.hioki import IM3523, open_meter
+from rcskin.hardware.meter.hioki import IM3523
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.settings_snapshot import (
-    apply_settings,
-    require_settings,
-    restore_settings,
-    snapshot,
-)
+from rcskin.hardware.meter.settings_snapshot import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -197,8 +193,8 @@ def test_a_failed_correction_says_what_to_check(instrument, meter):
 
 
 def test_settings_are_restored_from_a_snapshot(meter):
-    apply_settings(meter, {"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
-    kept = snapshot(meter)
+    meter.apply_settings({"speed": "SLOW", "range": 5, "averaging": 4, "voltage": 0.5})
+    kept = meter.snapshot()
     meter.talk.send("*RST")
     with pytest.raises(RestartedError, match="`voltage` is 1.0 and was 0.5"):
         require_settings(meter, kept)
@@ -209,7 +205,7 @@ def test_settings_are_restored_from_a_snapshot(meter):
 
 def test_a_lost_correction_cannot_be_restored(meter):
     correct(meter, "open", interval=0.001)
-    kept = snapshot(meter)
+    kept = meter.snapshot()
     correct(meter, "open", "OFF")
     with pytest.raises(CorrectionError, match="open correction was ALL.*is OFF now"):
         restore_settings(meter, kept)

@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.hardware.meter.accuracy_table import read_table
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import standard_order
 from rcskin.hardware.record.recorder import RecordingTask

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.accuracy_table import read_table
+from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits
 from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
@@ -23,7 +24,7 @@ SETTINGS = {
     "averaging": 1,
     "cable": 0,
 }
-JUDGE = SweepChecker(FREQUENCY, read_table(), SETTINGS, SweepLimits())
+JUDGE = SweepChecker(FREQUENCY, read_table(), SETTINGS, SweepLimits(), IM3523.conditions)
 LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e4))
 
 

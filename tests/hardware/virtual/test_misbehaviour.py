@@ -10,7 +10,7 @@ from rcskin.hardware.meter.errors import (
     NoAnswerError,
     RestartedError,
 )
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault

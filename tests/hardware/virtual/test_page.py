@@ -6,7 +6,7 @@ import socket
 
 import pytest
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.simulator.sweeps import InputError
 
 SOON = 5

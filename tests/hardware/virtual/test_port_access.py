@@ -9,7 +9,7 @@ import struct
 import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.event_counter import counted_events
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.tokens import read_token, token_file
 from rcskin.hardware.virtual.clients import MAX_CLIENTS
 from rcskin.hardware.virtual.meter_server import run_in_thread

@@ -9,10 +9,10 @@ from rcskin.hardware.meter.errors import (
     RestartedError,
     WrongMeterError,
 )
-from rcskin.hardware.meter.hioki import IM3523, IM3533, IM3536, IM3570, start
+from rcskin.hardware.meter.hioki import IM3523, IM3533, IM3536, IM3570
+from rcskin.hardware.meter.instruments import start
 from rcskin.hardware.meter.meter_identity import parse_identity
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.settings_snapshot import apply_settings
 from rcskin.simulator.sweeps import InputError
 
 OK = ("*ESR?", "0")
@@ -272,7 +272,7 @@ def test_another_instrument_is_refused_and_let_go(script):
 def test_a_fixed_range_stays_fixed_when_settings_are_applied(script):
     exchange = [*said(":RANGe 4"), *said(":RANGe:AUTO OFF"), *said(":CORRection:CABLe 1")]
     with script(*exchange) as line:
-        apply_settings(IM3523(line, IDENTITY), {"cable": 1, "auto_range": False, "range": 4})
+        IM3523(line, IDENTITY).apply_settings({"cable": 1, "auto_range": False, "range": 4})
 
 
 def test_all_failures_are_of_one_family():

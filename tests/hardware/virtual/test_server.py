@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import PressError
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.clients import MAX_CLIENTS, MAX_LINE, LineReader
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.press_routines import press_at_random, press_by_script, read_script

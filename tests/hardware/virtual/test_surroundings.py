@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.hioki import open_meter
+from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.serving import instrument, simulated
 from rcskin.simulator.scene.scene_files import load_scene
 

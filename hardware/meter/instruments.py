@@ -1,0 +1,62 @@
+"""Registry of instruments: each is known by its model in the answer to `*IDN?`."""
+
+from __future__ import annotations
+
+from .connection import Connection, connect
+from .conversation import Conversation
+from .errors import LostConnectionError, NoConnectionError, WrongMeterError
+from .hioki import HIOKI
+from .lcr_meter import LcrMeter
+from .meter_identity import MeterIdentity, parse_identity
+
+INSTRUMENTS: dict[str, type[LcrMeter]] = {each.model: each for each in HIOKI}
+"""Class of each model."""
+
+
+def open_meter(resource: str, timeout: float = 5.0, baud_rate: int = 9600) -> LcrMeter:
+    """Meter at a VISA resource, of the model that it reports, set up for readings.
+
+    timeout: longest time of an answer, s. Raises InputError if the name is no resource,
+    NoConnectionError if nothing answers, WrongMeterError if another instrument answers.
+    """
+    return start(connect(resource, timeout, baud_rate))
+
+
+def start(connection: Connection) -> LcrMeter:
+    """Meter of a connection, of the model that it reports and set up.
+
+    On failure the connection is closed. Raises the errors of `open_meter`.
+    """
+    try:
+        identity = identify(connection)
+        if identity.model not in INSTRUMENTS:
+            raise WrongMeterError(
+                f"{connection.resource}: {identity.text!r} answers and is none of "
+                f"{', '.join(INSTRUMENTS)}; check the address"
+            )
+        meter = INSTRUMENTS[identity.model](connection, identity)
+    except BaseException:
+        connection.close()
+        raise
+    try:
+        meter.prepare()
+    except BaseException:
+        meter.release()
+        raise
+    return meter
+
+
+def identify(connection: Connection) -> MeterIdentity:
+    """Identity of the instrument at the other end. Raises NoConnectionError or MeterError."""
+    try:
+        return Conversation(connection).query("*IDN?", parse_identity)
+    except LostConnectionError as error:
+        raise NoConnectionError(str(error).replace("is lost", "cannot be made")) from error
+
+
+def instrument_of(text: str) -> type[LcrMeter]:
+    """Class of the instrument that gave this answer to `*IDN?`. Raises WrongMeterError."""
+    model = parse_identity(text).model if text.strip(", ") else ""
+    if model not in INSTRUMENTS:
+        raise WrongMeterError(f"{text!r} is none of {', '.join(INSTRUMENTS)}")
+    return INSTRUMENTS[model]

@@ -1,0 +1,213 @@
+"""Base class of all LCR meters: an instrument declares its settings and how it reads."""
+
+from __future__ import annotations
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.meter_bands import METER_BANDS
+from .connection import Connection
+from .conversation import Conversation
+from .errors import MeterError
+from .meter_identity import MeterIdentity, parse_identity
+from .original_settings import SETTINGS_STORE, not_restored_message, restore_original
+from .reading_source import SettingValue
+from .setting import MeterProperty, Setting
+
+if TYPE_CHECKING:
+    from .accuracy_table import AccuracyTable, ReadingConditions
+    from .meter_reading import MeterReading
+
+SEARCHES = 3
+"""Measurements that one reading may take with automatic range."""
+LOG = logging.getLogger(__name__)
+
+
+class LcrMeter(ABC):
+    """An LCR meter. Each set is followed by a check of the event register.
+
+    Setting a property raises InputError if the value is not allowed, RefusedError if the meter
+    refuses it, RestartedError if the meter was switched off and on. Everything may raise
+    MeterError.
+
+    model: name in `*IDN?`, with a band in METER_BANDS. settable: settings that a reading depends
+    on, in the order in which they are set. reported: properties in a snapshot that cannot be set.
+    timing: settings that the time of a reading depends on. restored_last: settings that are
+    restored after all others, in this order. extents: words for the extent of a correction; the
+    last one ends it. sweeps: True if the meter sweeps by itself. aliases: other names of settings,
+    for `apply_settings`.
+    """
+
+    model: str
+    settable: tuple[str, ...]
+    reported: tuple[str, ...] = ("open_correction", "short_correction")
+    timing: tuple[str, ...]
+    restored_last: tuple[str, ...]
+    extents: ClassVar[tuple[str, ...]]
+    sweeps: bool = False
+    aliases: ClassVar[Mapping[str, str]] = {}
+
+    frequency: ClassVar[Setting[float]]
+    range: ClassVar[Setting[Any]]
+    auto_range: ClassVar[Setting[bool]]
+    open_correction: ClassVar[MeterProperty[Any]]
+    short_correction: ClassVar[MeterProperty[Any]]
+
+    def __init__(self, connection: Connection, identity: MeterIdentity | None = None) -> None:
+        self.talk = Conversation(connection)
+        self.identity = identity or self.talk.query("*IDN?", parse_identity)
+        self.original: dict[str, Any] | None = None
+        self.cached: dict[str, Any] = {}
+        self._store = SETTINGS_STORE.get()
+        self._sweep_seconds = 0.0
+
+    @property
+    def resource(self) -> str:
+        """Name of the resource."""
+        return self.talk.resource
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz."""
+        return METER_BANDS[self.model]
+
+    @abstractmethod
+    def set_up(self) -> None:
+        """Set the meter up so that each reading is new and complete.
+
+        Range, level, speed and correction do not change. Raises MeterError.
+        """
+
+    @abstractmethod
+    def read_at(self, frequency: float) -> MeterReading:
+        """Reading at a frequency in Hz, never older than this call.
+
+        Raises InputError if the model does not reach the frequency, GarbledError if the meter is at
+        another one, FailedReadingError if the meter reports a failure, RefusedError if the meter
+        refused the trigger (its answer would be stale), RestartedError, or another MeterError.
+        """
+
+    def read_sweep(self, frequencies: Sequence[float]) -> list[MeterReading]:
+        """Readings at frequencies in Hz, none older than this call. Raises as `read_at`."""
+        return [self.read_at(frequency) for frequency in frequencies]
+
+    @classmethod
+    @abstractmethod
+    def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
+        """Approximate time of a reading, s. timing: values of the settings of that name."""
+
+    @classmethod
+    @abstractmethod
+    def conditions(
+        cls, settings: Mapping[str, Any], frequency: float, Z: complex, table: AccuracyTable
+    ) -> ReadingConditions:
+        """Conditions of a reading of Z [ohm], in the words of an accuracy table.
+
+        settings: a snapshot.
+        """
+
+    @abstractmethod
+    def start_correction(self, kind: str, extent: str) -> None:
+        """Start to acquire a correction (open or short), or end it. extent: one of `extents`."""
+
+    @abstractmethod
+    def correction_done(self) -> bool:
+        """True if the started correction has ended."""
+
+    @abstractmethod
+    def correction_fault(self, kind: str) -> str:
+        """Fault of the correction that has ended; empty if there is none."""
+
+    @abstractmethod
+    def cancel_correction(self, kind: str) -> None:
+        """Cancel the started correction."""
+
+    def prepare(self) -> None:
+        """Set the meter up for readings.
+
+        From now on `original` collects the original value of each setting that changes. Raises
+        MeterError.
+        """
+        if self.original is None:
+            self.original = self._store.original_settings(self.identity) if self._store else {}
+        self.talk.send("*CLS")
+        self.set_up()
+
+    def snapshot(self) -> dict[str, SettingValue]:
+        """All settings that a reading depends on; the range only if fixed. Raises MeterError."""
+        values = {name: getattr(self, name) for name in (*self.settable, *self.reported)}
+        if values["auto_range"]:
+            del values["range"]
+        return values
+
+    def apply_settings(self, settings: Mapping[str, Any]) -> None:
+        """Set those of the settings that can be set, in the order of `settable`.
+
+        Raises InputError if the meter lacks a setting or a value is not allowed, MeterError if the
+        meter fails.
+        """
+        named = {self.aliases.get(name, name): value for name, value in settings.items()}
+        for name in named:
+            if name not in (*self.settable, *self.reported):
+                raise InputError(
+                    f"meter {self.model} has no setting `{name}`; it has {', '.join(self.settable)}"
+                )
+        for name in self.settable:
+            if name in named:
+                setattr(self, name, named[name])
+
+    def save_original(self) -> None:
+        """Save the original settings, if there is a store."""
+        if self._store:
+            self._store.save_original()
+
+    def restore_original(self) -> None:
+        """Restore all changed settings, see `original_settings`."""
+        restore_original(self)
+
+    def release(self) -> None:
+        """Restore the settings, log those not confirmed, and close.
+
+        A store restores them itself.
+        """
+        try:
+            if self._store is None:
+                with suppress(MeterError):
+                    self.restore_original()
+                if self.original:
+                    LOG.warning("%s: %s", self.resource, not_restored_message(self.original))
+        finally:
+            self.close()
+
+    @property
+    def seconds(self) -> float:
+        """Approximate time of a reading with the present settings, s."""
+        for name in self.timing:
+            if name not in self.cached:
+                self.cached[name] = getattr(self, name)
+        return self.reading_seconds({name: self.cached[name] for name in self.timing})
+
+    @property
+    def max_seconds(self) -> float:
+        """Longest time of a reading after `prepare`, s."""
+        return 0.0 if self.original is None else SEARCHES * self.seconds
+
+    @property
+    def busy_seconds(self) -> float:
+        """Time that a running reading or sweep may still take, s. Sends no query."""
+        known = self.cached.keys() >= set(self.timing)
+        return max(self._sweep_seconds, self.seconds if known else 0.0)
+
+    def close(self) -> None:
+        """Close the connection. Closing twice does no harm."""
+        self.talk.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
