@@ -50,6 +50,9 @@ def serve(
     seed: Annotated[int, typer.Option(help="Seed of the session's errors and presses.")] = 1,
     pace: Annotated[float, typer.Option(help="Factor on measuring times: 1 real, 0 none.")] = 1,
     accuracy: Accuracy = None,
+    model: Annotated[
+        str, typer.Option(help="Model to imitate: IM3523, E4980A, E4980AL or 4284A.")
+    ] = "IM3523",
     page: Annotated[
         bool, typer.Option("--page", help="Serve a page that presses the skin.")
     ] = False,
@@ -57,20 +60,22 @@ def serve(
         int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
 ) -> None:
-    """Serve a virtual IM3523 on TCP until interrupted."""
+    """Serve a virtual meter on TCP until interrupted."""
     from .event_counter import counted_events
     from .meter.accuracy_table import DERIVED_TABLE
     from .virtual import serving
 
     served = _served_skin(scene, recorded, interface, seed)
     press_routines = serving.routines(served, script, random, seed)
-    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE)
+    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE, model)
     if len(served.skins) > 1:
         say(
             f"rcskin: note: connected to interface {meter.interface} of "
             f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
             err=True,
         )
+    if meter.note:
+        say(f"rcskin: note: {meter.note}", err=True)
     page_options = _page_options(served, page, page_port)
     with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
         meter.report_failure = partial(meter.report, "failed readings")

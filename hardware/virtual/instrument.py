@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..meter.meter_identity import VIRTUAL_SERIAL
 from .language.meter_command import MeterCommand
@@ -36,8 +36,12 @@ class PendingMeasurement:
 
 @dataclass
 class Instrument(VirtualDevice, ABC):
-    """One meter, shared by clients. bench: the connected skin, the readout and the accuracy."""
+    """One meter, shared by clients. bench: the connected skin, the readout and the accuracy.
 
+    note: what differs from the real instrument, if a user must know it.
+    """
+
+    note: ClassVar[str] = ""
     bench: MeasurementSetup
     model: str = ""
     serial: str = VIRTUAL_SERIAL
@@ -64,6 +68,11 @@ class Instrument(VirtualDevice, ABC):
     @abstractmethod
     def identity(self) -> str:
         """Answer to `*IDN?`."""
+
+    @property
+    @abstractmethod
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz."""
 
     @property
     @abstractmethod

@@ -16,12 +16,12 @@ from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
 from ..meter.accuracy_table import DERIVED_TABLE, read_table
 from ..page.page_address import LOOPBACK
 from .control import ControlPort
-from .hioki.im3523 import VirtualHioki
 from .instrument import Instrument
 from .measurement import MeasurementSetup, Readout
 from .meter_server import Ports, open_ports
 from .press_routines import Routine, press_at_random, press_by_script, read_script
 from .recorded_skin import RecordedSkin, exact_readout
+from .virtual_models import virtual_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,16 +69,13 @@ class ServedSkin:
 def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> ServedSkin:
     """Simulated skin of a scene at these or all interfaces, with the errors of a session.
 
-    Raises InputError for other interfaces, or if the virtual meter lacks one of their frequencies.
+    Raises InputError for other interfaces.
     """
     from ...simulator.measure.specimen import MeterSessionErrors, Specimen
     from ...simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
 
     names = checked_interfaces(interfaces, scene)
     read = restricted_to_interfaces(scene, names)
-    beyond = outside_band(VIRTUAL_MODEL, read.sweep.frequencies)
-    if beyond:
-        raise InputError(f"{scene.name}: {beyond}; change `sweep.frequencies`")
     whole, errors = Specimen(scene, names[0]), MeterSessionErrors(scene, seed)
     return ServedSkin(
         {name: whole.at(name) for name in names},
@@ -98,20 +95,31 @@ def recorded(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> ServedSkin
     return ServedSkin(skins, exact_readout, rows, columns, first)
 
 
-def instrument(served: ServedSkin, pace: float = 1.0, accuracy: Path = DERIVED_TABLE) -> Instrument:
+def instrument(
+    served: ServedSkin,
+    pace: float = 1.0,
+    accuracy: Path = DERIVED_TABLE,
+    model: str = VIRTUAL_MODEL,
+) -> Instrument:
     """Virtual meter of an unpressed skin, with filled caches: all readings take the same time.
 
-    pace: factor on measuring times; 1: as a real meter, 0: none.
+    pace: factor on measuring times; 1: as a real meter, 0: none. model: that it imitates. Raises
+    InputError for another pace or model, or if the model lacks a frequency of the served scene.
     """
     if not 0 <= pace <= 100:
         raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
-    meter = VirtualHioki(
+    meter = virtual_model(model)(
         MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
         pace=pace,
         press=served.skin.check(UNPRESSED),
         skins=served.skins,
         interface=next(iter(served.skins)),
     )
+    if served.scene is not None:
+        frequencies = served.scene.sweep.frequencies
+        if beyond := outside_band(meter.model, frequencies, meter.band):
+            meter.worker.end()
+            raise InputError(f"{served.scene.name}: {beyond}; change `sweep.frequencies`")
     meter.worker.submit(served.skin.impedance, meter.press, served.frequency).result()
     return meter
 

@@ -109,8 +109,8 @@ def pillow():
 def make_instrument():
     """A virtual meter that takes no time, on the pillow unless told otherwise."""
 
-    def make_instrument(skin=None, readout=exact_readout, **more):
-        return VirtualHioki(
+    def make_instrument(skin=None, readout=exact_readout, kind=VirtualHioki, **more):
+        return kind(
             MeasurementSetup(skin or Pillow(), readout, read_table()), **{"pace": 0.0, **more}
         )
 

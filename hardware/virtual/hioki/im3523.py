@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from ....simulator.sweeps.meter_bands import VIRTUAL_MODEL
+from ....simulator.sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL
 from ..event_registers import Standard
 from ..instrument import Instrument
 from ..language.meter_command import MeterCommand
@@ -37,6 +37,11 @@ class VirtualHioki(Instrument):
     def identity(self) -> str:
         """Answer to `*IDN?`."""
         return f"HIOKI,{self.model},{self.serial},V1.00"
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency of an IM3523, Hz."""
+        return METER_BANDS[VIRTUAL_MODEL]
 
     @property
     def line_end(self) -> str:

@@ -14,6 +14,7 @@ from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.serving import instrument as instrument_of
 from rcskin.hardware.virtual.serving import simulated
 from rcskin.simulator.scene.changed_readings import with_frequencies
 from rcskin.simulator.sweeps import InputError
@@ -109,6 +110,6 @@ def test_misbehaviour_out_of_range_is_refused(ports, given, told):
 @pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])
 def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, frequencies):
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
-        simulated(with_frequencies(scene, frequencies))
+        instrument_of(simulated(with_frequencies(scene, frequencies)))
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
         check_frequencies(meter, frequencies)

@@ -1,0 +1,216 @@
+"""Commands of the LCR meters E4980A, E4980AL and 4284A.
+
+Source: Keysight E4980A/AL user's guide, chapter 10 (SCPI command reference).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from ..language.meter_command import MeterCommand, matched_word
+from ..language.parser import ExecutionError
+from .error_queue import ILLEGAL_VALUE, STALE_DATA, TOO_MUCH_DATA
+from .keysight_corrections import correction_commands, spot_commands
+from .lcr_settings import FUNCTIONS, fitting_range, rounded_frequency
+from .scpi_values import integer, nr3, number, one_of, setting, switch, switch_text
+
+if TYPE_CHECKING:
+    from .e4980a import VirtualE4980A
+
+PAGES = (
+    "MEASurement",
+    "BNUMber",
+    "BCOunt",
+    "LIST",
+    "MSETup",
+    "CSETup",
+    "LTABle",
+    "LSETup",
+    "CATAlog",
+    "SYSTem",
+    "SELF",
+    "MLARge",
+)
+
+
+def _frequency(meter: VirtualE4980A, text: str) -> float:
+    return rounded_frequency(number(text, *meter.limits.frequency, "HZ"))
+
+
+def _voltage(meter: VirtualE4980A, text: str) -> float:
+    return number(text, *meter.limits.voltage, "V")
+
+
+def _current(meter: VirtualE4980A, text: str) -> float:
+    return number(text, *meter.limits.current, "A")
+
+
+def _word(*words: str) -> Callable[[Any, str], str]:
+    read = one_of(*words)
+    return lambda meter, text: read(text)
+
+
+def _switch(meter: VirtualE4980A, text: str) -> bool:
+    return switch(text)
+
+
+def _seconds(high: float) -> Callable[[Any, str], float]:
+    return lambda meter, text: number(text, 0.0, high, "S")
+
+
+def _level(header: str, kind: str, name: str, read: Callable[..., float]) -> MeterCommand:
+    """Command of a level. A query for the level that is not in use is an error."""
+
+    def set_level(meter: VirtualE4980A, text: str) -> None:
+        setattr(meter.settings, name, read(meter, text))
+        meter.settings.level = kind
+        meter.changed()
+
+    def query(meter: VirtualE4980A) -> str:
+        if meter.settings.level != kind:
+            raise ExecutionError(header, STALE_DATA)
+        return nr3(getattr(meter.settings, name))
+
+    return MeterCommand(header, set_level, query)
+
+
+def _set_range(meter: VirtualE4980A, text: str) -> None:
+    value = fitting_range(number(text, 0.1, 100e3, "OHM"))
+    meter.settings.range, meter.settings.auto_range = value, False
+    meter.changed()
+
+
+def _set_aperture(meter: VirtualE4980A, aperture: str, averaging: str = "") -> None:
+    speed = one_of("SHORt", "MEDium", "LONG")(aperture)
+    if averaging:
+        meter.settings.averaging = integer(averaging, 1, 256)
+    meter.settings.aperture = speed
+    meter.changed()
+
+
+def _length(meter: VirtualE4980A, text: str) -> int:
+    value = number(text, 0, 4, "M")
+    if value not in meter.limits.lengths:
+        raise ExecutionError(text, ILLEGAL_VALUE)
+    return int(value)
+
+
+def _list(kind: str, header: str, read: Callable[..., float]) -> MeterCommand:
+    """Command of the points of a list sweep, which replace those of another kind."""
+
+    def set_list(meter: VirtualE4980A, *texts: str) -> None:
+        if len(texts) > meter.limits.list_points:
+            raise ExecutionError(len(texts), TOO_MUCH_DATA)
+        meter.settings.list_values = tuple(read(meter, text) for text in texts)
+        meter.settings.list_kind, meter.step = kind, 0
+        meter.changed()
+
+    def query(meter: VirtualE4980A) -> str:
+        if meter.settings.list_kind != kind or not meter.settings.list_values:
+            raise ExecutionError(header, STALE_DATA)
+        return ",".join(nr3(value) for value in meter.settings.list_values)
+
+    return MeterCommand(header, set_list, query, set_arguments=(1, 1000))
+
+
+def _clear_list(meter: VirtualE4980A) -> None:
+    meter.settings.list_values, meter.step = (), 0
+    meter.changed()
+
+
+def _buffer(text: str) -> None:
+    if matched_word(text, ("DBUF",)) is None:
+        raise ExecutionError(text, ILLEGAL_VALUE)
+
+
+def _resize(meter: VirtualE4980A, name: str, size: str) -> None:
+    _buffer(name)
+    meter.buffer_size = integer(size, 1, 201)
+    meter.clear_buffer()
+
+
+def _fill(meter: VirtualE4980A, name: str) -> None:
+    _buffer(name)
+    meter.buffer, meter.filling = [], True
+
+
+def _clear_buffer(meter: VirtualE4980A, name: str) -> None:
+    _buffer(name)
+    meter.clear_buffer()
+
+
+async def _read_buffer(meter: VirtualE4980A, name: str) -> str:
+    _buffer(name)
+    await meter.settle()
+    return meter.buffer_text()
+
+
+def _set_format(meter: VirtualE4980A, *texts: str) -> None:
+    """Only ASCii: the virtual meter has no binary answers."""
+    if one_of("ASCii", "REAL")(texts[0]) != "ASC" or len(texts) > 1:
+        raise ExecutionError(texts, ILLEGAL_VALUE)
+
+
+def _initiate(meter: VirtualE4980A) -> None:
+    meter.initiate()
+
+
+SETTINGS = (
+    setting(":FREQuency[:CW]", "frequency", _frequency, nr3),
+    _level(":VOLTage[:LEVel]", "VOLT", "voltage", _voltage),
+    _level(":CURRent[:LEVel]", "CURR", "current", _current),
+    setting(":FUNCtion:IMPedance[:TYPE]", "function", _word(*FUNCTIONS)),
+    MeterCommand(
+        ":FUNCtion:IMPedance:RANGe[:VALue]", _set_range, lambda meter: nr3(meter.settings.range)
+    ),
+    setting(":FUNCtion:IMPedance:RANGe:AUTO", "auto_range", _switch, switch_text),
+    MeterCommand(
+        ":APERture",
+        _set_aperture,
+        lambda meter: f"{meter.settings.aperture},{meter.settings.averaging}",
+        set_arguments=(1, 2),
+    ),
+    setting(":TRIGger:SOURce", "trigger", _word("INTernal", "HOLD", "EXTernal", "BUS")),
+    setting(":TRIGger:DELay", "step_delay", _seconds(999.0), nr3),
+    setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),
+    setting(":COMParator[:STATe]", "comparator", _switch, switch_text),
+    setting(":FORMat:ASCii:LONG", "long_format", _switch, switch_text),
+    MeterCommand(":FORMat[:DATA]", _set_format, lambda meter: "ASC", set_arguments=(1, 2)),
+    setting(":AMPLitude:ALC", "level_control", _switch, switch_text),
+    setting(":BIAS:STATe", "bias", _switch, switch_text),
+    setting(":DISPlay:PAGE", "page", _word(*PAGES)),
+    setting(":DISPlay:ENABle", "display", _switch, switch_text),
+    setting(":CORRection:OPEN:STATe", "open_correction", _switch, switch_text),
+    setting(":CORRection:SHORt:STATe", "short_correction", _switch, switch_text),
+    setting(":CORRection:LOAD:STATe", "load_correction", _switch, switch_text),
+    setting(":CORRection:LENGth", "length", _length),
+    setting(":CORRection:METHod", "method", _word("SINGle", "MULTi")),
+    setting(":LIST:MODE", "list_mode", _word("SEQuence", "STEPped")),
+    _list("FREQ", ":LIST:FREQuency", _frequency),
+    _list("VOLT", ":LIST:VOLTage", _voltage),
+    _list("CURR", ":LIST:CURRent", _current),
+    MeterCommand(":LIST:CLEar:ALL", _clear_list, set_arguments=0),
+)
+READINGS = (
+    MeterCommand("*TRG", lambda meter: meter.trigger_and_fetch(), set_arguments=0),
+    MeterCommand(":TRIGger[:IMMediate]", lambda meter: meter.trigger(), set_arguments=0),
+    MeterCommand(":INITiate[:IMMediate]", _initiate, set_arguments=0),
+    MeterCommand(
+        ":INITiate:CONTinuous",
+        lambda meter, text: meter.set_continuous(switch(text)),
+        lambda meter: switch_text(meter.settings.continuous),
+    ),
+    MeterCommand(":FETCh[:IMPedance][:FORMatted]", on_query=lambda meter: meter.fetch()),
+    MeterCommand(":FETCh[:IMPedance]:CORRected", on_query=lambda meter: meter.fetch_corrected()),
+    MeterCommand(":MEMory:DIM", _resize, set_arguments=2),
+    MeterCommand(":MEMory:FILL", _fill),
+    MeterCommand(":MEMory:CLEar", _clear_buffer),
+    MeterCommand(":MEMory:READ", on_query=_read_buffer, query_arguments=1),
+)
+LCR_COMMANDS = (
+    *SETTINGS,
+    *READINGS,
+    *correction_commands(":CORRection:OPEN[:EXECute]", ":CORRection:SHORt[:EXECute]"),
+    *spot_commands(),
+)

@@ -1,0 +1,183 @@
+"""Every dialect of the virtual meter: the conversation of its manual, and hostile lines."""
+
+import asyncio
+import socket
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
+from rcskin.simulator.sweeps import InputError
+
+SCRIPTS = sorted(Path(__file__).parents[1].joinpath("conversations").glob("*.txt"))
+KEYSIGHT = [model for model in VIRTUAL_MODELS if not model.startswith("IM")]
+ERROR, LINE_END = ":SYST:ERR?", b"\n"
+NO_ERROR = '+0,"No error"'
+
+
+def spoken(path):
+    """(line sent, line answered or None) of a conversation."""
+    turns = []
+    for line in path.read_text().splitlines():
+        mark, _, text = line.partition(" ")
+        if mark == ">":
+            turns.append((text, None))
+        elif mark == "<":
+            turns[-1] = (turns[-1][0], text)
+    return turns
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_the_conversation_of_the_manual(make_instrument, serve, path):
+    with serve(make_instrument(kind=VIRTUAL_MODELS[path.stem])) as ports:
+        with closing(socket.create_connection(("127.0.0.1", ports.meter), timeout=5)) as client:
+            answers = client.makefile("rb")
+            for number, (sent, expected) in enumerate(spoken(path)):
+                client.sendall(sent.encode() + LINE_END)
+                if expected is not None:
+                    assert (number, sent, answers.readline()) == (
+                        number,
+                        sent,
+                        expected.encode() + LINE_END,
+                    )
+
+
+@pytest.fixture(params=KEYSIGHT)
+def keysight(request, make_instrument):
+    """A virtual instrument of Keysight, as after power-on."""
+    return make_instrument(kind=VIRTUAL_MODELS[request.param])
+
+
+def talk(meter, *lines):
+    """Answers of a meter to lines, in one event loop."""
+
+    async def all_lines():
+        return [await asyncio.wait_for(answer(meter, line), 5) for line in lines]
+
+    return asyncio.run(all_lines())
+
+
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        (":FREQUENC?", -113),
+        (":FREQ 1KV;:NONSENSE", -131),
+        ("*IDN", -113),
+        ("*TRG?", -113),
+        ("*CLS 1", -108),
+        (":TRIG:SOUR", -109),
+        (":TRIG:SOUR BUS,INT", -108),
+        (":TRIG:SOUR NEVER", -224),
+        (":INIT:CONT MAYBE", -224),
+        (":FORM:DATA REAL", -224),
+        ("*ESE 256", -222),
+        ("*ESE x", -104),
+        (";", -102),
+        (":TRIG:SOUR ,", -102),
+        ("\ufffd", -102),
+        ("*TRG", -211),
+    ],
+)
+def test_an_error_is_silent_and_waits_in_the_queue(keysight, line, code):
+    silence, first, second = talk(keysight, line, ERROR, ERROR)
+    assert silence == ""
+    assert int(first.split(",")[0]) == code
+    assert second == NO_ERROR
+
+
+def test_a_full_queue_says_that_it_overflowed(keysight):
+    *_, last, after = talk(keysight, *[":NONSENSE"] * 100, *[ERROR] * 20, ERROR)
+    assert (last, after) == ('-350,"Queue overflow"', NO_ERROR)
+
+
+@pytest.mark.parametrize("model", KEYSIGHT)
+def test_no_line_harms_an_instrument(make_instrument, model):
+    kind = VIRTUAL_MODELS[model]
+    headers = sorted({command.header for command in kind.vocabulary().commands})
+    fragments = st.sampled_from(
+        ["?", " ", ",", ";", ":", "*", "1", "-1E99", "KHZ", "BUS", "ON", '"', "MAX", *headers]
+    )
+
+    @given(st.lists(fragments | st.text(max_size=5), max_size=12).map("".join))
+    def unharmed(line):
+        meter = make_instrument(kind=kind)
+        assert talk(meter, line, "*IDN?")[1] == meter.identity
+        meter.worker.shutdown()
+
+    unharmed()
+
+
+ODD = ("0", "-1", "1E99", "MIN", "DEF", "ON", "DBUF", "x" * 99, "\ufffd", "")
+
+
+def test_any_argument_is_taken_or_an_error(keysight):
+    for command in keysight.vocabulary().commands:
+        header = command.header.replace("[", "").replace("]", "").replace("#", "1")
+        for odd in ODD:
+            for line in (f"{header} {odd}", f"{header} {odd},{odd}", f"{header}? {odd}"):
+                talk(keysight, "*CLS", line, ":INIT:CONT ON")
+    assert talk(keysight, "*RST", "*IDN?")[1] == keysight.identity
+
+
+def test_a_line_that_is_too_long_is_an_error(make_instrument, serve, raw):
+    with serve(make_instrument(kind=VIRTUAL_MODELS["E4980A"])) as ports:
+        sent = b"*CLS\n" + b"*IDN?;" * 10_000 + b"\n:SYST:ERR?\n"
+        assert raw(ports.meter, sent) == b'-102,"Syntax error"\n'
+
+
+READ = "*CLS;:TRIG:SOUR BUS;:INIT:CONT ON;:FUNC:IMP RX;*TRG"
+
+
+def lcr(model):
+    return VIRTUAL_MODELS[model]
+
+
+@pytest.mark.parametrize("model", ["E4980A", "E4980AL", "4284A"])
+def test_faults_reach_every_lcr_meter(make_instrument, model):
+    meter = make_instrument(kind=lcr(model))
+    good = talk(meter, READ)[0]
+    meter.faults.add(Fault("status"))
+    assert talk(meter, "*TRG", "*TRG") == ["+9.90000E+37,+9.90000E+37,+1", good]
+    meter.faults.add(Fault("correction"))
+    assert talk(meter, ":CORR:SHOR;*OPC?", ERROR) == ["1", '-300,"Device-specific error"']
+    meter.faults.add(Fault("forget"))
+    assert talk(meter, "*ESR?;:TRIG:SOUR?") == ["128;INT"]
+
+
+def test_a_skin_without_a_reading_is_a_failure_of_the_meter(make_instrument, pillow):
+    pillow.impedance = lambda press, frequency: complex("nan")
+    meter = make_instrument(skin=pillow, kind=lcr("E4980A"))
+    assert talk(meter, READ, ERROR) == [
+        "+9.90000E+37,+9.90000E+37,+1",
+        '-300,"Device-specific error"',
+    ]
+
+
+def test_a_slow_meter_measures_for_the_time_of_its_aperture(make_instrument):
+    meter = make_instrument(kind=lcr("E4980A"), pace=1.0)
+
+    async def timed(aperture):
+        await answer(meter, f"*RST;:TRIG:SOUR BUS;:INIT:CONT ON;:APER {aperture};:FREQ 1KHZ")
+        await meter.trigger()
+        return meter.pending.done - meter.now
+
+    assert asyncio.run(timed("SHOR")) == pytest.approx(0.02, rel=0.1)
+    assert asyncio.run(timed("LONG,4")) == pytest.approx(0.96, rel=0.01)
+
+
+def test_a_free_running_meter_reads_on(make_instrument):
+    meter = make_instrument(kind=lcr("E4980A"))
+    assert talk(meter, ":FUNC:IMP RX", ":FETC?", ":FREQ 10KHZ;:FETC?") == [
+        "",
+        "+1.00000E+04,-1.59155E+05,+0",
+        "+1.00000E+04,-1.59155E+04,+0",
+    ]
+
+
+def test_another_model_is_refused():
+    with pytest.raises(InputError, match="`model` must be one of IM3523, E4980A, .* got 'LCX'"):
+        virtual_model("LCX")
