@@ -79,7 +79,7 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     whole, errors = Specimen(scene, names[0]), MeterSessionErrors(scene, seed)
     return ServedSkin(
         {name: whole.at(name) for name in names},
-        lambda Z, conditions: errors.read(Z, conditions.range),
+        lambda Z, conditions: errors.read(Z, conditions.frequency, conditions.range),
         *scene.pixels.shape,
         read.sweep.frequencies[0],
         read,

@@ -68,12 +68,8 @@ def warnings_of(scenes: Sequence[Scene]) -> list[str]:
 
 def fitting_rtol(scenes: Sequence[Scene]) -> float:
     """A tolerance that keeps errors of the simulation well below the noise of all meters."""
-    noises = (
-        noise
-        for scene in scenes
-        for noise in (scene.readout.magnitude_noise, scene.readout.phase_noise)
-    )
-    return float(np.clip(NOISE_SHARE * min(noises), MIN_RTOL, MAX_RTOL))
+    noise = min(scene.readout.smallest_noise for scene in scenes)
+    return float(np.clip(NOISE_SHARE * noise, MIN_RTOL, MAX_RTOL))
 
 
 def study(

@@ -28,7 +28,15 @@ from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies
-from .separation import TARGETS, Label, Separation, in_units_of_error, label_of, separation
+from .separation import (
+    TARGETS,
+    Label,
+    Separation,
+    in_units_of_error,
+    label_of,
+    require_noise_for_study,
+    separation,
+)
 
 FOLDS, MAX_RTOL = 5, 1e-4
 
@@ -62,7 +70,7 @@ class EvaluationSettings:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {self.target!r}")
         if not 1 <= self.draws <= 1000:
             raise InputError(f"`draws` must be from 1 to 1000, got {self.draws}")
-        in_units_of_error(np.ones((1, 1, 1), dtype=complex), scene.readout)
+        require_noise_for_study(scene.readout)
         check_cells(scene)
         nominal = self.nominal(scene)
         sizes = Counter(label_of(press.pixel, self.target) for press in nominal)
@@ -145,7 +153,7 @@ def score_point(
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
     family = _family(_without_readings(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
     Z = impedances(scene, nominal, family, rtol)
-    readings = in_units_of_error(Z, scene.readout, scene.taken)
+    readings = in_units_of_error(Z, scene.readout, scene.frequencies, scene.taken)
     shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
     return PointFindings(
         tuple(share for each in shares for share in each),

@@ -1,7 +1,7 @@
 """Separation of classes of presses, in units of the meter's error.
 
-The distance of two readings is the difference of ln |Z| over the meter's `magnitude_noise` and that
-of the phase over its `phase_noise`, root-sum-square over interfaces and frequencies. This is the
+The distance of two readings is the difference of ln |Z| and that of the phase, each over the
+deviation of the meter's noise, root-sum-square over interfaces and frequencies. This is the
 Mahalanobis distance for independent noise. The meter's accuracy, fixed for a session, multiplies
 every |Z| by one factor and shifts every phase equally, so it cancels. The spread of presses and the
 displayed digits are left out.
@@ -52,20 +52,30 @@ def label_of(pixel: Pixel, target: str) -> Label:
 
 
 def in_units_of_error(
-    Z: NDArray[np.complex128], readout: Readout, taken: NDArray[np.bool_] | None = None
+    Z: NDArray[np.complex128],
+    readout: Readout,
+    frequency: NDArray[np.float64],
+    taken: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.float64]:
     """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
 
-    Z: ohm, shape (press, interface, frequency). taken: True where an interface is read at a
-    frequency, None for all; elsewhere the result is 0 for every press. Raises InputError if a noise
-    is zero.
+    The noise is that of the first press's readings, so that distances do not depend on their
+    order in a pair. Z: ohm, shape (press, interface, frequency). frequency: Hz. taken: True where
+    an interface is read at a frequency, None for all; elsewhere the result is 0 for every press.
+    Raises InputError if a noise is zero.
     """
-    for name in ("magnitude_noise", "phase_noise"):
-        if not getattr(readout, name) > 0:
-            raise InputError(f"`readout.{name}` must be > 0 for a study, got 0")
+    require_noise_for_study(readout)
     Z = Z if taken is None else np.where(taken, Z, 1.0)
-    readings = [np.log(np.abs(Z)) / readout.magnitude_noise, np.angle(Z) / readout.phase_noise]
+    magnitude, phase = readout.noise(Z[0], frequency)
+    readings = [np.log(np.abs(Z)) / magnitude, np.angle(Z) / phase]
     return np.moveaxis(np.concatenate(readings, axis=1), 1, 2)
+
+
+def require_noise_for_study(readout: Readout) -> None:
+    """Raises InputError if a noise of the meter is zero."""
+    for name in ("magnitude_noise", "phase_noise"):
+        if not readout.noisy and not getattr(readout, name) > 0:
+            raise InputError(f"`readout.{name}` must be > 0 for a study, got 0")
 
 
 def separation(

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
-from ..measure.readout import errors_of, observed
+from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
+from ..press.batch import NOTHING, PressBatch
 from ..scene.draw_distributions import AnyDistribution
 from ..scene.frequency import laplace_variable
 from ..scene.reading_setup import ReadingSetup
@@ -51,6 +52,7 @@ class CommonDraws:
         """
         if target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+        require_noise(scene.readout)
         self._scene, self._seed, self._against_rest = scene, seed, against_rest
         self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
@@ -79,24 +81,42 @@ class CommonDraws:
         self, skin: ReducedSkin, reading: ReadingSetup, taken: NDArray[np.bool_]
     ) -> Array:
         """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
-        frequency = reading.frequency
-        batch = self._draws.batch(self._among, self._scene)
-        Z = skin.sweeps(batch, laplace_variable(frequency, skin.loss))
-        readings = observed(reading.leads.at_meter(Z, frequency))
+
+        def impedances(batch: PressBatch) -> NDArray[np.complex128]:
+            Z = skin.sweeps(batch, laplace_variable(reading.frequency, skin.loss))
+            return reading.leads.at_meter(Z, reading.frequency)
+
+        model = errors_of(
+            self._scene,
+            self._against_rest,
+            reading=reading,
+            unpressed=lambda: impedances(PressBatch.of([NOTHING]))[0],
+        )
+        readings = observed(impedances(self._draws.batch(self._among, self._scene)))
         numbers = np.moveaxis(readings.reshape(-1, 2, *reading.shape), 1, 2)
-        whitened = [self._of_interface(numbers[:, k], own) for k, own in enumerate(taken)]
+        each = enumerate(taken)
+        whitened = [whitened_interface(numbers[:, k], model, k, own) for k, own in each]
         flat = np.concatenate(whitened, axis=1)
         return flat.reshape(len(self._among), -1, flat.shape[1])
 
-    def _of_interface(self, numbers: Array, taken: NDArray[np.bool_]) -> Array:
-        """Whitens numbers (press, 2, frequency) of one interface, to shape (press, n).
 
-        The session's errors, common to all frequencies, reduce the mean over frequencies.
-        """
-        readout, kept = self._scene.readout, numbers[..., taken]
-        noise = errors_of(self._scene, self._against_rest).noise[:, None]
-        shared = np.array([[readout.magnitude_accuracy], [readout.phase_accuracy]])
-        shrinkage = 1 - 1 / np.sqrt(1 + taken.sum() * (shared / noise) ** 2)
-        if taken.any() and not self._against_rest:
-            kept = kept - shrinkage * kept.mean(axis=-1, keepdims=True)
+def whitened_interface(
+    numbers: Array, model: ErrorModel, interface: int, taken: NDArray[np.bool_]
+) -> Array:
+    """Whitens numbers (press, 2, frequency) of one interface, to shape (press, n).
+
+    With x and the errors of the session e in units of the noise, the covariance is I + ee', whose
+    inverse root is I - (1 - 1/sqrt(1 + e'e)) ee'/(e'e).
+    """
+    noise, kept = model.noise[:, interface][:, taken], numbers[..., taken]
+    accuracy = model.accuracy[:, interface][:, taken]
+    largest = accuracy.max(axis=-1, initial=0.0, keepdims=True)
+    if not largest.any():
         return (kept / noise).reshape(len(kept), -1)
+    relative = np.divide(accuracy, largest, out=np.ones_like(accuracy), where=largest > 0)
+    lowest = noise.min(axis=-1, keepdims=True)
+    weight = relative * (lowest / noise) ** 2
+    sum_of_weights = (weight * relative).sum(axis=-1, keepdims=True)
+    mean = (kept * weight).sum(axis=-1, keepdims=True) / sum_of_weights
+    shrinkage = 1 - 1 / np.sqrt(1 + sum_of_weights * (largest / lowest) ** 2)
+    return ((kept - shrinkage * relative * mean) / noise).reshape(len(kept), -1)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import ErrorModel, observed_slope
+from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
+from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 
 RIDGE = 1e-12
@@ -50,13 +51,20 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
-def error_model(scene: Scene, frequencies: int, against_rest: int = 0) -> ErrorModel:
-    """Error model of a sweep of a scene with all interfaces at `frequencies` frequencies.
+def error_model(
+    scene: Scene,
+    frequency: NDArray[np.float64],
+    against_rest: int = 0,
+    unpressed: Unpressed | None = None,
+) -> ErrorModel:
+    """Error model of a sweep of a scene with all interfaces at all frequencies, Hz.
 
-    Raises InputError for a meter without noise.
+    It is evaluated at the reading of the unpressed skin, see `errors_of`. Raises InputError for a
+    meter without noise.
     """
-    read = np.ones((len(scene.interfaces), frequencies), dtype=bool)
-    return ErrorModel(scene.readout, read, against_rest=against_rest)
+    every = [each.model_copy(update={"frequencies": None}) for each in scene.interfaces]
+    reading = ReadingSetup(every, frequency, scene.leads)
+    return errors_of(scene, against_rest, reading=reading, unpressed=unpressed)
 
 
 def in_noise(
@@ -74,21 +82,22 @@ def in_noise(
 def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Slopes by gain and phase error of each interface, (interface, frequency, 2, unknown).
 
-    Also returns 1/deviation² of each unknown. There are none where these errors cancel.
+    An unknown is the error at the reading where it is largest. Also returns 1/deviation² of each
+    unknown. There are none where these errors cancel.
     """
-    accuracy = np.array([model.readout.magnitude_accuracy, model.readout.phase_accuracy])
-    quantities = [] if model.against_rest else np.flatnonzero(accuracy > 0).tolist()
+    largest = model.accuracy.max(axis=(1, 2))
+    quantities = np.flatnonzero(largest > 0).tolist()
     unknown = [(i, q) for i in range(len(model.read)) for q in quantities]
     slopes = np.zeros((*model.read.shape, 2, len(unknown)))
     deviation = _deviation(model)
     for number, (i, q) in enumerate(unknown):
-        slopes[i, :, q, number] = 1 / deviation[q, i]
-    return slopes, np.array([accuracy[q] ** -2 for _, q in unknown])
+        slopes[i, :, q, number] = model.accuracy[q, i] / largest[q] / deviation[q, i]
+    return slopes, np.array([largest[q] ** -2 for _, q in unknown])
 
 
 def _deviation(model: ErrorModel) -> NDArray[np.float64]:
     """Standard deviation of each reading, infinite for none, shape (2, interface, frequency)."""
-    return np.where(model.read, model.noise[:, None, None], np.inf)
+    return np.where(model.read, model.noise, np.inf)
 
 
 def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:

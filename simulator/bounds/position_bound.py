@@ -194,7 +194,7 @@ def position_slopes(
     frequencies. Raises InputError for a meter without noise, and as the rasterizer does.
     """
     scene = fields.scene
-    model = model or error_model(scene, len(frequency), against_rest)
+    model = model or errors_in_fields(fields, frequency, against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     rasterizer = rasterizer or rasterizer_for(scene, fields.grid, touch)
@@ -210,6 +210,17 @@ def position_slopes(
     prior = np.concatenate([np.zeros(len(unknown)), prior, *([skin.prior] if skin else [])])
     room = scene.skin.length - touch.width, scene.skin.width - touch.height
     return Slopes(np.array(places), np.stack(found), prior, frequency, room)
+
+
+def errors_in_fields(
+    fields: AnyFields, frequency: NDArray[np.float64], against_rest: int = 0
+) -> ErrorModel:
+    """Errors of all interfaces at all frequencies, Hz, evaluated at the unpressed skin."""
+
+    def unpressed() -> NDArray[np.complex128]:
+        return fields.respond(np.ones(fields.grid), {}, frequency).Z
+
+    return error_model(fields.scene, frequency, against_rest, unpressed)
 
 
 def errors_of_places(

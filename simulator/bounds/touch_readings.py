@@ -11,14 +11,14 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import errors_of, observed
+from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
-from ..press.batch import PressBatch, TouchedCells
+from ..press.batch import NOTHING, PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
@@ -200,7 +200,8 @@ class TouchReadings:
         if size is not None:
             require_no_walls(scene, "a limit of touches of a size")
         self.scene, self._size = scene.for_rods, size
-        self.model = errors_of(scene, against_rest)
+        require_noise(scene.readout)
+        self._against_rest = against_rest
         self._factors = (
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),
@@ -225,6 +226,17 @@ class TouchReadings:
         if self._size is not None:
             batch = self._rasterized(batch)
         return self.model.whitened(observed(self._impedances(batch)))
+
+    @cached_property
+    def model(self) -> ErrorModel:
+        """Errors of the meter, evaluated at the reading of the unpressed skin.
+
+        One covariance holds for all presses, so that distances of readings are defined.
+        """
+        unpressed = PressBatch.of([NOTHING])
+        return errors_of(
+            self.scene, self._against_rest, unpressed=lambda: self._impedances(unpressed)[0]
+        )
 
     def rasterization_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
         """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.

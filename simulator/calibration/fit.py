@@ -96,8 +96,7 @@ class Fit:
 
 def model_tolerance(readout: Readout) -> float:
     """Required tolerance of the model for Rs and Cp."""
-    noise = min(readout.magnitude_noise, readout.phase_noise)
-    return float(np.clip(SHARE_OF_NOISE * noise, FINEST, COARSEST))
+    return float(np.clip(SHARE_OF_NOISE * readout.smallest_noise, FINEST, COARSEST))
 
 
 def best_fit(
@@ -213,8 +212,7 @@ def trained_nearby(fit: Fit) -> bool:
 
 def certificate_limit(spec: FitSpec) -> float:
     """Largest allowed error of the model for Rs and Cp."""
-    noise = min(spec.readout.magnitude_noise, spec.readout.phase_noise)
-    return SMALL_AGAINST_NOISE * max(noise, FINEST / SHARE_OF_NOISE)
+    return SMALL_AGAINST_NOISE * max(spec.readout.smallest_noise, FINEST / SHARE_OF_NOISE)
 
 
 def largest_certificate(fit: Fit) -> float:

@@ -23,7 +23,7 @@ from ..press.press import (
 )
 from ..press.touch import Touch, place_of
 from ..scene.changed_readings import with_frequencies
-from ..scene.meter import Readout
+from ..scene.readout_errors import ReadoutErrors
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
 from ..sweeps.inputs import objects
@@ -124,7 +124,7 @@ def measurements_of(
     sessions = [int(each) for each in sweeps["session"].values]
     Z = impedance(sweeps)
     known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    fixed = _fixed(known, sweeps.attrs.get("settings"), scene.readout)
+    fixed = _fixed(known, bare.frequencies, sweeps.attrs.get("settings"), scene.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'the file has none'}")
@@ -201,21 +201,23 @@ def _whole_pixels(scene: Scene, press: Press) -> Press:
     return press
 
 
-def _fixed(Z: NDArray[np.complex128], settings: str | None, readout: Readout) -> NDArray[np.int64]:
+def _fixed(
+    Z: NDArray[np.complex128], f: NDArray[np.float64], settings: str | None, readout: ReadoutErrors
+) -> NDArray[np.int64]:
     """Number of the fixed error of a session that each reading has, in the shape of Z.
 
-    settings: JSON of the meter that recorded the sweeps. A meter has one error in each of its
-    ranges, the same at all interfaces; its automatic range is the lowest decade that holds |Z|. The
-    range is unknown where |Z| is so near a decade that the error of the reading decides, unless all
-    readings are that near. Without a meter (None) each interface has its own error, as
-    `readout.read_out` draws them.
+    f: frequencies, Hz. settings: JSON of the meter that recorded the sweeps. A meter has one error
+    in each of its ranges, the same at all interfaces; its automatic range is the lowest decade that
+    holds |Z|. The range is unknown where |Z| is so near a decade that the error of the reading
+    decides, unless all readings are that near. Without a meter (None) each interface has its own
+    error, as `readout.read_out` draws them.
     """
     if settings is None:
         return np.broadcast_to(np.arange(Z.shape[1])[:, None], Z.shape)
     if not objects(settings).get("auto_range", True):
         return np.zeros(Z.shape, dtype=np.int64)
     size = np.log10(np.abs(Z))
-    error = math.hypot(readout.magnitude_accuracy, readout.magnitude_noise) / math.log(10)
+    error = np.hypot(readout.accuracy(Z, f)[0], readout.noise(Z, f)[0]) / math.log(10)
     numbers = np.unique(np.ceil(size), return_inverse=True)[1].reshape(Z.shape)
     near = np.abs(size - np.round(size)) < NEAR_EDGE * error
     return np.where(near & ~near.all(), UNKNOWN_RANGE, numbers)

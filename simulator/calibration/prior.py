@@ -160,7 +160,7 @@ class Noise:
 def noise_of(measured: Measurements) -> Noise:
     """Noise from the scene's readout, else from repeated baseline sweeps, else a first guess."""
     readout = measured.scene.readout
-    if readout.magnitude_noise > 0 and readout.phase_noise > 0:
+    if readout.noisy:
         return Noise(readout, "the scene's readout")
     repeated = [each for each in measured.sweeps if each.deviation is not None]
     readings = int(measured.read.sum())

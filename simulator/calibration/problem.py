@@ -76,10 +76,15 @@ class FitSpec:
         return len(self.accuracy) * len(self.measurements.sessions) * self.measurements.fixed
 
     @cached_property
-    def accuracy(self) -> dict[int, float]:
-        """Spread of the meter's fixed errors > 0, by quantity: 0 for |Z|, 1 for the phase."""
-        both = self.readout.magnitude_accuracy, self.readout.phase_accuracy
-        return {half: spread for half, spread in enumerate(both) if spread > 0}
+    def accuracy(self) -> dict[int, NDArray[np.float64]]:
+        """Spreads of the meter's fixed errors > 0, by quantity: 0 for |Z|, 1 for the phase.
+
+        Each has shape (sweep, reading).
+        """
+        Z = np.stack([reading.Z for reading in self.measurements.sweeps])
+        both = self.readout.accuracy(Z, self.measurements.scene.frequencies)
+        flat = both.reshape(2, len(Z), -1)
+        return {half: spread for half, spread in enumerate(flat) if spread.max() > 0}
 
     @cached_property
     def spreads(self) -> list[list[float]]:
@@ -265,7 +270,7 @@ class LeastSquaresProblem:
         own = np.eye(spec.measurements.fixed)[which]
         found = np.zeros((len(which), 2, which.shape[1], 0))
         for half, spread in spec.accuracy.items():
-            entering = spread * np.eye(2)[half][:, None, None] * own[:, None]
+            entering = spread[:, None, :, None] * np.eye(2)[half][:, None, None] * own[:, None]
             found = np.concatenate([found, entering], axis=-1)
         return found.reshape(len(which), 2 * which.shape[1], -1)
 
@@ -273,10 +278,13 @@ class LeastSquaresProblem:
 def deviation_of(spec: FitSpec, reading: SessionSweep) -> NDArray[np.float64]:
     """Standard deviation of each number of a sweep by the noise, shape (2 * Z.size,).
 
-    Infinite where nothing was read or the meter's range is unknown: such a number has no weight.
+    The noise is that of the measured Z. Infinite where nothing was read or the meter's range is
+    unknown: such a number has no weight.
     """
-    used = spec.measurements.read & reading.known
-    own = ErrorModel(spec.readout, np.ones_like(used), reading.averaged).deviation
+    used, f = spec.measurements.read & reading.known, spec.measurements.scene.frequencies
+    own = ErrorModel(
+        spec.readout, np.ones_like(used), reading.averaged, reading=reading.Z, frequency=f
+    ).deviation
     return np.where(np.tile(used.ravel(), 2), own, np.inf)
 
 

@@ -28,11 +28,10 @@ def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
     spec = fit.spec
     Z = np.stack([reading.Z for reading in spec.measurements.sweeps])
     averaged = np.sqrt([reading.averaged for reading in spec.measurements.sweeps])[:, None, None]
-    magnitude = spec.readout.magnitude_noise / averaged
-    phase = spec.readout.phase_noise / averaged
+    frequency = spec.measurements.scene.frequencies
+    magnitude, phase = spec.readout.noise(Z, frequency) / averaged
     residual = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
     fitted = Z * np.exp(residual[:, 0] * magnitude + 1j * residual[:, 1] * phase)
-    frequency = spec.measurements.scene.frequencies
     omega, Y = 2 * np.pi * frequency, 1 / fitted
     of_Rs = np.hypot(fitted.real * magnitude, fitted.imag * phase)
     of_Cp = np.hypot(Y.imag * magnitude, Y.real * phase) / omega

@@ -136,14 +136,17 @@ def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64
 
 @dataclass(frozen=True)
 class DrawnSession:
-    """A session: its number, skin, meter, presses, displayed readings, and audit.
+    """A session: its number, skin, fixed errors of the meter, presses, displayed readings, audit.
 
-    shown: Rs [ohm], X [ohm], Cp [F], each of shape (press, interface, frequency).
+    gain, turn: factor on |Z| and addition to the phase in rad, shape (interface,), of the reading
+    of the first press at the middle frequency; errors of other readings may differ. shown: Rs
+    [ohm], X [ohm], Cp [F], each of shape (press, interface, frequency).
     """
 
     number: int
     skin: DrawnSkin
-    meter: Meter
+    gain: NDArray[np.float64]
+    turn: NDArray[np.float64]
     presses: Presses
     shown: dict[str, NDArray[np.float64]]
     audit: Audit
@@ -177,8 +180,11 @@ def _measured(
     """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
     scene, (Z, audit) = plan.scene, answer
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
-    measured = meter.measure(skin.leads.at_meter(Z, scene.frequencies))
-    return DrawnSession(number, skin, meter, presses, _shown(scene, measured), audit)
+    frequency = scene.frequencies
+    at_meter, middle = skin.leads.at_meter(Z, frequency), len(frequency) // 2
+    gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
+    shown = _shown(scene, meter.measure(at_meter, frequency))
+    return DrawnSession(number, skin, gain, turn, presses, shown, audit)
 
 
 def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:

@@ -141,8 +141,8 @@ def values(session: DrawnSession) -> dict[str, NDArray]:
         "loss_tangent": skin.variation.loss.tangent,
         "stray_capacitance": skin.leads.stray_capacitance,
         "lead_resistance": skin.leads.resistance,
-        "meter_gain": session.meter.gain[:, 0],
-        "meter_turn": session.meter.turn[:, 0],
+        "meter_gain": session.gain,
+        "meter_turn": session.turn,
         "body": skin.variation.body,
         "rim": skin.variation.rim,
     }

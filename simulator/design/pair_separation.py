@@ -60,13 +60,14 @@ def _some(values: NDArray[np.float64], which: Sequence[int], axis: int) -> NDArr
 
 
 def pairs(
-    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], against_rest: int
 ) -> Pairs:
     """Nearest pairs of hypotheses, at all candidates of a skin.
 
-    noise: of a reading over that of a single one.
+    against_rest: number of averaged baseline sweeps that are subtracted, 0 for none. The noise is
+    that of readings of the unpressed skin.
     """
-    middle, slopes = _expected(on, among, frequency, noise)
+    middle, slopes = _expected(on, among, frequency, against_rest)
     chosen = _nearest(middle, slopes, [each.answer for each in among])
     one, other = chosen.T
     parts = [middle[one] - middle[other], *np.moveaxis(slopes[one], 1, 0)]
@@ -76,7 +77,7 @@ def pairs(
 
 
 def _expected(
-    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], noise: float
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], against_rest: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Readings (hypothesis, reading, frequency, 2) and slopes (hypothesis, touch, ...) over noise.
 
@@ -87,8 +88,7 @@ def _expected(
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
     found = on.observed(_presses(on.scene, among, signs), frequency)
     shape = len(among), len(signs), 2, -1, len(frequency)
-    readout = on.scene.readout
-    scale = noise * np.array([readout.magnitude_noise, readout.phase_noise])
+    scale = np.moveaxis(on.errors(frequency, against_rest).noise, 0, -1)
     each = np.moveaxis(found.reshape(shape), 2, -1) / scale
     slopes = np.einsum("hs...,st->ht...", each, signs / len(signs))
     return each.mean(axis=1), slopes

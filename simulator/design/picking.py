@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.touch_readings import hypotheses
-from ..measure.readout import ErrorModel
+from ..measure.readout import errors_of, require_noise
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.scene import Scene
@@ -20,7 +21,7 @@ from .candidate_merit import ACCURACY, SessionPrecision, by_both, by_frequency, 
 from .candidate_selection import Selection, best_selection, exchanged_by_slope, selection_bound
 from .merits import Merit
 from .pair_separation import Pairs, check_comparable, pairs
-from .skin_readout import Material, SkinReadout
+from .skin_readout import Material, SkinReadout, material_of
 from .touch_positions import TouchPositions
 from .trained_skins import TrainedSkins
 
@@ -106,13 +107,13 @@ class PixelPairs:
     def __init__(self, scene: Scene, request: Design) -> None:
         """Raises InputError for a meter without noise, and for too many pixels for the memory."""
         check_comparable(scene, request.target)
+        require_noise(scene.readout)
         self._among = hypotheses(scene, request.target)
-        model = ErrorModel(scene.readout, np.ones((1, 1), bool), against_rest=request.against_rest)
-        self._noise = float(model.deviation[0] / scene.readout.magnitude_noise)
+        self._against_rest = request.against_rest
 
     def __call__(self, on: SkinReadout, frequency: NDArray[np.float64]) -> Pairs:
         """Pairs of one skin."""
-        return pairs(on, self._among, frequency, self._noise)
+        return pairs(on, self._among, frequency, self._against_rest)
 
 
 class PositionPairs:
@@ -144,16 +145,24 @@ class Picker:
         self.frequency = frequency
         self._budgets = budgets(scene, request, float(frequency[0]), len(self._pool))
         self._casts = min(CASTS, request.casts)
-        readout = scene.readout
-        self._session = (
-            SessionPrecision()
-            if request.against_rest
-            else SessionPrecision(
-                _known(readout.magnitude_noise, readout.magnitude_accuracy),
-                _known(readout.phase_noise, readout.phase_accuracy),
-            )
-        )
+        self._against_rest = request.against_rest
         self._kept: tuple[Material, Pairs] | None = None
+
+    @cached_property
+    def _session(self) -> SessionPrecision:
+        """Errors of the session in units of the noise, for readings of the unpressed nominal skin.
+
+        Their root mean square over all candidates counts where they depend on the reading.
+        """
+        scene = self._trained.scene
+        if self._against_rest:
+            return SessionPrecision()
+        if scene.readout.uniform:
+            errors = errors_of(scene)
+        else:
+            on = self._trained.readout(None, material_of(scene), self._pool)
+            errors = on.errors(self.frequency, 0)
+        return SessionPrecision(*map(_known, errors.noise, errors.accuracy))
 
     def share_of(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
@@ -276,6 +285,14 @@ def _by_both(picked: Picked, every: int) -> NDArray[np.int64]:
     return own.ravel().astype(np.int64)
 
 
-def _known(noise: float, accuracy: float) -> float:
-    """1/deviation² of an error that is common to a session, in units of the noise."""
-    return (noise / accuracy) ** 2 if accuracy else np.inf
+def _known(noise: NDArray[np.float64], accuracy: NDArray[np.float64]) -> float:
+    """1/deviation² of an error that is common to a session, in units of the noise.
+
+    The deviation is the root mean square over all readings.
+    """
+    ratio = accuracy / noise
+    largest = np.unravel_index(ratio.argmax(), ratio.shape)
+    if not ratio[largest]:
+        return np.inf
+    share = float(np.square(ratio / ratio[largest]).mean())
+    return float((noise[largest] / accuracy[largest]) ** 2) / share

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import observed
+from ..measure.readout import ErrorModel, errors_of, observed
 from ..measure.skins import DrawnSkin
 from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..press.batch import PressBatch
+from ..press.batch import NOTHING, PressBatch
 from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.reading_setup import ReadingSetup
@@ -49,10 +49,25 @@ class SkinReadout:
         """Its readings at these frequencies in Hz, behind its own leads."""
         return ReadingSetup(self._readings, frequency, self._leads)
 
+    def errors(self, frequency: NDArray[np.float64], against_rest: int) -> ErrorModel:
+        """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""
+        return errors_of(
+            self.scene,
+            against_rest,
+            reading=self.reading(frequency),
+            unpressed=lambda: self._impedances(PressBatch.of([NOTHING]), frequency)[0],
+        )
+
     def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
+        return observed(self._impedances(batch, frequency))
+
+    def _impedances(
+        self, batch: PressBatch, frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """Z in ohm at the meter, shape (press, reading, frequency)."""
         s = laplace_variable(frequency, self.skin.loss)
         network = NetworkSkin(self.skin, s)
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
-        return observed(self._leads.at_meter(Z, frequency))
+        return self._leads.at_meter(Z, frequency)

@@ -9,7 +9,6 @@ from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced_fields import ReducedFields
 from ..bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
 from ..bounds.touches.area_rasterizer import AreaRasterizer, Point
-from ..measure.readout import errors_of
 from ..models.reduced.cases import Case
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -56,7 +55,7 @@ class TouchPositions:
             self.places,
             self.size,
             frequency,
-            model=errors_of(on.scene, against_rest, reading=reading),
+            model=on.errors(frequency, against_rest),
             rasterizer=self.cells,
         )
 

@@ -85,7 +85,7 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     fingers = finger_prior(scene, presses)
     touches = fingers.pixel_touches(strengths, weights)
     common = {
-        "deviation": errors_of(scene).deviation,
+        "deviation": errors_of(scene, unpressed=unknown.unpressed).deviation,
         "chances": chances,
         "strengths": strengths,
         "weights": np.array([touch.chance for touch in touches]),

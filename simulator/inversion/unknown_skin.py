@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import errors_of, observed, observed_slope
+from ..measure.readout import errors_of, observed, observed_slope, reading_from
 from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values
 from ..models.reduced.families.family_meshes import family_on
 from ..models.reduced.forward import Forward
@@ -94,6 +94,10 @@ class UnknownSkin:
         uniform = self.observed(self.forward.respond(*NOTHING, self.values).Z)
         return uniform + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
 
+    def unpressed(self) -> NDArray[np.complex128]:
+        """Z in ohm of the unpressed skin at the mean parameters, (interface, frequency)."""
+        return self.forward.respond(*NOTHING, self.values).Z
+
     def drift(self, step: float) -> NDArray[np.float64]:
         """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
         response = self.forward.respond(*NOTHING, self.values)
@@ -157,7 +161,8 @@ def _baseline_covariance(
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
-    error = errors_of(scene, averaged=averaged)
+    read = scene.reading.read
+    error = errors_of(scene, averaged=averaged, unpressed=lambda: reading_from(baseline, read))
     decade = np.tile(np.floor(baseline[: len(baseline) // 2] / math.log(10)), 2)
     noise = np.diag(error.deviation**2)
     return noise + (error.covariance - noise) * (decade[:, None] == decade)

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from ..bounds.fields import AnyFields, TouchSize
 from ..bounds.fisher_information import (
-    error_model,
     in_noise,
     pixel_maps,
     session_errors,
     summed,
     variances,
 )
-from ..bounds.position_bound import Slopes, chosen_touch
+from ..bounds.position_bound import Slopes, chosen_touch, errors_in_fields
 from ..bounds.touch_readings import Hypothesis, hypotheses
 from ..bounds.touches.area_rasterizer import RasterizedTouch
 from ..bounds.touches.depth_rasterizer import rasterizer_for
@@ -107,7 +106,7 @@ def identity_criterion(
     touches of another size on pixels in groups.
     """
     scene = fields.scene
-    model = error_model(scene, len(frequency), against_rest)
+    model = errors_in_fields(fields, frequency, against_rest)
     among = hypotheses(scene, target)
     touch = touch or chosen_touch(scene)
     pixels = _pixel_touches(fields, touch)
@@ -172,7 +171,7 @@ def _pair_slopes(
     Also returns the prior information of each.
     """
     shape = 2, *model.read.shape
-    deviation = np.moveaxis(model.deviation.reshape(shape), 0, -1)
+    deviation = np.moveaxis(model.noise, 0, -1)
     levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
     by_strength = [
         in_noise(each.Z, [each.by_parameter["strength"]], model)[..., 0] for each in answers

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
-from ..measure.readout import errors_of, observed
+from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..press.batch import PressBatch
+from ..press.batch import NOTHING, PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
@@ -65,7 +65,8 @@ class RandomPresses:
         self.scene, self._presses, self._offset = scene.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
-        self._model = errors_of(scene, against_rest)
+        require_noise(scene.readout)
+        self._against_rest = against_rest
 
     @classmethod
     def of_pixels(
@@ -107,10 +108,22 @@ class RandomPresses:
         )
 
     def _read(self, middles: Array, factors: Array) -> Array:
+        Z = self._impedances(self._rasterized(middles, factors))
+        return self._model.whitened(observed(Z))
+
+    def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
+        """Z in ohm at the meter, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        Z = self._skin.sweeps(self._rasterized(middles, factors), s)
-        return self._model.whitened(observed(self.scene.leads.at_meter(Z, frequency)))
+        return self.scene.leads.at_meter(self._skin.sweeps(batch, s), frequency)
+
+    @cached_property
+    def _model(self) -> ErrorModel:
+        """Errors of the meter, evaluated at the reading of the unpressed skin."""
+        unpressed = PressBatch.of([NOTHING])
+        return errors_of(
+            self.scene, self._against_rest, unpressed=lambda: self._impedances(unpressed)[0]
+        )
 
     def _rasterized(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
         """Touches rasterized on cells. sides: of each in m, unless all have the same."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..scene.meter import Readout
 from ..scene.reading_setup import ReadingSetup
+from ..scene.readout_errors import ReadoutErrors
 from ..sweeps import InputError, build, impedance, parallel_capacitance
 from ..sweeps.schema import taken_of
 
@@ -20,22 +23,30 @@ if TYPE_CHECKING:
 
 
 class Meter:
-    """A meter in one session: its fixed errors are drawn once, at each interface.
+    """A meter in one session: its fixed errors are drawn once, at each interface."""
 
-    gain: factor on |Z|, turn: added to the phase [rad], both of shape (interface, 1).
-    """
-
-    def __init__(self, readout: Readout, interfaces: int, random: np.random.Generator) -> None:
+    def __init__(
+        self, readout: ReadoutErrors, interfaces: int, random: np.random.Generator
+    ) -> None:
         self._readout, self._random = readout, random
-        magnitude, phase = random.standard_normal((2, interfaces, 1))
-        self.gain = 1 + readout.magnitude_accuracy * magnitude
-        self.turn = readout.phase_accuracy * phase
+        self._fixed = random.standard_normal((2, interfaces, 1))
 
-    def measure(self, Z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Z in ohm with errors, one reading for each; shape (sweep, interface, frequency)."""
-        magnitude, phase = self._random.standard_normal((2, *Z.shape))
-        gain = self.gain * (1 + self._readout.magnitude_noise * magnitude)
-        return Z * gain * np.exp(1j * (self.turn + self._readout.phase_noise * phase))
+    def measure(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """Readings with errors. Z is in ohm; shape (sweep, interface, frequency)."""
+        magnitude, phase = self._random.standard_normal((2, *reading.shape))
+        gain, turn = self.fixed_errors(reading, frequency)
+        of_magnitude, of_phase = self._readout.noise(reading, frequency)
+        gain = gain * (1 + of_magnitude * magnitude)
+        return reading * gain * np.exp(1j * (turn + of_phase * phase))
+
+    def fixed_errors(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Errors of the session: factors on |reading|, and what is added to the phase, rad."""
+        magnitude, phase = self._readout.accuracy(reading, frequency)
+        return 1 + magnitude * self._fixed[0], phase * self._fixed[1]
 
 
 def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
@@ -53,7 +64,7 @@ def read_out(
 ) -> xr.Dataset:
     """Sweeps as measured by a meter in one session, without numerical errors."""
     frequency = sweeps["frequency"].values
-    Z = Meter(readout, sweeps.sizes["interface"], random).measure(impedance(sweeps))
+    Z = Meter(readout, sweeps.sizes["interface"], random).measure(impedance(sweeps), frequency)
     Rs, X, Cp = (
         displayed(value, readout.display_digits)
         for value in (Z.real, Z.imag, parallel_capacitance(Z, frequency))
@@ -90,6 +101,14 @@ def observed_slope(
     return np.concatenate([ratio.real, ratio.imag], axis=-1)
 
 
+def reading_from(numbers: NDArray[np.float64], read: NDArray[np.bool_]) -> NDArray[np.complex128]:
+    """The reading with these `observed` values, 1 where nothing is read; shape of `read`."""
+    found = np.ones(read.shape, dtype=complex)
+    logarithm, phase = numbers.reshape(2, -1)
+    found[read] = np.exp(logarithm + 1j * phase)
+    return found
+
+
 def _readings(Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None) -> NDArray[np.complex128]:
     return Z.reshape(*Z.shape[:-2], -1) if taken is None else Z[..., taken]
 
@@ -100,35 +119,55 @@ class ErrorModel:
 
     readout: of the meter. read: mask of the readings, shape (interface, frequency). averaged:
     number of averaged sweeps. against_rest: number of baseline sweeps whose average is subtracted;
-    0 for values without a baseline, which have the errors of the session.
+    0 for values without a baseline, which have the errors of the session. reading: at which the
+    errors are evaluated, shape (interface, frequency), with its frequency in Hz; both may be left
+    out where the errors are the same for all readings. It is the reading of the unpressed skin
+    where errors must not depend on the press.
     """
 
-    readout: Readout
+    readout: ReadoutErrors
     read: NDArray[np.bool_]
     averaged: int = 1
     against_rest: int = 0
+    reading: NDArray[np.complex128] | None = None
+    frequency: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         """Raises InputError for a meter without noise."""
-        readout = self.readout
-        if not (readout.magnitude_noise > 0 and readout.phase_noise > 0):
-            raise InputError(
-                "`readout.magnitude_noise` and `readout.phase_noise` must be > 0 for errors to be "
-                "counted in units of the meter's"
-            )
+        require_noise(self.readout)
+        if self.reading is None and not self.readout.uniform:
+            raise ValueError("`reading` must be given where errors depend on the reading")
 
     @property
     def deviation(self) -> NDArray[np.float64]:
         """Standard deviation of each value by the noise of readings, shape (2 * readings
         taken,)."""
-        return np.repeat(self.noise, self.read.sum())
+        return self.noise[:, self.read].ravel()
+
+    @cached_property
+    def noise(self) -> NDArray[np.float64]:
+        """Standard deviations of ln |Z| and phase by the noise of readings.
+
+        The shape is (2, interface, frequency).
+        """
+        rest = 1 / self.against_rest if self.against_rest else 0.0
+        return self.readout.noise(*self._evaluated_at) * np.sqrt(1 / self.averaged + rest)
+
+    @cached_property
+    def accuracy(self) -> NDArray[np.float64]:
+        """Standard deviations of ln |Z| and phase by the errors of the session.
+
+        The shape is (2, interface, frequency). They cancel where a baseline is subtracted.
+        """
+        accuracy = self.readout.accuracy(*self._evaluated_at)
+        return np.zeros(accuracy.shape) if self.against_rest else accuracy
 
     @property
-    def noise(self) -> NDArray[np.float64]:
-        """Standard deviations of one ln |Z| and one phase by the noise of readings, shape (2,)."""
-        rest = 1 / self.against_rest if self.against_rest else 0.0
-        both = np.array([self.readout.magnitude_noise, self.readout.phase_noise])
-        return both * np.sqrt(1 / self.averaged + rest)
+    def _evaluated_at(self) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+        """Readings and frequency; 1 for both where the errors are the same for all."""
+        if self.reading is None or self.frequency is None:
+            return np.ones(self.read.shape, dtype=complex), np.ones(self.read.shape[1])
+        return self.reading, self.frequency
 
     @property
     def covariance(self) -> NDArray[np.float64]:
@@ -137,9 +176,9 @@ class ErrorModel:
         if self.against_rest:
             return C
         interface = np.nonzero(self.read)[0]
-        shared = (interface[:, None] == interface).astype(np.float64)
-        accuracy = self.readout.magnitude_accuracy, self.readout.phase_accuracy
-        return C + np.kron(np.diag(np.square(accuracy)), shared)
+        shared = np.kron(np.eye(2), interface[:, None] == interface)
+        accuracy = self.accuracy[:, self.read].ravel()
+        return C + accuracy[:, None] * accuracy * shared
 
     def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the readings taken, transformed to independent errors of deviation 1.
@@ -153,12 +192,33 @@ class ErrorModel:
         return flat.T.reshape(numbers.shape).astype(np.float64)
 
 
-def errors_of(
-    scene: Scene, against_rest: int = 0, averaged: int = 1, reading: ReadingSetup | None = None
-) -> ErrorModel:
-    """Error model of a scene's meter. Raises InputError without noise.
+def require_noise(readout: ReadoutErrors) -> None:
+    """Raises InputError for a meter without noise."""
+    if not readout.noisy:
+        raise InputError(
+            "`readout.magnitude_noise` and `readout.phase_noise` must be > 0 for errors to be "
+            "counted in units of the meter's"
+        )
 
-    reading: all readings of the scene for None. The other arguments: see `ErrorModel`.
+
+Unpressed = Callable[[], NDArray[np.complex128]]
+"""Function that returns the reading of the unpressed skin, shape (interface, frequency)."""
+
+
+def errors_of(
+    scene: Scene,
+    against_rest: int = 0,
+    averaged: int = 1,
+    reading: ReadingSetup | None = None,
+    unpressed: Unpressed | None = None,
+) -> ErrorModel:
+    """Error model of a scene's meter, evaluated at the reading of the unpressed skin.
+
+    unpressed: called only where errors depend on the reading, and needed there. reading: all
+    readings of the scene for None. The other arguments: see `ErrorModel`. Raises InputError without
+    noise.
     """
-    read = scene.reading if reading is None else reading
-    return ErrorModel(scene.readout, read.read, averaged, against_rest)
+    read, readout = scene.reading if reading is None else reading, scene.readout
+    require_noise(readout)
+    at = None if readout.uniform or unpressed is None else unpressed()
+    return ErrorModel(readout, read.read, averaged, against_rest, at, read.frequency)

@@ -112,8 +112,9 @@ class MeterSessionErrors:
         self._readout, self._random = scene.readout, np.random.default_rng(seed)
         self._meters: dict[int, Meter] = {}
 
-    def read(self, Z: complex, range_number: int) -> complex:
-        """Z in ohm of one measurement."""
+    def read(self, Z: complex, frequency: float, range_number: int) -> complex:
+        """Z in ohm of one measurement at a frequency in Hz."""
         if range_number not in self._meters:
             self._meters[range_number] = Meter(self._readout, 1, self._random)
-        return complex(self._meters[range_number].measure(np.array([[[Z]]])).item())
+        meter, at = self._meters[range_number], np.array([frequency])
+        return complex(meter.measure(np.array([[[Z]]]), at).item())

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from .foam_in_time import Celsius, Humid
 from .keys.key_paths import OrTable, OrText
 from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
+from .readout_errors import spread_over
 from .validation import Number, Table, Whole, one_line, within
 
 METERS = Path(__file__).parents[1] / "meters"
@@ -83,6 +84,33 @@ class Readout(Table):
     magnitude_noise: Share = 0.0
     phase_noise: Phase = 0.0
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
+
+    @property
+    def uniform(self) -> bool:
+        """True if the errors are the same for all readings and frequencies."""
+        return True
+
+    @property
+    def noisy(self) -> bool:
+        """True if noise of magnitude and phase is > 0 for every reading."""
+        return self.magnitude_noise > 0 and self.phase_noise > 0
+
+    @property
+    def smallest_noise(self) -> float:
+        """Smallest standard deviation of noise that a reading can have, of ln |Z| or phase."""
+        return min(self.magnitude_noise, self.phase_noise)
+
+    def noise(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Noise of each reading, see `ReadoutErrors`."""
+        return spread_over((self.magnitude_noise, self.phase_noise), reading)
+
+    def accuracy(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Fixed error of each reading in a session, see `ReadoutErrors`."""
+        return spread_over((self.magnitude_accuracy, self.phase_accuracy), reading)
 
     @property
     def exact(self) -> bool:

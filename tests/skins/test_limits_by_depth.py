@@ -71,7 +71,7 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
         scale = largest if name != "strength" else np.abs(slope).max()
         assert np.abs(found.by_parameter[name] - slope).max() < 0.05 * scale
     told = position_slopes(fields, [(x, y)], touch, frequency)
-    model = error_model(scene, len(frequency))
+    model = error_model(scene, frequency)
     own = in_noise(impedance(0, 0, 0), list(expected.values()), model)
     by = np.concatenate([own, session_errors(model)[0]], axis=-1)[None]
     truth = replace(told, by=by).bounds()

@@ -32,7 +32,9 @@ def metered(
     one = Specimen(scene, names[0])
     benches = [
         MeasurementSetup(
-            one.at(name), lambda Z, at_hand: errors.read(Z, at_hand.range), read_table()
+            one.at(name),
+            lambda Z, at_hand: errors.read(Z, at_hand.frequency, at_hand.range),
+            read_table(),
         )
         for name in names
     ]

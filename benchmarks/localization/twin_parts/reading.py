@@ -8,7 +8,7 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.measure.readout import Meter
 from rcskin.simulator.press.press import check_press, parse_press
-from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
 
 ONE, OWN, HELD = "one", "own", "held"
@@ -22,7 +22,7 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
     asked = [check_press(parse_press(press, factor), scene) for press in presses]
     Z = np.array([twin.impedances(press, event) for event, press in enumerate(asked)])
     return build(
-        _measured(Z, scene.readout, np.random.default_rng([twin.seed, twin.number]), ranges),
+        _measured(Z, scene, np.random.default_rng([twin.seed, twin.number]), ranges),
         scene.frequencies,
         interface=[each.name for each in scene.interfaces],
         press=[str(press) for press in asked],
@@ -32,15 +32,13 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
     )
 
 
-def _measured(
-    Z: np.ndarray, readout: Readout, random: np.random.Generator, ranges: str
-) -> np.ndarray:
+def _measured(Z: np.ndarray, scene: Scene, random: np.random.Generator, ranges: str) -> np.ndarray:
     table = read_table(DERIVED_TABLE)
     used = np.vectorize(table.fitting_range)(Z) if ranges != ONE else np.zeros(Z.shape)
     if ranges == HELD:
         used = np.broadcast_to(used[:1], Z.shape)
     shown = np.empty_like(Z)
     for number in np.unique(used):
-        measured = Meter(readout, Z.shape[1], random).measure(Z)
+        measured = Meter(scene.readout, Z.shape[1], random).measure(Z, scene.frequencies)
         shown[used == number] = measured[used == number]
     return shown

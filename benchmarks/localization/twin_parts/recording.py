@@ -40,7 +40,7 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     errors = MeterSessionErrors(scene, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}
     first = scene.sweep.frequencies[0]
-    readout = lambda Z, at_hand: errors.read(Z, at_hand.range)  # noqa: E731
+    readout = lambda Z, at_hand: errors.read(Z, at_hand.frequency, at_hand.range)  # noqa: E731
     meter = instrument(ServedSkin(skins, readout, *scene.pixels.shape, first), pace=0.0)
     steps = [parse_step(press, *scene.pixels.shape) for press in presses]
     with run_in_thread(meter, ControlPort(meter)) as ports, tempfile.TemporaryDirectory() as folder:

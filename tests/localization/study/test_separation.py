@@ -28,7 +28,7 @@ def columns(*numbers):
 def test_a_known_pair_by_hand():
     """10 % of |Z| at one frequency is ln(1.1) / 0.01 = 9.53 errors, 10 mrad at the other 5."""
     Z = np.array([[[100, 50j]], [[110, 50j * np.exp(-0.01j)]]])
-    readings = in_units_of_error(Z, METER)
+    readings = in_units_of_error(Z, METER, FREQUENCY)
     told = separation(readings, columns(1, 2), FREQUENCY[:2])
     assert told.least == pytest.approx(np.hypot(np.log(1.1) / 0.01, 5.0), rel=1e-9)
     assert told.median == told.least
@@ -40,7 +40,7 @@ def test_half_the_noise_doubles_every_distance():
     Z, labels = random_impedance(6), columns(1, 1, 2, 2, 3, 3)
     halved = Readout(magnitude_noise=0.005, phase_noise=0.001)
     before, after = (
-        separation(in_units_of_error(Z, r), labels, FREQUENCY) for r in (METER, halved)
+        separation(in_units_of_error(Z, r, FREQUENCY), labels, FREQUENCY) for r in (METER, halved)
     )
     for name in ("least", "median", "band_separation"):
         assert getattr(after, name) == pytest.approx(2 * getattr(before, name), rel=1e-12)
@@ -51,7 +51,8 @@ def test_what_is_fixed_for_a_session_does_not_matter():
     Z, labels = random_impedance(4), columns(1, 2, 3, 4)
     session = 1.02 * np.exp(0.01j)
     plain, measured = (
-        class_distances(in_units_of_error(which, METER), labels) for which in (Z, session * Z)
+        class_distances(in_units_of_error(which, METER, FREQUENCY), labels)
+        for which in (Z, session * Z)
     )
     np.testing.assert_allclose(plain, measured, rtol=1e-9)
 
@@ -88,4 +89,4 @@ def test_a_class_is_a_column_a_row_or_a_pixel():
 @pytest.mark.parametrize("name", ["magnitude_noise", "phase_noise"])
 def test_a_meter_without_noise_is_refused(name):
     with pytest.raises(InputError, match=f"`readout.{name}` must be > 0"):
-        in_units_of_error(random_impedance(1), METER.model_copy(update={name: 0.0}))
+        in_units_of_error(random_impedance(1), METER.model_copy(update={name: 0.0}), FREQUENCY)

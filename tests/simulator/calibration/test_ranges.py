@@ -40,8 +40,9 @@ def recorded(scene, sweeps, automatic, seed):
     """As a meter records sweeps, in the range of each reading or all in one."""
     errors = MeterSessionErrors(scene, seed)
     ranged = [
-        errors.read(z, math.ceil(math.log10(abs(z))) if automatic else 7)
-        for z in impedance(sweeps).ravel().tolist()
+        errors.read(z, f, math.ceil(math.log10(abs(z))) if automatic else 7)
+        for own in impedance(sweeps).reshape(-1, sweeps.sizes["frequency"]).tolist()
+        for z, f in zip(own, sweeps["frequency"].values.tolist(), strict=True)
     ]
     kept = ("interface", "press", "row", "column")
     return build(

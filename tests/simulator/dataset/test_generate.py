@@ -62,7 +62,7 @@ def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
     drawn = sweeps.isel(drawn_session=4)
     np.testing.assert_array_equal(drawn["drawn_top"], session.skin.variation.top)
     assert drawn["drawn_stray_capacitance"] == session.skin.leads.stray_capacitance
-    np.testing.assert_array_equal(drawn["drawn_meter_gain"], session.meter.gain[:, 0])
+    np.testing.assert_array_equal(drawn["drawn_meter_gain"], session.gain)
 
 
 def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy):

@@ -22,7 +22,9 @@ def at_rest():
 
 def error_of(readout, seed=1, sweeps=READINGS):
     Z = np.full((sweeps, 1, 1), 3e4 - 4e4j)
-    return Meter(readout, 1, np.random.default_rng(seed)).measure(Z)[:, 0, 0] / (3e4 - 4e4j)
+    return Meter(readout, 1, np.random.default_rng(seed)).measure(Z, np.array([1e3]))[:, 0, 0] / (
+        3e4 - 4e4j
+    )
 
 
 def test_noise_has_the_stated_spread_of_magnitude_and_of_phase():

@@ -57,7 +57,7 @@ def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
         assert prior[name].center == each.shift
     frequency = np.array(scene.frequencies)
     limits = SkinUnknowns(
-        FullFields(scene, 1e4), frequency, error_model(scene, len(frequency))
+        FullFields(scene, 1e4), frequency, error_model(scene, frequency)
     ).deviations
     assert {name: limits[name] for name in spreads} == {n: s.deviation for n, s in spreads.items()}
     inversion = UnknownSkin(Forward(scene, rtol=1e-3))
