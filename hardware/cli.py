@@ -51,7 +51,7 @@ def serve(
     pace: Annotated[float, typer.Option(help="Factor on measuring times: 1 real, 0 none.")] = 1,
     accuracy: Accuracy = None,
     model: Annotated[
-        str, typer.Option(help="Model to imitate: IM3523, E4980A, E4980AL or 4284A.")
+        str, typer.Option(help="Model to imitate: IM3523, E4980A, E4980AL, 4284A or E4990A.")
     ] = "IM3523",
     page: Annotated[
         bool, typer.Option("--page", help="Serve a page that presses the skin.")

@@ -14,7 +14,8 @@ from ...simulator.sweeps import InputError
 from ..event_counter import Report
 from ..page.request_head import WORD
 
-MAX_LINE = 2048
+MAX_LINE = 8192
+"""Longest line, bytes. A list of 201 frequencies or segments fits."""
 END = re.compile(rb"[\r\n]")
 METHODS = rb"GET|HEAD|POST|PUT|DELETE|CONNECT|OPTIONS|TRACE|PATCH"
 WEB = re.compile(

@@ -8,12 +8,14 @@ from ...simulator.sweeps import InputError
 from .hioki.im3523 import VirtualHioki
 from .instrument import Instrument
 from .keysight.e4980a import Virtual4284A, VirtualE4980A, VirtualE4980AL
+from .keysight.e4990a import VirtualE4990A
 
 VIRTUAL_MODELS: dict[str, Callable[..., Instrument]] = {
     "IM3523": VirtualHioki,
     "E4980A": VirtualE4980A,
     "E4980AL": VirtualE4980AL,
     "4284A": Virtual4284A,
+    "E4990A": VirtualE4990A,
 }
 """Class of each model."""
 

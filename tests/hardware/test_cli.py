@@ -237,6 +237,7 @@ def test_an_absent_meter_is_a_meter_error_in_one_line(command, tmp_path):
         (["--scene", "pillow", "--recorded", "a.nc"], "either --scene or --recorded"),
         (["--recorded", "absent.nc"], "absent.nc: no such file"),
         (["--scene", "pillow", "--pace", "-1"], "`pace` must be in [0, 100], got -1"),
+        (["--scene", "pillow", "--model", "LCX"], "`model` must be one of IM3523, E4980A,"),
         (["--scene", "pillow", "--random", "0"], "`random` must be in (0, 3600] s, got 0"),
         (["--scene", "pillow", "--random", "1", "--script", "a"], "cannot both press"),
         (["--scene", "pillow", "--port", "99999"], "--port must be from 0 to 65535, got 99999"),

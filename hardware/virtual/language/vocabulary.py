@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from itertools import product
 
 from .meter_command import MeterCommand, all_forms
 
@@ -26,17 +27,15 @@ class Vocabulary:
 
         None if unknown.
         """
-        found = self._forms.get(words)
-        if found is None:
-            found = self._forms.get(tuple(DIGITS.sub("", word) for word in words))
-        if found is None:
-            return None
-        command, form = found
-        suffixes = []
-        for word, known in zip(words, form, strict=True):
-            digits = DIGITS.search(word)
-            if known.endswith("#"):
-                suffixes.append(int(digits[0][:6]) if digits else 1)
-            elif word != known:
-                return None
-        return command, tuple(suffixes)
+        for form in product(*({word: 0, DIGITS.sub("", word): 0} for word in words)):
+            command, known = self._forms.get(form, (None, ()))
+            if command and all(
+                word == written or mark.endswith("#")
+                for word, written, mark in zip(words, form, known, strict=True)
+            ):
+                return command, tuple(
+                    int(word.removeprefix(mark[:-1])[:6] or 1)
+                    for word, mark in zip(words, known, strict=True)
+                    if mark.endswith("#")
+                )
+        return None

@@ -10,6 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
+from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
 from rcskin.simulator.sweeps import InputError
 
@@ -65,7 +67,7 @@ def talk(meter, *lines):
     ("line", "code"),
     [
         (":FREQUENC?", -113),
-        (":FREQ 1KV;:NONSENSE", -131),
+        ("*ESE 1KV;:NONSENSE", -131),
         ("*IDN", -113),
         ("*TRG?", -113),
         ("*CLS 1", -108),
@@ -117,14 +119,17 @@ ODD = ("0", "-1", "1E99", "MIN", "DEF", "ON", "DBUF", "x" * 99, "\ufffd", "")
 def test_any_argument_is_taken_or_an_error(keysight):
     for command in keysight.vocabulary().commands:
         header = command.header.replace("[", "").replace("]", "").replace("#", "1")
-        for odd in ODD:
-            for line in (f"{header} {odd}", f"{header} {odd},{odd}", f"{header}? {odd}"):
-                talk(keysight, "*CLS", line, ":INIT:CONT ON")
+        lines = [
+            line
+            for odd in ODD
+            for line in (f"{header} {odd}", f"{header} {odd},{odd}", f"{header}? {odd}")
+        ]
+        talk(keysight, *lines)
     assert talk(keysight, "*RST", "*IDN?")[1] == keysight.identity
 
 
 def test_a_line_that_is_too_long_is_an_error(make_instrument, serve, raw):
-    with serve(make_instrument(kind=VIRTUAL_MODELS["E4980A"])) as ports:
+    with serve(make_instrument(kind=VirtualE4980A)) as ports:
         sent = b"*CLS\n" + b"*IDN?;" * 10_000 + b"\n:SYST:ERR?\n"
         assert raw(ports.meter, sent) == b'-102,"Syntax error"\n'
 
@@ -132,13 +137,9 @@ def test_a_line_that_is_too_long_is_an_error(make_instrument, serve, raw):
 READ = "*CLS;:TRIG:SOUR BUS;:INIT:CONT ON;:FUNC:IMP RX;*TRG"
 
 
-def lcr(model):
-    return VIRTUAL_MODELS[model]
-
-
 @pytest.mark.parametrize("model", ["E4980A", "E4980AL", "4284A"])
 def test_faults_reach_every_lcr_meter(make_instrument, model):
-    meter = make_instrument(kind=lcr(model))
+    meter = make_instrument(kind=VIRTUAL_MODELS[model])
     good = talk(meter, READ)[0]
     meter.faults.add(Fault("status"))
     assert talk(meter, "*TRG", "*TRG") == ["+9.90000E+37,+9.90000E+37,+1", good]
@@ -150,7 +151,7 @@ def test_faults_reach_every_lcr_meter(make_instrument, model):
 
 def test_a_skin_without_a_reading_is_a_failure_of_the_meter(make_instrument, pillow):
     pillow.impedance = lambda press, frequency: complex("nan")
-    meter = make_instrument(skin=pillow, kind=lcr("E4980A"))
+    meter = make_instrument(skin=pillow, kind=VirtualE4980A)
     assert talk(meter, READ, ERROR) == [
         "+9.90000E+37,+9.90000E+37,+1",
         '-300,"Device-specific error"',
@@ -158,7 +159,7 @@ def test_a_skin_without_a_reading_is_a_failure_of_the_meter(make_instrument, pil
 
 
 def test_a_slow_meter_measures_for_the_time_of_its_aperture(make_instrument):
-    meter = make_instrument(kind=lcr("E4980A"), pace=1.0)
+    meter = make_instrument(kind=VirtualE4980A, pace=1.0)
 
     async def timed(aperture):
         await answer(meter, f"*RST;:TRIG:SOUR BUS;:INIT:CONT ON;:APER {aperture};:FREQ 1KHZ")
@@ -170,7 +171,7 @@ def test_a_slow_meter_measures_for_the_time_of_its_aperture(make_instrument):
 
 
 def test_a_free_running_meter_reads_on(make_instrument):
-    meter = make_instrument(kind=lcr("E4980A"))
+    meter = make_instrument(kind=VirtualE4980A)
     assert talk(meter, ":FUNC:IMP RX", ":FETC?", ":FREQ 10KHZ;:FETC?") == [
         "",
         "+1.00000E+04,-1.59155E+05,+0",
@@ -181,3 +182,62 @@ def test_a_free_running_meter_reads_on(make_instrument):
 def test_another_model_is_refused():
     with pytest.raises(InputError, match="`model` must be one of IM3523, E4980A, .* got 'LCX'"):
         virtual_model("LCX")
+
+
+SWEEP = "*CLS;:TRIG:SOUR BUS;:INIT1:CONT ON;:SENS1:SWE:POIN 2;:CALC1:PAR1:DEF R"
+DATA = ":CALC1:DATA:FDAT?"
+ZERO, NONE = "+0.00000000000E+00", "+9.90000000000E+37"
+ZEROS, OHMS, MISSING = (
+    ",".join(pair * 2) for pair in ([ZERO, ZERO], ["+1.00000000000E+04", ZERO], [NONE, NONE])
+)
+
+
+def test_an_analyser_waits_for_single_triggers_alone(make_instrument):
+    meter = make_instrument(kind=VirtualE4990A, pace=1.0)
+    answers = talk(meter, SWEEP, ":TRIG;*OPC?", DATA, ":ABOR;:TRIG:SING;*OPC?", DATA)
+    assert answers[1:] == ["1", ZEROS, "1", OHMS]
+
+
+def test_faults_reach_the_analyser(make_instrument):
+    meter = make_instrument(kind=VirtualE4990A)
+    meter.faults.add(Fault("status"))
+    answers = talk(meter, SWEEP, ":TRIG:SING;*OPC?", DATA, ":TRIG:SING;*OPC?", DATA)
+    assert answers[1:] == [
+        "1",
+        MISSING,
+        "1",
+        OHMS,
+    ]
+    meter.faults.add(Fault("correction"))
+    acquire = ":SENS1:CORR2:COLL:ACQ:SHOR;*OPC?"
+    assert talk(meter, acquire, ERROR) == ["1", '-300,"Device-specific error"']
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "7,0,0,0,0,0,0,0,1,1E3,2E3,1",
+        "7,0,0,0,0,0,0,0,1,1,2E3,5",
+        "7,0,1,0,0,0,0,0,1,1E3,2E3,5,0,9",
+        "7,0,0,0,1,0,0,0,1,1E3,2E3,5,6",
+        "7,1,0,0,0,0,0,0,1,1E3,9E3,5",
+        "5,0,0,0,0,0,0,0,1,1E3,2E3,5",
+        "7,0,0,0,0,0,0,0,0",
+        "7,0,0",
+    ],
+)
+def test_a_wrong_segment_table_changes_nothing(make_instrument, table):
+    meter = make_instrument(kind=VirtualE4990A)
+    before = meter.settings.segments
+    silence, error = talk(meter, f":SENS1:SEGM:DATA {table}", ERROR)
+    assert silence == "" and error != NO_ERROR
+    assert meter.settings.segments == before
+
+
+def test_a_segment_may_have_a_level_a_time_and_averaging_of_its_own(make_instrument):
+    meter = make_instrument(kind=VirtualE4990A)
+    table = "7,1,1,0,1,1,0,0,1,2E3,2E3,3,0,0.1,2,8"
+    assert talk(meter, f":SENS1:SWE:TYPE SEGM;:SENS1:SEGM:DATA {table}", ERROR)[1] == NO_ERROR
+    points = meter.settings.sweep_points()
+    assert [point.frequency for point in points] == [1e3, 2e3, 3e3]
+    assert {(point.voltage, point.time, point.averaging) for point in points} == {(0.1, 2, 8)}
