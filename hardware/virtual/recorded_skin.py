@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError, impedance
-from ...simulator.sweeps.schema import read_at
+from ...simulator.sweeps.reading_subset import read_at
 
 if TYPE_CHECKING:
     import xarray as xr

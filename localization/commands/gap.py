@@ -74,7 +74,7 @@ def gap(
     from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
-    from ...simulator.sweeps.schema import with_named_interface
+    from ...simulator.sweeps.reading_subset import with_named_interface
     from ..gap.comparison import prepare_comparison
     from ..gap.gap_findings import find_gap
     from ..gap.options import GapOptions

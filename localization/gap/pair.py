@@ -12,9 +12,8 @@ from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.reading_subset import read_mask, restricted
+from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...simulator.sweeps.same_frequency import same_frequencies
-from ...simulator.sweeps.schema import with_named_interface
 from .side_label import SideLabel, label_of_side
 from .subsampling import subsampled
 

@@ -195,4 +195,4 @@ def impedances(
     Z, _ = audited(nominal_skin(scene, family), pressed, random, 0, rtol)
     number = {pixel: k for k, pixel in enumerate(strengths)}
     found = Z[[number[of(press.pixel)] for press in presses]]
-    return scene.leads.at_meter(found, scene.frequencies)
+    return scene.reading.at_meter(found)

@@ -84,7 +84,7 @@ class CommonDraws:
 
         def impedances(batch: PressBatch) -> NDArray[np.complex128]:
             Z = skin.sweeps(batch, laplace_variable(reading.frequency, skin.loss))
-            return reading.leads.at_meter(Z, reading.frequency)
+            return reading.at_meter(Z)
 
         model = errors_of(
             self._scene,

@@ -254,11 +254,11 @@ class TouchReadings:
         return rasterization_errors(self.scene, lattice, each, on_cells, self._impedances)
 
     def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
-        """Z in ohm of presses of the model's cells, shape (press, interface, frequency)."""
+        """Readings of presses of the model's cells, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         Z = self._reduced.skin(None).sweeps(batch, s)
-        return self.scene.leads.at_meter(Z, frequency)
+        return self.scene.reading.at_meter(Z)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""

@@ -27,8 +27,8 @@ from ..scene.readout_errors import ReadoutErrors
 from ..scene.scene import Scene
 from ..sweeps import InputError, impedance
 from ..sweeps.inputs import objects
-from ..sweeps.reading_subset import read_mask, restricted
-from ..sweeps.schema import taken_of, with_named_interface
+from ..sweeps.reading_subset import read_mask, restricted, with_named_interface
+from ..sweeps.schema import taken_of
 
 if TYPE_CHECKING:
     import xarray as xr

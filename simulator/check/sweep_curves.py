@@ -18,7 +18,7 @@ from ..chart_style import (
     unit_axis,
 )
 from ..sweeps import UNPRESSED, InputError
-from ..sweeps.schema import read_at
+from ..sweeps.reading_subset import read_at
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -60,6 +60,6 @@ def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
 
 
 def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> NDArray[np.complex128]:
-    """Z in ohm of presses on the nominal skin including leads, (press, interface, frequency)."""
+    """Readings of presses on the nominal skin, (press, interface, frequency)."""
     Z = nominal_skin(scene, family).sweeps(batch)
-    return scene.leads.at_meter(Z, scene.frequencies)
+    return scene.reading.at_meter(Z)

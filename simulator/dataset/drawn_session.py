@@ -181,7 +181,7 @@ def _measured(
     scene, (Z, audit) = plan.scene, answer
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
     frequency = scene.frequencies
-    at_meter, middle = skin.leads.at_meter(Z, frequency), len(frequency) // 2
+    at_meter, middle = scene.reading.behind(skin.leads).at_meter(Z), len(frequency) // 2
     gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
     shown = _shown(scene, meter.measure(at_meter, frequency))
     return DrawnSession(number, skin, gain, turn, presses, shown, audit)

@@ -70,4 +70,4 @@ class SkinReadout:
         network = NetworkSkin(self.skin, s)
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
-        return self._leads.at_meter(Z, frequency)
+        return self.reading(frequency).at_meter(Z)

@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, Interface
+from ..scene.node_gain import driven_terminals
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
 from ..scene.wiring_checks import conductor_groups
 from .excitation import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12
-Low = Literal["floating", "virtual earth"] | None
+Low = Literal["floating", "virtual earth", "earth"] | None
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Circuit:
     """Fields, terminals and the excitations that are solved for.
 
     conductance: 1 / sheet resistance of each field, S. coupling: how s c enters between fields.
-    low: the meter's low terminal where the scene has an earth, None where it has none.
+    low: the low terminal where the scene has an earth, None where it has none; that of a reader of
+    gains is earth, so that it reads all current out of its node.
     """
 
     conductance: tuple[float, ...]
@@ -106,7 +108,7 @@ def two_fields(scene: Scene) -> Circuit:
     carrying = {terminal.field for terminal in terminals}
     terminals += [Terminal(field, ()) for field in (0, 1) if field not in carrying]
     terminals += _conductors(scene.surroundings)
-    low = _low(scene.surroundings)
+    low = _low(scene)
     return Circuit(
         conductance=(
             1 / scene.skin.top.sheet_resistance,
@@ -153,11 +155,12 @@ def _conductors(around: Surroundings | None) -> list[Terminal]:
     return found
 
 
-def _low(around: Surroundings | None) -> Low:
+def _low(scene: Scene) -> Low:
     """Low terminal, see `Circuit`; None if the meter floats and nothing reaches earth."""
+    around = scene.surroundings
     if around is None or (around.low == "floating" and not around.reaches_earth):
         return None
-    return around.low
+    return "earth" if scene.reading.gain and around.low == "virtual earth" else around.low
 
 
 def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:
@@ -178,7 +181,7 @@ def _excitations(
             _indices(each.high, terminal_of) + wired["high"],
             _indices(each.low, terminal_of) + wired["low"],
         )
-        for each in interfaces
+        for each in driven_terminals(interfaces).solved
     ]
     if low == "virtual earth":
         return tuple(excitation for each in driven for excitation in through_virtual_earth(*each))

@@ -115,7 +115,7 @@ class RandomPresses:
         """Z in ohm at the meter, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        return self.scene.leads.at_meter(self._skin.sweeps(batch, s), frequency)
+        return self.scene.reading.at_meter(self._skin.sweeps(batch, s))
 
     @cached_property
     def _model(self) -> ErrorModel:

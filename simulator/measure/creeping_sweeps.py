@@ -171,8 +171,8 @@ def _answer(state: FoamState, between: Interpolation, solve: _Once, rtol: float)
         finer = between.finer(int(np.argmax(by_solid)))
         if finer is None:
             raise ToleranceError(
-                f"press {state.press}: read while the foam creeps, the estimated error of Rs or Cp "
-                f"is {worst:.1e}, tolerance {rtol:g}",
+                f"press {state.press}: read while the foam creeps, the estimated error of "
+                f"{' or '.join(found.kind.with_errors)} is {worst:.1e}, tolerance {rtol:g}",
                 worst / rtol,
             )
         between = finer
@@ -183,15 +183,15 @@ def _interpolated(answers: list[Solution], between: Interpolation) -> tuple[Solu
     first, weights = answers[0], between.weights()
     states = np.stack([answer.Z for answer in answers])
     Z = between.of(states, weights)
-    Rs, Cp = (
-        between.of(np.stack([getattr(answer, name) for answer in answers]), np.abs(weights))
-        for name in ("Rs_error", "Cp_error")
-    )
+    errors = {
+        name: between.of(np.stack([answer.errors[name] for answer in answers]), np.abs(weights))
+        for name in first.errors
+    }
     by_solid = []
     for solid in range(len(between.counts)):
         coarse = between.of(states, between.weights(solid))
-        Rs += np.abs((Z - coarse).real)
-        Cp += np.abs((1 / Z - 1 / coarse).imag) / (2 * np.pi * first.frequency)
+        changes = first.kind.changes(Z, coarse, first.frequency)
+        errors = {name: own + changes[name] for name, own in errors.items()}
         by_solid.append(float((np.abs(Z - coarse) / np.abs(Z)).max()))
     models = tuple(f"{model}, at {len(answers)} states of the foam" for model in first.models)
-    return replace(first, Z=Z, Rs_error=Rs, Cp_error=Cp, models=models), by_solid
+    return replace(first, Z=Z, errors=errors, models=models), by_solid

@@ -80,9 +80,10 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
         row=[press.pixel[0] for press in presses],
         column=[press.pixel[1] for press in presses],
         errors={
-            "Rs_error": np.stack([answer.Rs_error for answer in answers]),
-            "Cp_error": np.stack([answer.Cp_error for answer in answers]),
+            name: np.stack([answer.errors[name] for answer in answers])
+            for name in answers[0].errors
         },
+        kind=answers[0].kind,
         attributes={
             "scene": scene_text(solver.scene),
             "model": "; ".join(dict.fromkeys(answer.model for answer in answers)),

@@ -127,7 +127,7 @@ class LineModel:
         slopes["contact_resistance"] = np.full_like(Z, film)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
-        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.interfaces)
+        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.reading.solved)
 
         def everywhere(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
             return np.repeat(values[:, None], times, axis=1)
@@ -135,8 +135,7 @@ class LineModel:
         return at_meter(
             everywhere(Z + film),
             {name: everywhere(to_Y * slope) for name, slope in slopes.items()},
-            leads_of(values),
-            self.scene.frequencies,
+            self.scene.reading.behind(leads_of(values)),
             everywhere(to_Y[..., None] * by_cell),
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..fem.error_estimate import reference_susceptance
 from ..fem.safety_factors import UNIFORM
-from ..scene.meter import Leads
+from ..scene.reading_setup import ReadingSetup
+from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
 
 
 @dataclass(frozen=True)
@@ -30,19 +31,30 @@ class ModelResult:
 
 @dataclass(frozen=True)
 class Solution:
-    """Z of one press with the estimated errors of Rs and Cp; all of shape (interface, frequency).
+    """Readings of one press with their estimated errors; all of shape (interface, frequency).
 
-    frequency: Hz. Z, Rs_error, Cp_error: ohm, ohm, F. models, unknowns: of the result at each
-    frequency. rejected: models that did not keep the tolerance, with reasons.
+    frequency: Hz. Z: impedances in ohm, or gains. errors: by name, see `ReadingKind`. models,
+    unknowns: of the result at each frequency. rejected: models that did not keep the tolerance,
+    with reasons. kind: of the readings.
     """
 
     frequency: NDArray[np.float64]
     Z: NDArray[np.complex128]
-    Rs_error: NDArray[np.float64]
-    Cp_error: NDArray[np.float64]
+    errors: Mapping[str, NDArray[np.float64]]
     models: tuple[str, ...]
     unknowns: tuple[int, ...]
     rejected: tuple[str, ...] = ()
+    kind: ReadingKind = IMPEDANCE
+
+    @property
+    def Rs_error(self) -> NDArray[np.float64]:
+        """Estimated error of Rs, ohm."""
+        return self.errors["Rs_error"]
+
+    @property
+    def Cp_error(self) -> NDArray[np.float64]:
+        """Estimated error of Cp, F."""
+        return self.errors["Cp_error"]
 
     @property
     def model(self) -> str:
@@ -50,36 +62,42 @@ class Solution:
         return "; ".join(dict.fromkeys(self.models))
 
     @property
-    def relative_errors(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Estimated errors of Rs and Cp as fractions of their values, see
-        `reference_capacitance`."""
+    def relative_errors(self) -> tuple[NDArray[np.float64], ...]:
+        """Estimated errors of Rs and Cp as fractions of their values, see `reference_capacitance`;
+        of gains, the one error as a fraction of |V / V_s|."""
+        if self.kind is not IMPEDANCE:
+            return (self.errors[GAIN_ERROR.name] / np.abs(self.Z),)
         Cp = reference_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
-    def at_meter(self, leads: Leads) -> Solution:
-        """Solution at the meter's end of the leads.
+    def at_meter(self, reading: ReadingSetup) -> Solution:
+        """Solution behind the leads and the reader, from that at the skin.
 
         The error of Z is taken as UNIFORM times the larger one that those of Rs and of Cp imply:
-        near a phase of -45 degrees Cp does not determine X.
+        near a phase of -45 degrees Cp does not determine X. Errors of several impedances add.
         """
-        if leads.ideal:
+        if reading.exact:
             return self
-        Z, omega = leads.at_meter(self.Z, self.frequency), 2 * np.pi * self.frequency
+        omega = 2 * np.pi * self.frequency
         off = UNIFORM * np.maximum(self.Rs_error, omega * self.Cp_error * np.abs(self.Z) ** 2)
-        off /= np.abs(1 + 1j * omega * leads.unguarded * self.Z) ** 2
-        return replace(self, Z=Z, Rs_error=off, Cp_error=off / (omega * np.abs(Z) ** 2))
+        read, off = reading.at_meter(self.Z), reading.slopes(self.Z).bound(off)
+        errors = {GAIN_ERROR.name: off}
+        if reading.kind is IMPEDANCE:
+            errors = {"Rs_error": off, "Cp_error": off / (omega * np.abs(read) ** 2)}
+        return replace(self, Z=read, errors=errors, kind=reading.kind)
 
     def lines(self) -> list[str]:
         """Lines for people: each model with its frequencies and errors, then the rejected
         models."""
-        Rs, Cp = (error.max(axis=0) for error in self.relative_errors)
+        errors = [error.max(axis=0) for error in self.relative_errors]
+        names = self.kind.with_errors
         lines = []
         served = zip(self.models, self.unknowns, strict=True)
         for model, group in itertools.groupby(enumerate(served), key=lambda each: each[1]):
             lines.append(f"chosen    {model[0]}, {model[1]} unknowns")
             lines += [
-                f"          {self.frequency[k]:10.5g} Hz: estimated error {Rs[k]:.1e} of Rs, "
-                f"{Cp[k]:.1e} of Cp"
+                f"          {self.frequency[k]:10.5g} Hz: estimated error "
+                + ", ".join(f"{own[k]:.1e} of {n}" for own, n in zip(errors, names, strict=True))
                 for k, _ in group
             ]
         return lines + [f"rejected  {reason}" for reason in self.rejected]
@@ -156,8 +174,10 @@ class SolutionProgress:
         return Solution(
             frequency=self._all,
             Z=self._Z,
-            Rs_error=self._error[0] * np.abs(self._Z.real),
-            Cp_error=self._error[1] * Cp,
+            errors={
+                "Rs_error": self._error[0] * np.abs(self._Z.real),
+                "Cp_error": self._error[1] * Cp,
+            },
             models=models,
             unknowns=unknowns,
             rejected=tuple(self.rejected),

@@ -52,8 +52,8 @@ class Solver:
         model: ModelName = "auto",
         frequency: ArrayLike | None = None,
     ) -> None:
-        """rtol: largest relative error of Rs and of Cp. frequency: Hz, ascending, the default of
-        `solve`; that of the scene's sweep for None.
+        """rtol: largest relative error of Rs and of Cp, or of gains. frequency: Hz, ascending, the
+        default of `solve`; that of the scene's sweep for None.
 
         Raises InputError if rtol is not > 0, and for invalid frequencies.
         """
@@ -79,16 +79,16 @@ class Solver:
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
         """Solution by the cheapest model that keeps the tolerance, at each frequency.
 
-        frequency: Hz, ascending; by default the solver's own. Behind leads the skin is solved to
-        the smaller tolerance that they need. Raises ToleranceError if no model keeps the tolerance,
-        InputError if a model chosen by name does not apply to the scene or the press, and for
-        invalid frequencies.
+        frequency: Hz, ascending; by default the solver's own. Behind leads and readers of gains the
+        skin is solved to the smaller tolerance that they need. Raises ToleranceError if no model
+        keeps the tolerance, InputError if a model chosen by name does not apply to the scene or the
+        press, and for invalid frequencies.
         """
         requested = self.frequency if frequency is None else checked_frequencies(frequency)
         self._check_depth(press, float(requested[-1]))
         solver = self
         while True:
-            answer = solver._of_skin(press, requested).at_meter(self.scene.leads)
+            answer = solver._of_skin(press, requested).at_meter(self.scene.reading.at(requested))
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._stricter
@@ -111,7 +111,8 @@ class Solver:
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._time_estimate.of(str(press))
-        progress = SolutionProgress(len(self.scene.interfaces), frequency, self.rtol, on_error)
+        solved = len(self.scene.reading.solved)
+        progress = SolutionProgress(solved, frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)
             if progress.done:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .contacts import Interface
 from .meter import Sweep
+from .readers import with_sources
 from .scene import Scene, checked_interface, interface_names
 
 
@@ -42,7 +43,8 @@ def restricted_to_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
     """The scene with only these interfaces in this order, at the frequencies of their readings."""
     by_name = {each.name: number for number, each in enumerate(scene.interfaces)}
     numbers = [by_name[name] for name in names]
-    some = scene.model_copy(update={"interfaces": tuple(scene.interfaces[k] for k in numbers)})
+    kept = with_sources([scene.interfaces[k] for k in numbers], scene.interfaces)
+    some = scene.model_copy(update={"interfaces": kept})
     if scene.taken is None:
         return some
     taken = scene.taken[numbers]

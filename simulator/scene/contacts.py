@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
+    Strict,
     model_serializer,
     model_validator,
 )
@@ -21,6 +21,15 @@ from pydantic import (
 from .form.outline import Outline
 from .meter import ascending
 from .ranges import FilmResistance, Frequency, Overlap
+from .readers import (
+    GAIN_KEYS,
+    Load,
+    ReaderName,
+    SeriesResistance,
+    Source,
+    check_reader,
+    checked_sources,
+)
 from .skin import Electrode, Name, Skin
 from .skin_region import curves, on_skin
 from .validation import Number, Table, whole_within_rounding
@@ -201,9 +210,16 @@ class Contact(Table):
 
 
 class Interface(Table):
-    """One way of connecting the meter; contacts in neither list float.
+    """One way of connecting the meter or another reader; contacts in neither list float.
 
-    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them.
+    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
+    "impedance", that between high and low, as a meter reads it; "gain", the complex gain V / V_s of
+    the node that high is, with a source V_s behind a series resistor between it and low. The
+    reader is the same at all interfaces. For gains: series_resistance [ohm] of that resistor;
+    load, the input of the amplifier that reads the node; magnitude_only, true if it reads |V / V_s|
+    and no phase, the same at all interfaces; driven_with, names of the other interfaces whose
+    sources are on at the same time, or tables of sources whose nodes are not read. All low foils of
+    sources that are on are tied together. Earth, in scenes with surroundings, is at low.
     """
 
     name: Name
@@ -212,6 +228,25 @@ class Interface(Table):
     frequencies: (
         Annotated[tuple[Frequency, ...], Field(min_length=1), AfterValidator(ascending)] | None
     ) = None
+    reader: ReaderName = "impedance"
+    series_resistance: SeriesResistance | None = None
+    load: Load | None = None
+    magnitude_only: Annotated[bool, Strict()] = False
+    driven_with: Annotated[tuple[Name | Source, ...], BeforeValidator(checked_sources)] = ()
+
+    @model_validator(mode="after")
+    def _reader_has_its_keys(self) -> Self:
+        check_reader(self)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _keys_of_its_reader(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
+        unset = {key for key in ("reader", *GAIN_KEYS) if _is_default(self, key)}
+        return {key: value for key, value in everything(self).items() if key not in unset}
+
+
+def _is_default(interface: Interface, key: str) -> bool:
+    return getattr(interface, key) == Interface.model_fields[key].default
 
 
 def taken(
@@ -243,57 +278,3 @@ def check_frequencies(interfaces: Sequence[Interface], frequency: Sequence[float
     idle = [] if read is None else np.array(frequency)[~read.any(axis=0)].tolist()
     if idle:
         raise ValueError(f"`sweep.frequencies`: no interface is read at {idle[0]:.12g} Hz")
-
-
-def _listed(given: object) -> object:
-    return [given] if isinstance(given, str) else given
-
-
-class Readings(Table):
-    """Short form of interfaces; they are added to those of [[interface]], which may be omitted.
-
-    all: "pairs", every contact of the top sheet with every one of the bottom; "tied", all contacts
-    of the top with all of the bottom; "sheets", all pairs of contacts of one sheet, whose Cp is no
-    capacitance; or a list of these. named: each as "A to B"; contacts tied together are "A+B".
-    """
-
-    all: Annotated[tuple[Literal["pairs", "tied", "sheets"], ...], BeforeValidator(_listed)] = ()
-    named: Annotated[
-        tuple[Name, ...], Field(max_length=MAX_INTERFACES), BeforeValidator(_listed)
-    ] = ()
-
-
-def expanded_readings(
-    readings: Readings, contacts: Sequence[tuple[str, str]]
-) -> list[dict[str, Any]]:
-    """Interfaces in the form of a scene file. contacts: name and electrode of each.
-
-    Raises ValueError for a malformed name, and if there is no interface.
-    """
-    top, bottom = ([n for n, own in contacts if own == e] for e in ("top", "bottom"))
-    kinds = {
-        "pairs": [([one], [other]) for one, other in itertools.product(top, bottom)],
-        "tied": [(top, bottom)] if top and bottom else [],
-        "sheets": [
-            ([one], [other])
-            for sheet in (top, bottom)
-            for one, other in itertools.combinations(sheet, 2)
-        ],
-    }
-    found = {_interface_name(*sides): sides for kind in readings.all for sides in kinds[kind]}
-    found |= {name: _parsed_reading(name) for name in readings.named}
-    if not found:
-        raise ValueError("`readings` must give at least one interface of the contacts, got none")
-    return [{"name": name, "high": high, "low": low} for name, (high, low) in found.items()]
-
-
-def _interface_name(high: Sequence[str], low: Sequence[str]) -> str:
-    return f"{'+'.join(high)} to {'+'.join(low)}"
-
-
-def _parsed_reading(name: str) -> tuple[list[str], list[str]]:
-    high, between, low = name.partition(" to ")
-    sides = [[foil.strip() for foil in side.split("+")] for side in (high, low)]
-    if not between or not all(itertools.chain(*sides)):
-        raise ValueError(f'`readings.named` must be "A to B" or "A+B to C", got {name!r}')
-    return sides[0], sides[1]

@@ -1,15 +1,59 @@
-"""Readings of a skin: interfaces, frequencies and leads."""
+"""Readings of a skin: interfaces with their reader, frequencies and leads."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from .contacts import Interface, taken
 from .meter import Leads
+from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
+from .readers import own_source
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class ReadingSlopes:
+    """Derivatives of readings by impedances of the skin and by the leads.
+
+    by_skin: shape (..., interface, frequency) where every interface follows from its own impedance,
+    else (..., interface, solved, frequency). by_leads: by the leads' parameters, see
+    `Leads.slopes`, shape (..., interface, frequency).
+    """
+
+    by_skin: Complex
+    by_leads: Mapping[str, Complex]
+    one_to_one: bool
+
+    def times(self, factor: Complex) -> ReadingSlopes:
+        """Derivatives by another quantity; factor: that of Z by it, (..., solved, frequency)."""
+        own = factor if self.one_to_one else factor[..., None, :, :]
+        return ReadingSlopes(own * self.by_skin, self.by_leads, self.one_to_one)
+
+    def of(self, change: Complex) -> Complex:
+        """Change of readings with a change of all impedances, (..., solved, frequency)."""
+        if self.one_to_one:
+            return self.by_skin * change
+        return (self.by_skin * change[..., None, :, :]).sum(axis=-2)
+
+    def bound(self, off: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bound on errors of readings from those of impedances, (..., solved, frequency)."""
+        if self.one_to_one:
+            return np.abs(self.by_skin) * off
+        return (np.abs(self.by_skin) * off[..., None, :, :]).sum(axis=-2)
+
+    def of_many(self, changes: Complex) -> Complex:
+        """Changes of readings with many changes of all impedances, (..., solved, frequency, n)."""
+        if self.one_to_one:
+            return self.by_skin[..., None] * changes
+        shape = np.broadcast_shapes(changes.shape, (*self.by_skin.shape[-2:], 1))
+        return np.einsum("...ikf,...kfn->...ifn", self.by_skin, np.broadcast_to(changes, shape))
 
 
 @dataclass(frozen=True)
@@ -22,6 +66,88 @@ class ReadingSetup:
     interfaces: Sequence[Interface]
     frequency: NDArray[np.float64]
     leads: Leads = Leads()
+
+    def at(self, frequency: NDArray[np.float64]) -> ReadingSetup:
+        """The readings at other frequencies, Hz, ascending."""
+        return replace(self, frequency=frequency)
+
+    def behind(self, leads: Leads) -> ReadingSetup:
+        """The readings behind other leads."""
+        return replace(self, leads=leads)
+
+    @property
+    def kind(self) -> ReadingKind:
+        """Kind of the readings."""
+        first = self.interfaces[0]
+        if first.reader != "gain":
+            return IMPEDANCE
+        return MAGNITUDE if first.magnitude_only else GAIN
+
+    @property
+    def gain(self) -> bool:
+        """True if readings are gains of nodes."""
+        return self.interfaces[0].reader == "gain"
+
+    @cached_property
+    def _driven(self) -> DrivenTerminals:
+        return driven_terminals(self.interfaces)
+
+    @property
+    def solved(self) -> tuple[Interface, ...]:
+        """Two-terminal interfaces whose impedances are solved; the first ones have the names of
+        `interfaces`."""
+        return self._driven.solved
+
+    @property
+    def one_to_one(self) -> bool:
+        """True if each reading follows from the impedance of its own interface alone."""
+        return not self._driven.nodes
+
+    @property
+    def exact(self) -> bool:
+        """True if the readings are the impedances of the skin themselves."""
+        return not self.gain and self.leads.ideal
+
+    def at_meter(self, Z: Complex) -> Complex:
+        """Complex readings, shape (..., interface, frequency), from impedances of the skin.
+
+        Z: ohm, of the `solved` interfaces, shape (..., solved, frequency). Readings are impedances
+        in ohm, or gains.
+        """
+        if not self.one_to_one:
+            return np.stack([each.gain for each in self._node_gains(Z)], axis=-2)
+        behind = self.leads.at_meter(Z, self.frequency)
+        return self._single_gain(behind)[0] if self.gain else behind
+
+    def slopes(self, Z: Complex) -> ReadingSlopes:
+        """Derivatives of `at_meter`. Z: see there."""
+        if not self.one_to_one:
+            return self._slopes_of_nodes(Z)
+        by_skin, by_leads = self.leads.slopes(Z, self.frequency)
+        if not self.gain:
+            return ReadingSlopes(by_skin, by_leads, True)
+        _, by_Z = self._single_gain(self.leads.at_meter(Z, self.frequency))
+        return ReadingSlopes(
+            by_Z * by_skin, {name: by_Z * own for name, own in by_leads.items()}, True
+        )
+
+    def _single_gain(self, Z: Complex) -> tuple[Complex, Complex]:
+        return single_gain(Z, [own_source(each) for each in self.interfaces], self.frequency)
+
+    def _node_gains(self, Z: Complex) -> list[NodeGain]:
+        each = zip(self._driven.nodes, self._driven.indices, strict=True)
+        return [nodes.gain(Z[..., own, :], self.leads, self.frequency) for nodes, own in each]
+
+    def _slopes_of_nodes(self, Z: Complex) -> ReadingSlopes:
+        found = self._node_gains(Z)
+        by_skin = np.zeros((*Z.shape[:-2], len(found), *Z.shape[-2:]), dtype=np.complex128)
+        for interface, (each, own) in enumerate(zip(found, self._driven.indices, strict=True)):
+            by_skin[..., interface, own, :] = each.by_solved
+        by_leads = {
+            name: np.stack([each.by_leads[name] for each in found], axis=-2)
+            for name in found[0].by_leads
+        }
+        return ReadingSlopes(by_skin, by_leads, False)
 
     @property
     def taken(self) -> NDArray[np.bool_] | None:

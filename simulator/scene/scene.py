@@ -16,9 +16,7 @@ from .contacts import (
     MAX_INTERFACES,
     Contact,
     Interface,
-    Readings,
     check_frequencies,
-    expanded_readings,
     max_foil_distance,
     taken,
 )
@@ -30,6 +28,7 @@ from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .pixel_grid import Pixels, Pressing
 from .randomisation import Randomisation
 from .reading_setup import ReadingSetup
+from .readings_short_form import Readings, expanded_readings
 from .skin import Name, Skin
 from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
 from .validation import Table, one_line

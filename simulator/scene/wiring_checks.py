@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .contacts import check_edge, curve_section
 from .form.mesh_file import foil_lines
+from .readers import check_readers
 from .validation import short
 
 if TYPE_CHECKING:
@@ -131,6 +132,7 @@ def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], s
         high, low = ({terminal[name] for name in side} for side in (interface.high, interface.low))
         if high & low:
             raise ValueError(f"interface {interface.name!r} shorts its high and low side")
+    check_readers(interfaces, terminal)
 
 
 def _listed(names: Sequence[str]) -> str:

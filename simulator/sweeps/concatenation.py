@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .errors import InputError
+from .reading_quantities import kind_of
 from .schema import LABELS, TAKEN, TIME, taken_of
 from .sweep_table import DIMENSIONS
 
@@ -26,6 +27,9 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         raise InputError("`parts` must hold at least one data set, got none")
     first = parts[0]
     for part in parts[1:]:
+        kinds = [kind_of(each.variables).name for each in (part, first)]
+        if kinds[0] != kinds[1]:
+            raise InputError(f"sweeps of the {kinds[0]} and the {kinds[1]} cannot be joined")
         for name in ("interface", "frequency"):
             if not np.array_equal(part[name].values, first[name].values):
                 raise InputError(f"sweeps of different `{name}` cannot be joined")

@@ -13,6 +13,7 @@ from .concatenation import concatenate, same_taken
 from .errors import InputError
 from .input_files import read
 from .inputs import objects
+from .reading_quantities import kind_of
 from .same_frequency import same_frequencies
 from .same_skin import difference
 from .schema import SESSIONS, TIME, session_names
@@ -61,8 +62,14 @@ def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
 def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) -> xr.Dataset:
     """The sweeps with the exact frequencies and the interface order of the first recording.
 
-    Raises InputError if frequencies or interfaces differ.
+    Raises InputError if frequencies, interfaces or the kinds of readings differ.
     """
+    kind, kind_of_first = (kind_of(each.variables) for each in (part, first))
+    if kind is not kind_of_first:
+        raise InputError(
+            f"{path}: every reading is the {kind.name}, those of {other} are the "
+            f"{kind_of_first.name}"
+        )
     ours, theirs = ([str(name) for name in each["interface"].values] for each in (part, first))
     if sorted(ours) != sorted(theirs):
         raise InputError(

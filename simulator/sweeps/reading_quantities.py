@@ -30,11 +30,15 @@ class Quantity:
 
 @dataclass(frozen=True)
 class QuantityError:
-    """The estimated numerical error of a quantity."""
+    """The estimated numerical error of a quantity.
+
+    change: between two readings at a frequency in Hz.
+    """
 
     name: str
     meaning: str
     units: str
+    change: Callable[[Complex, Complex, Real], Real]
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,11 @@ class ReadingKind:
         return tuple(each.name for each in self.errors)
 
     @property
+    def with_errors(self) -> tuple[str, ...]:
+        """Names of the quantities that have an error."""
+        return tuple(name.removesuffix("_error") for name in self.error_names)
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of the quantities in CSV files."""
         return tuple(each.column for each in self.quantities)
@@ -69,6 +78,10 @@ class ReadingKind:
     def values(self, reading: Complex, frequency: Real) -> dict[str, Real]:
         """The quantities by name. reading: shape (..., frequency). frequency: Hz."""
         return {each.name: each.of(reading, frequency) for each in self.quantities}
+
+    def changes(self, one: Complex, other: Complex, frequency: Real) -> dict[str, Real]:
+        """Changes of readings in the terms of the errors, by name of the error."""
+        return {each.name: each.change(one, other, frequency) for each in self.errors}
 
 
 IMPEDANCE = ReadingKind(
@@ -79,17 +92,55 @@ IMPEDANCE = ReadingKind(
         Quantity("Cp", "parallel capacitance, Im(1/Z)/omega", "F", "Cp_F", parallel_capacitance),
     ),
     (
-        QuantityError("Rs_error", "estimated numerical error of Rs", "ohm"),
-        QuantityError("Cp_error", "estimated numerical error of Cp", "F"),
+        QuantityError(
+            "Rs_error",
+            "estimated numerical error of Rs",
+            "ohm",
+            lambda Z, other, f: np.abs((Z - other).real),
+        ),
+        QuantityError(
+            "Cp_error",
+            "estimated numerical error of Cp",
+            "F",
+            lambda Z, other, f: np.abs((1 / Z - 1 / other).imag) / (2 * np.pi * f),
+        ),
     ),
     ("Rs", "X"),
     lambda values: values["Rs"] + 1j * values["X"],
 )
-KINDS = (IMPEDANCE,)
+GAIN_QUANTITY = Quantity("gain", "gain at the node, |V / V_s|", "1", "gain", lambda G, f: np.abs(G))
+GAIN_ERROR = QuantityError(
+    "gain_error",
+    "estimated numerical error of the complex gain: of |V / V_s|, and of the phase times it",
+    "1",
+    lambda G, other, f: np.abs(G - other),
+)
+GAIN = ReadingKind(
+    "gain",
+    (
+        GAIN_QUANTITY,
+        Quantity(
+            "gain_phase", "phase of V / V_s", "rad", "gain_phase_rad", lambda G, f: np.angle(G)
+        ),
+    ),
+    (GAIN_ERROR,),
+    ("gain", "gain_phase"),
+    lambda values: (values["gain"] * np.exp(1j * values["gain_phase"])).astype(np.complex128),
+)
+MAGNITUDE = ReadingKind(
+    "magnitude of the gain",
+    (GAIN_QUANTITY,),
+    (GAIN_ERROR,),
+    ("gain",),
+    lambda values: values["gain"].astype(np.complex128),
+)
+KINDS = (IMPEDANCE, GAIN, MAGNITUDE)
 DESCRIBED = {each.name: each for kind in KINDS for each in (*kind.quantities, *kind.errors)}
 """All quantities and errors by name."""
 
 
 def kind_of(names: Container[object]) -> ReadingKind:
     """The kind of the readings of sweeps with variables of these names; impedance by default."""
-    return next((kind for kind in KINDS if all(name in names for name in kind.names)), IMPEDANCE)
+    if "gain_phase" in names:
+        return GAIN
+    return MAGNITUDE if "gain" in names else IMPEDANCE

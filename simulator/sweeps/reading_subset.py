@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .reading_quantities import DESCRIBED
-from .schema import TAKEN, taken_of
+from .schema import TAKEN, UNNAMED, taken_of
 from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
@@ -41,3 +42,21 @@ def restricted(sweeps: xr.Dataset, read: NDArray[np.bool_]) -> xr.Dataset:
     if left.all():
         return bare
     return bare.assign_coords({TAKEN: (DIMENSIONS[1:], left.astype(np.int8))})
+
+
+def with_named_interface(sweeps: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """The sweeps; their only interface gets the only name of a scene if they name none."""
+    own = [str(name) for name in sweeps["interface"].values]
+    if own != [UNNAMED] or len(names) != 1:
+        return sweeps
+    return sweeps.assign_coords(interface=("interface", np.array(list(names), dtype=object)))
+
+
+def read_at(sweeps: xr.Dataset, interface: str) -> xr.Dataset:
+    """The sweeps at one interface, at the frequencies at which it was read."""
+    taken = taken_of(sweeps)
+    index = [str(name) for name in sweeps["interface"].values].index(interface)
+    if taken is None:
+        return sweeps.isel(interface=[index])
+    own = sweeps.isel(interface=[index], frequency=np.flatnonzero(taken[index]))
+    return own.drop_vars(TAKEN)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .errors import InputError
 from .inputs import objects
-from .reading_quantities import DESCRIBED, IMPEDANCE, kind_of
+from .reading_quantities import DESCRIBED, IMPEDANCE, ReadingKind, kind_of
 from .sweep_table import DIMENSIONS, SweepTable, SweepVariable
 
 if TYPE_CHECKING:
@@ -54,27 +54,29 @@ def tabled(
     session: Sequence[int] | None = None,
     time: Sequence[float] | None = None,
     Cp: ArrayLike | None = None,
+    shown: Mapping[str, ArrayLike] | None = None,
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
     taken: NDArray[np.bool_] | None = None,
+    kind: ReadingKind = IMPEDANCE,
 ) -> SweepTable:
-    """Sweeps from complex impedance as plain arrays, without importing xarray.
+    """Sweeps from complex readings as plain arrays, without importing xarray.
 
-    Z: ohm, shape (sweep, interface, frequency). frequency: Hz, ascending. press, row, column,
-    session: one per sweep. time: middle of each sweep, s since 1970-01-01 UTC. Cp: F, shape of Z,
-    if a meter displayed its own value instead of the one that follows from Z. errors: `Rs_error`
-    [ohm] and `Cp_error` [F], shape of Z. taken: mask as in TAKEN, None for all; other values in the
-    arrays are ignored.
+    Z: impedances in ohm, or readings of another `kind`, shape (sweep, interface, frequency).
+    frequency: Hz, ascending. press, row, column, session: one per sweep. time: middle of each
+    sweep, s since 1970-01-01 UTC. Cp: F, shape of Z, if a meter displayed its own value instead of
+    the one that follows from Z; shown: any quantities by name for the same reason. errors: those of
+    the kind, of impedances `Rs_error` [ohm] and `Cp_error` [F], shape of Z. taken: mask as in
+    TAKEN, None for all; other values in the arrays are ignored.
     Raises InputError if the result would violate the schema (see `check`).
     """
     Z = np.asarray(Z, dtype=np.complex128)
     frequency = _checked_frequency(np.asarray(frequency, dtype=np.float64))
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
-        raise InputError(
-            f"impedance must have shape (sweep, {len(interface)}, {frequency.size}), got {Z.shape}"
-        )
-    more = {**({} if Cp is None else {"Cp": Cp}), **(errors or {})}
-    derived = [each for each in IMPEDANCE.quantities if each.name not in more]
+        shape = f"(sweep, {len(interface)}, {frequency.size})"
+        raise InputError(f"{kind.name} must have shape {shape}, got {Z.shape}")
+    more = {**({} if Cp is None else {"Cp": Cp}), **(shown or {}), **(errors or {})}
+    derived = [each for each in kind.quantities if each.name not in more]
     values = {
         **{each.name: each.of(Z, frequency) for each in derived},
         **{name: np.asarray(each, dtype=float) for name, each in more.items()},
@@ -164,24 +166,6 @@ def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
     return sweeps[TAKEN].transpose(*DIMENSIONS[1:]).values.astype(bool)
 
 
-def with_named_interface(sweeps: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
-    """The sweeps; their only interface gets the only name of a scene if they name none."""
-    own = [str(name) for name in sweeps["interface"].values]
-    if own != [UNNAMED] or len(names) != 1:
-        return sweeps
-    return sweeps.assign_coords(interface=("interface", np.array(list(names), dtype=object)))
-
-
-def read_at(sweeps: xr.Dataset, interface: str) -> xr.Dataset:
-    """The sweeps at one interface, at the frequencies at which it was read."""
-    taken = taken_of(sweeps)
-    index = [str(name) for name in sweeps["interface"].values].index(interface)
-    if taken is None:
-        return sweeps.isel(interface=[index])
-    own = sweeps.isel(interface=[index], frequency=np.flatnonzero(taken[index]))
-    return own.drop_vars(TAKEN)
-
-
 def _check_finite(name: str, values: NDArray[np.float64]) -> None:
     if not np.isfinite(values).all():
         raise InputError(f"`{name}` must be finite everywhere")
@@ -247,9 +231,25 @@ def session_names(sweeps: xr.Dataset) -> dict[int, str]:
         raise InputError(f"attribute `{SESSIONS}` must be names by number: {error}") from error
 
 
+def complex_readings(sweeps: xr.Dataset) -> NDArray[np.complex128]:
+    """Complex readings of the sweeps' own kind, shape (sweep, interface, frequency).
+
+    They are impedances in ohm or gains; where only magnitudes of gains are known, their phases are
+    0.
+    """
+    kind = kind_of(sweeps.variables)
+    values = {
+        name: sweeps.variables[name].transpose(*DIMENSIONS).values for name in kind.sufficient
+    }
+    return kind.reading(values)
+
+
 def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
-    """Z = Rs + jX in ohm, shape (sweep, interface, frequency)."""
-    names = IMPEDANCE.sufficient
-    return IMPEDANCE.reading(
-        {name: sweeps.variables[name].transpose(*DIMENSIONS).values for name in names}
-    )
+    """Z = Rs + jX in ohm, shape (sweep, interface, frequency).
+
+    Raises InputError for sweeps of another kind of readings.
+    """
+    kind = kind_of(sweeps.variables)
+    if kind is not IMPEDANCE:
+        raise InputError(f"the readings are the {kind.name}; the impedance is needed here")
+    return complex_readings(sweeps)

@@ -108,7 +108,7 @@ class FullFields:
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
         by = {name: combined.admittance(each) for name, each in by.items()}
         Z = (1 / Y).astype(np.complex128)
-        return at_meter(Z, by, self.scene.leads, frequency)
+        return at_meter(Z, by, self.scene.reading.at(frequency))
 
     @cached_property
     def _combined(self) -> Combination:

@@ -69,7 +69,7 @@ class ReducedFields:
             by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
             if of_foam is not None:
                 by = self._by_skin(u, M, frequency) | by
-        return at_meter(1 / u.Y, by, self._leads, frequency)
+        return at_meter(1 / u.Y, by, self.scene.reading.behind(self._leads).at(frequency))
 
     def _by_skin(
         self, u: Potentials, M: NDArray[np.float64], frequency: NDArray[np.float64]

@@ -94,7 +94,7 @@ def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
     """
     if spreading(scene) or (same_sheets and single_field(scene) is not None):
         return False
-    return len(scene.interfaces) > len(chain(scene))
+    return len(scene.reading.solved) > len(chain(scene))
 
 
 def read(reduced: Model, readings: Sequence[Interface]) -> Model:

@@ -152,20 +152,20 @@ class Forward:
         of_modes = np.moveaxis(self._s(values)[:, None] * by_mode, -1, 0)
         named = zip(FOAM_MODES, of_modes, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
-        at = leads_of(values), self.scene.frequencies
-        return at_meter(1 / found.Y, by_name, *at, found.by_cell, by_term, by_gauge)
+        reading = self.scene.reading.behind(leads_of(values))
+        return at_meter(1 / found.Y, by_name, reading, found.by_cell, by_term, by_gauge)
 
     def impedances(
         self,
         batch: PressBatch,
         given: Mapping[str, float] | None = None,
     ) -> NDArray[np.complex128]:
-        """Z in ohm of many presses, shape (press, interface, frequency)."""
+        """Readings of many presses, in ohm or gains, shape (press, interface, frequency)."""
         values = all_values(self.scene, given)
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
         Z = self._skin(values).sweeps(batch, self._s(values))
-        return leads_of(values).at_meter(Z, self.scene.frequencies)
+        return self.scene.reading.behind(leads_of(values)).at_meter(Z)
 
     def certificate(
         self,

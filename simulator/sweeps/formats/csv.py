@@ -28,6 +28,7 @@ from ..impedance import (
     parallel_capacitance,
 )
 from ..importing.branch import branch_attributes, choose_branches
+from ..reading_quantities import GAIN, IMPEDANCE, KINDS, MAGNITUDE, kind_of
 from ..schema import SESSIONS, TAKEN, TIME, UNNAMED, build
 from ..sweep_table import SweepTable, table_of
 from ..units import plain_number
@@ -36,11 +37,12 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-QUANTITIES = ["Rs_ohm", "X_ohm", "Cp_F"]
 SECONDS = "time_s"
 LABELS = ("press", "row", "column", "session")
-HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *QUANTITIES]
-WRITTEN_VARIABLES = ("Rs", "X", "Cp", *LABELS, TIME, "interface", "frequency", TAKEN)
+COLUMN_OF = {each.name: each.column for kind in KINDS for each in kind.quantities}
+"""Column of each quantity."""
+HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *COLUMN_OF.values()]
+WRITTEN_VARIABLES = (*COLUMN_OF, *LABELS, TIME, "interface", "frequency", TAKEN)
 TEXT_COLUMNS = ("press", "session", "interface")
 """Columns that hold text."""
 DEFAULT_LABELS = {
@@ -86,7 +88,11 @@ def _append(sweeps: SweepTable, path: Path, first: int) -> None:
         **({SECONDS: axes[TIME].values[sweep]} if TIME in axes else {}),
         "interface": axes["interface"].values[interface],
         "frequency_Hz": axes["frequency"].values[frequency],
-        **{name: sweeps.quantities[name.split("_")[0]].values[read] for name in QUANTITIES},
+        **{
+            COLUMN_OF[name]: each.values[read]
+            for name, each in sweeps.quantities.items()
+            if name in COLUMN_OF
+        },
     }
     columns = [name for name in HEADER if name in table]
     with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
@@ -100,11 +106,11 @@ def _append(sweeps: SweepTable, path: Path, first: int) -> None:
 def read_csv(path: Path) -> xr.Dataset:
     """Reads sweeps from a CSV with named columns in any order.
 
-    `frequency_Hz` and `Rs_ohm` are required, and at least one of `X_ohm` and `Cp_F`. If only `Cp_F`
-    is given, X is followed along the frequencies (see `branch`), and the attributes `branch_rule`
-    and `branch_doubt` say so. Columns of the sweep, the press and the interface may be absent from
-    a file with one unlabelled sweep. Sessions may be numbers or names; if their column is absent,
-    the attribute `session_rule` states the consequence.
+    `frequency_Hz` is required, and either `gain` for gains, or `Rs_ohm` and at least one of `X_ohm`
+    and `Cp_F`. If only `Cp_F` is given, X is followed along the frequencies (see `branch`), and the
+    attributes `branch_rule` and `branch_doubt` say so. Columns of the sweep, the press and the
+    interface may be absent from a file with one unlabelled sweep. Sessions may be numbers or names;
+    if their column is absent, the attribute `session_rule` states the consequence.
 
     Raises InputError naming the file, and line and column if there are any: a missing column, a
     cell that is no plain decimal number, a sweep with other readings than the first, lines that do
@@ -124,14 +130,15 @@ def read_csv(path: Path) -> xr.Dataset:
     interfaces = list(table["interface"].unique())
     frequency = np.unique(table["frequency_Hz"])
     taken, columns = _readings(path, table, frequency)
-    if "X_ohm" not in columns:
-        X = branch_reactance(columns["Rs_ohm"], columns["Cp_F"], frequency)
-        found = choose_branches(columns["Rs_ohm"] + 1j * X, frequency, "followed", taken)
-        columns["X_ohm"] = found.Z.imag
+    kind = kind_of(columns)
+    if kind is IMPEDANCE and "X" not in columns:
+        X = branch_reactance(columns["Rs"], columns["Cp"], frequency)
+        found = choose_branches(columns["Rs"] + 1j * X, frequency, "followed", taken)
+        columns["X"] = found.Z.imag
         attributes |= branch_attributes(found, "followed", frequency, interfaces)
     labels = table.drop_duplicates("sweep")
     return build(
-        columns["Rs_ohm"] + 1j * columns["X_ohm"],
+        kind.reading(columns),
         frequency,
         interface=interfaces,
         press=list(labels["press"]),
@@ -139,7 +146,8 @@ def read_csv(path: Path) -> xr.Dataset:
         column=list(labels["column"].astype(int)),
         session=list(labels["session"].astype(int)),
         time=list(labels[SECONDS]) if SECONDS in labels else None,
-        Cp=columns.get("Cp_F"),
+        shown=columns,
+        kind=kind,
         taken=None if taken.all() else taken,
         attributes={**attributes, **names},
     )
@@ -206,16 +214,28 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
     cells.index += above + 1
     cells = cells[(cells != "").any(axis=1)]
     table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)
-    absent = [name for name in ("frequency_Hz", "Rs_ohm") if name not in table]
-    if not {"X_ohm", "Cp_F"} & set(table):
-        absent.append("X_ohm` or `Cp_F")
-    if absent:
-        raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(table)}")
+    _check_columns(path, list(table))
     if table.empty:
         raise InputError(f"{path}: holds no sweep")
     named = {name: table[name].map(unguarded) for name in TEXT_COLUMNS if name in table}
     absent_ones = {name: text for name, text in DEFAULT_LABELS.items() if name not in table}
     return table.assign(**named, **absent_ones)
+
+
+def _check_columns(path: Path, there: list[str]) -> None:
+    """Raises InputError if a column is missing, or if the file holds two kinds of readings."""
+    gains = [name for name in (*GAIN.columns, *MAGNITUDE.columns) if name in there]
+    both = [name for name in IMPEDANCE.columns if gains and name in there]
+    if both:
+        raise InputError(
+            f"{path}: columns `{gains[0]}` and `{both[0]}` are of two kinds of readings; a file "
+            "holds gains or impedances"
+        )
+    absent = [n for n in ("frequency_Hz", "gain" if gains else "Rs_ohm") if n not in there]
+    if not gains and not {"X_ohm", "Cp_F"} & set(there):
+        absent.append("X_ohm` or `Cp_F")
+    if absent:
+        raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(there)}")
 
 
 def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:
@@ -246,9 +266,9 @@ def _checked_numbers(path: Path, name: str, column: list[str], lines: list[int])
 
 def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
     """Raises InputError if a Cp contradicts Rs and X, which no reading of a meter does."""
-    if not set(QUANTITIES) <= set(table):
+    if not set(IMPEDANCE.columns) <= set(table):
         return
-    Rs, X, Cp, f = (table[name].to_numpy() for name in (*QUANTITIES, "frequency_Hz"))
+    Rs, X, Cp, f = (table[name].to_numpy() for name in (*IMPEDANCE.columns, "frequency_Hz"))
     wrong = contradicting(Rs, X, Cp, f, UNRELATED)
     if wrong.any():
         k = int(np.argmax(wrong))
@@ -261,7 +281,7 @@ def _check_capacitance(path: Path, table: pd.DataFrame) -> None:
 def _readings(
     path: Path, table: pd.DataFrame, frequency: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The mask of readings taken, equal in all sweeps, and the quantities.
+    """The mask of readings taken, equal in all sweeps, and the quantities by name.
 
     Shapes (interface, frequency) and (sweep, interface, frequency); NaN where nothing was read.
     """
@@ -279,7 +299,9 @@ def _readings(
             f"{path}: every sweep must hold the same readings exactly once: each interface at the "
             "frequencies that it has in the other sweeps"
         )
-    columns = {name: np.full(shape, np.nan) for name in QUANTITIES if name in table}
+    columns = {
+        name: np.full(shape, np.nan) for name, column in COLUMN_OF.items() if column in table
+    }
     for name, values in columns.items():
-        values[where] = table[name]
+        values[where] = table[COLUMN_OF[name]]
     return counts[0] > 0, columns

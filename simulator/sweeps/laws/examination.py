@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..impedance import contradicting
-from ..schema import DIMENSIONS, impedance, read_at
+from ..reading_subset import read_at
+from ..schema import DIMENSIONS, impedance
 from .kramers_kronig import RESOLUTION, fit_passive
 from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness
 from .passivity import Violation
