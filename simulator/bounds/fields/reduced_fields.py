@@ -22,7 +22,7 @@ from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.meter import Leads
+from ...scene.reading_setup import ReadingSetup
 from ...scene.scene import Scene
 from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
@@ -37,10 +37,11 @@ class ReducedFields:
     """A scene on the cells of a grid, computed with a reduced model of all terminals."""
 
     def __init__(
-        self, scene: Scene, skin: ReducedSkin, cells: int, leads: Leads | None = None
+        self, scene: Scene, skin: ReducedSkin, cells: int, reading: ReadingSetup | None = None
     ) -> None:
-        """cells: of the model, along each side of a pixel. leads: by default the scene's."""
-        self.scene, self.cells, self._leads = scene, cells, leads or scene.leads
+        """cells: of the model, along each side of a pixel. reading: of the skin's interfaces, by
+        default the scene's."""
+        self.scene, self.cells, self._reading = scene, cells, reading or scene.reading
         self.grid = scene.divided(cells).pixels.shape
         self._skin, self._pressed = skin, PressedSkin(skin)
         self._maps = PartMaps(skin.reduced.scene)
@@ -69,7 +70,7 @@ class ReducedFields:
             by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
             if of_foam is not None:
                 by = self._by_skin(u, M, frequency) | by
-        return at_meter(1 / u.Y, by, self.scene.reading.behind(self._leads).at(frequency))
+        return at_meter(1 / u.Y, by, self._reading.at(frequency))
 
     def _by_skin(
         self, u: Potentials, M: NDArray[np.float64], frequency: NDArray[np.float64]
