@@ -99,8 +99,9 @@ class KeysightInstrument(Instrument):
         self.changed()
 
     def abort(self) -> None:
-        """`:ABORt`: end a measurement; waits again if continuous, and is idle if not."""
-        self.pending, self.initiated = None, self.settings.continuous
+        """`:ABORt`: end a measurement or an acquisition, then wait if continuous, else be idle."""
+        self.pending, self.acquiring = None, None
+        self.initiated = self.settings.continuous
         self.changed()
 
     async def trigger(self) -> None:
@@ -205,7 +206,8 @@ async def _operation(meter: KeysightInstrument) -> int:
 
 async def _operation_condition(meter: KeysightInstrument) -> int:
     await meter.settle_if_done()
-    return MEASURING if meter.pending or meter.runs_freely else 0
+    measuring = meter.pending is not None or meter.runs_freely
+    return MEASURING * measuring | CORRECTING * (meter.acquiring is not None)
 
 
 def _mask(header: str, name: str) -> MeterCommand:

@@ -2,7 +2,6 @@
 
 import asyncio
 import socket
-from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -35,17 +34,16 @@ def spoken(path):
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_the_conversation_of_the_manual(make_instrument, serve, path):
-    with serve(make_instrument(kind=VIRTUAL_MODELS[path.stem])) as ports:
-        with closing(socket.create_connection(("127.0.0.1", ports.meter), timeout=5)) as client:
-            answers = client.makefile("rb")
-            for number, (sent, expected) in enumerate(spoken(path)):
-                client.sendall(sent.encode() + LINE_END)
-                if expected is not None:
-                    assert (number, sent, answers.readline()) == (
-                        number,
-                        sent,
-                        expected.encode() + LINE_END,
-                    )
+    with (
+        serve(make_instrument(kind=VIRTUAL_MODELS[path.stem])) as ports,
+        socket.create_connection(("127.0.0.1", ports.meter), timeout=5) as client,
+        client.makefile("rb") as answers,
+    ):
+        for number, (sent, expected) in enumerate(spoken(path)):
+            client.sendall(sent.encode() + LINE_END)
+            if expected is not None:
+                said = answers.readline().decode().rstrip("\r\n")
+                assert (number, sent, said) == (number, sent, expected)
 
 
 @pytest.fixture(params=KEYSIGHT)
@@ -147,6 +145,13 @@ def test_faults_reach_every_lcr_meter(make_instrument, model):
     assert talk(meter, ":CORR:SHOR;*OPC?", ERROR) == ["1", '-300,"Device-specific error"']
     meter.faults.add(Fault("forget"))
     assert talk(meter, "*ESR?;:TRIG:SOUR?") == ["128;INT"]
+
+
+def test_an_acquisition_is_a_condition_until_it_ends_or_is_aborted(make_instrument):
+    meter = make_instrument(kind=VirtualE4980A, pace=1.0)
+    condition = ":STAT:OPER:COND?"
+    told = talk(meter, f"*RST;:CORR:OPEN;{condition}", ":CORR:SHOR", ERROR, f":ABOR;{condition}")
+    assert told == ["1", "", '-221,"Settings conflict"', "0"]
 
 
 def test_a_skin_without_a_reading_is_a_failure_of_the_meter(make_instrument, pillow):
