@@ -206,13 +206,13 @@ def _partner(top: int, terminals: Sequence[Terminal], scene: Scene) -> int | Non
 def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
     """True if both have the same places, and contact resistances in the ratio of the sheet
     resistances."""
+    if not (len(top.contacts) == len(bottom.contacts) > 0 and _places(top) == _places(bottom)):
+        return False
+    if scene.skin.one_conductor:
+        return True
     ratio = scene.skin.bottom.sheet_resistance / scene.skin.top.sheet_resistance
-    return (
-        len(top.contacts) == len(bottom.contacts) > 0
-        and _places(top) == _places(bottom)
-        and math.isclose(
-            bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
-        )
+    return math.isclose(
+        bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
     )
 
 

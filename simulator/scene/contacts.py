@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from .form.outline import Outline
+from .keys.key_paths import OrText
 from .meter import ascending
 from .ranges import FilmResistance, Frequency, Overlap
 from .readers import (
@@ -212,6 +213,7 @@ class Contact(Table):
 class Interface(Table):
     """One way of connecting the meter or another reader; contacts in neither list float.
 
+<<<<<<< HEAD
     frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
     "impedance", that between high and low, as a meter reads it; "gain", the complex gain V / V_s of
     the node that high is, with a source V_s behind a series resistor between it and low. The
@@ -220,11 +222,15 @@ class Interface(Table):
     and no phase, the same at all interfaces; driven_with, names of the other interfaces whose
     sources are on at the same time, or tables of sources whose nodes are not read. All low foils of
     sources that are on are tied together. Earth, in scenes with surroundings, is at low.
+=======
+    low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
+    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them.
+>>>>>>> cf24a7a5 (Skins of one conductor: the bottom is earth, a touch adds a capacitance to it, and a line may have contacts at both ends)
     """
 
     name: Name
     high: Annotated[tuple[str, ...], Field(min_length=1)]
-    low: Annotated[tuple[str, ...], Field(min_length=1)]
+    low: Annotated[tuple[str, ...], Field(min_length=1), OrText('`"earth"`')]
     frequencies: (
         Annotated[tuple[Frequency, ...], Field(min_length=1), AfterValidator(ascending)] | None
     ) = None
