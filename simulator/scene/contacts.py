@@ -213,7 +213,7 @@ class Contact(Table):
 class Interface(Table):
     """One way of connecting the meter or another reader; contacts in neither list float.
 
-<<<<<<< HEAD
+    low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
     frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
     "impedance", that between high and low, as a meter reads it; "gain", the complex gain V / V_s of
     the node that high is, with a source V_s behind a series resistor between it and low. The
@@ -222,10 +222,6 @@ class Interface(Table):
     and no phase, the same at all interfaces; driven_with, names of the other interfaces whose
     sources are on at the same time, or tables of sources whose nodes are not read. All low foils of
     sources that are on are tied together. Earth, in scenes with surroundings, is at low.
-=======
-    low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
-    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them.
->>>>>>> cf24a7a5 (Skins of one conductor: the bottom is earth, a touch adds a capacitance to it, and a line may have contacts at both ends)
     """
 
     name: Name
