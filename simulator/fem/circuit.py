@@ -130,7 +130,8 @@ def one_field(scene: Scene) -> Circuit | None:
     pairs = {top: _partner(top, both.terminals, scene) for top in tops}
     if None in pairs.values() or 2 * len(tops) != len(both.terminals):
         return None
-    excitations = [_pair_excitation(excitation, tops, pairs) for excitation in both.excitations]
+    paired = _over_earth if scene.skin.one_conductor else _pair_excitation
+    excitations = [paired(excitation, tops, pairs) for excitation in both.excitations]
     if any(excitation is None for excitation in excitations):
         return None
     skin = scene.skin
@@ -230,6 +231,17 @@ def _pair_excitation(
     if not set(upper) <= set(tops) or {pairs[top] for top in upper} != set(lower):
         return None
     return Excitation(tuple(tops.index(top) for top in upper), ())
+
+
+def _over_earth(
+    excitation: Excitation, tops: list[int], pairs: dict[int, int | None]
+) -> Excitation | None:
+    """Excitation of one conductor; its terminals that are low have the potential of earth."""
+    high, low = (
+        tuple(tops.index(terminal) for terminal in side if terminal in pairs)
+        for side in (excitation.high, excitation.low)
+    )
+    return Excitation(high, low) if len(high) == len(excitation.high) else None
 
 
 def _in_series(top: Terminal, bottom: Terminal) -> tuple[Contact, ...]:

@@ -78,8 +78,7 @@ class Line:
     ) -> NDArray[np.complex128]:
         """Z of interfaces that drive the first end, the second, or both tied together."""
         ports = self.ports(press, frequency)
-        driven = [each.high for each in self._circuit.excitations]
-        return np.stack([ports.seen_from(0 in each, 1 in each) for each in driven])
+        return np.stack([ports.seen_from(on.high, on.low) for on in self._circuit.excitations])
 
     def ports(self, press: Press, frequency: NDArray[np.float64]) -> LinePorts:
         """Network between the end of the first contact, the far end, and the low terminal.

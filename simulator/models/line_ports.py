@@ -8,6 +8,7 @@ positive real part, so no digits are lost at low frequency, and nothing overflow
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -34,11 +35,18 @@ class LinePorts(NamedTuple):
             other.far + other.between * middle / total,
         )
 
-    def seen_from(self, near: bool, far: bool) -> NDArray[np.complex128]:
-        """Impedance to earth in ohm of the driven ends, tied together; the other one is open."""
-        if near and far:
+    def seen_from(
+        self, driven: Collection[int], at_earth: Collection[int] = ()
+    ) -> NDArray[np.complex128]:
+        """Impedance to earth in ohm of the driven ends, tied together.
+
+        driven, at_earth: 0 for the near end, 1 for the far one; an end that is neither is open.
+        """
+        if len(driven) == 2:
             return 1 / (self.near + self.far)
-        own, other = (self.near, self.far) if near else (self.far, self.near)
+        own, other = (self.near, self.far) if 0 in driven else (self.far, self.near)
+        if at_earth:
+            return 1 / (own + self.between)
         return 1 / (own + self.between * other / (self.between + other))
 
 

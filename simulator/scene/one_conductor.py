@@ -42,13 +42,15 @@ def with_earth(tables: Mapping[str, Any]) -> dict[str, Any]:
                 f'`contact[{number + 1}].electrode` must be "top": the bottom sheet is earth'
             )
     for number, each in enumerate(interfaces):
+        if any(name.startswith(BELOW) for name in _high(each)):
+            raise ValueError(f"`interface[{number + 1}].high` must not name contacts of earth")
         if not _names_earth(each):
             raise ValueError(
                 f'`interface[{number + 1}].low` must be "earth" in a skin of one conductor, '
                 f"got {each.get('low')!r}"
             )
     below = [_below(each) for each in contacts if isinstance(each.get("name"), str)]
-    to_earth = [{**each, "low": [f"{BELOW}{name}" for name in _high(each)]} for each in interfaces]
+    to_earth = [_to_earth(each) for each in interfaces]
     return {**tables, "contact": [*contacts, *below], "interface": to_earth}
 
 
@@ -60,8 +62,25 @@ def without_earth(tables: dict[str, Any]) -> dict[str, Any]:
             kept[name] = type(kept[name])(c for c in kept[name] if c["electrode"] != "bottom")
     for name in ("interface", "interfaces"):
         if name in kept:
-            kept[name] = type(kept[name])({**each, "low": EARTH} for each in kept[name])
+            kept[name] = type(kept[name])(_as_given(each) for each in kept[name])
     return kept
+
+
+def _as_given(interface: dict[str, Any]) -> dict[str, Any]:
+    """An interface as in its file, with the sources that are on at the same time."""
+    on = interface.get("driven_with", ())
+    others = [_as_given(each) if isinstance(each, dict) else each for each in on]
+    return {**interface, "low": EARTH, **({"driven_with": others} if others else {})}
+
+
+def _to_earth(interface: Mapping[str, Any]) -> dict[str, Any]:
+    """An interface, or a source, with the contacts of earth below its own ones as its low side."""
+    below = [f"{BELOW}{name}" for name in _high(interface)]
+    on = interface.get("driven_with")
+    if not isinstance(on, list | tuple):
+        return {**interface, "low": below}
+    others = [_to_earth(each) if isinstance(each, Mapping) else each for each in on]
+    return {**interface, "low": below, "driven_with": others}
 
 
 def _on_earth(skin: Any) -> bool:

@@ -111,3 +111,21 @@ def test_segments_of_a_network_may_be_joined_in_any_order(yarn):
     left = reduce(LinePorts.joined, parts)
     right = parts[0].joined(parts[1].joined(parts[2]))
     np.testing.assert_allclose(np.stack(left), np.stack(right), rtol=1e-13)
+
+
+def test_gains_of_both_ends_driven_at_once_are_those_of_the_chain_matrices(yarn):
+    """V at the ends: Y V + (V - V_s) / R_s + V s C_in = 0 with Y of the chain, R_s = 1 Mohm."""
+    Rs, Cin, x = 1e6, 8e-12, 0.3
+    source = {"reader": "gain", "series_resistance": Rs, "load": {"capacitance": Cin}}
+    ends = [
+        {"name": one, "high": [one], "low": "earth", "driven_with": [other], **source}
+        for one, other in (("left", "right"), ("right", "left"))
+    ]
+    read = yarn.with_({"interface": ends, "sweep.frequencies": [2e3, 25750.0]})
+    found = solved(read, f"rect({x * LENGTH},0.0005,1e-6,0.001):30pF")
+    for f, gains in zip(read.frequencies, found.T, strict=True):
+        s = 2j * np.pi * f
+        point = np.array([[1, 0], [s * 30e-12, 1]])
+        (A, B), (_, D) = chain(s, x * R, x * C) @ point @ chain(s, (1 - x) * R, (1 - x) * C)
+        Y = np.array([[D, -1], [-1, A]]) / B + np.eye(2) * (1 / Rs + s * Cin)
+        np.testing.assert_allclose(gains, np.linalg.solve(Y, [1 / Rs, 1 / Rs]), rtol=1e-5)
