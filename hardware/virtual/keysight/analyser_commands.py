@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..language.meter_command import MeterCommand
 from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError, ExecutionError
 from .analyser_settings import BAND, CURRENT, POINTS, VOLTAGE, AnalyserSettings, parse_segments
+from .common_commands import operation_register
 from .e4990a import numbers_text
 from .error_queue import ILLEGAL_VALUE
 from .keysight_corrections import correction_commands
@@ -221,8 +222,12 @@ DATA = (
     MeterCommand(":DISPlay:CCLear", _nothing, set_arguments=0),
 )
 TRIGGERS = (
-    setting(
-        ":TRIGger[:SEQuence]:SOURce", "trigger", _word("INTernal", "EXTernal", "MANual", "BUS")
+    operation_register("PTRansition", "rising"),
+    operation_register("NTRansition", "falling"),
+    MeterCommand(
+        ":TRIGger[:SEQuence]:SOURce",
+        lambda meter, text: meter.set_source(text),
+        lambda meter: meter.settings.trigger,
     ),
     setting(":TRIGger[:SEQuence]:AVERage", "average_trigger", _switch, switch_text),
     MeterCommand(":TRIGger[:SEQuence]:SINGle", lambda meter: meter.single(), set_arguments=0),

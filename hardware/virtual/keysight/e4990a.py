@@ -1,8 +1,9 @@
 """Virtual impedance analyser Keysight E4990A: sweeps of one channel with up to four traces.
 
-Sources: the SCPI tree of the E4990A's help as public drivers use it (sweep, segment table,
-triggers, data), and the manuals of its family for what numbers out of range do: they are replaced
-by the nearest limit (E4981A user's guide, page 209).
+Sources: the SCPI tree of the E4990A's help as public drivers use it (sweep, segment table, data),
+and manuals of its family: the programmer's guide of the E5061A/E5062A, chapter 13 and appendix B
+(trigger system, registers, queue of 100 errors, 2 to 1601 points), and the user's guide of the
+E4981A, page 209 (a number out of range is replaced by the nearest limit).
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from typing import ClassVar
 from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError
 from ..language.vocabulary import Vocabulary
 from .analyser_settings import BAND, AnalyserSettings
-from .keysight_instrument import COMMON_COMMANDS, KeysightInstrument
+from .keysight_instrument import KeysightInstrument
 from .lcr_settings import shown_quantity
-from .scpi_values import NO_NUMBER, nr3
+from .scpi_values import NO_NUMBER, nr3, one_of
 
 QUANTITIES = {"R": "RS", "TZ": "PHASE", "TY": "YPHASE", "D": "DC", "Q": "QC"}
 """Names of quantities in `shown_quantity` that differ from those of the analyser."""
@@ -29,6 +30,9 @@ class VirtualE4990A(KeysightInstrument):
 
     model: str = "E4990A"
     firmware: ClassVar[str] = "A.02.12"
+    queue_length: ClassVar[int] = 100
+    rising: int = 0x4030
+    falling: int = 0
     settings: AnalyserSettings = field(default_factory=AnalyserSettings)
     waited: bool = False
 
@@ -58,6 +62,11 @@ class VirtualE4990A(KeysightInstrument):
         """`:TRIGger` or `*TRG`: start a sweep that `*OPC?` does not wait for."""
         await super().trigger()
         self.waited = False
+
+    def set_source(self, text: str) -> None:
+        """`:TRIGger:SOURce`, which ends a running sweep."""
+        self.settings.trigger = one_of("INTernal", "EXTernal", "MANual", "BUS")(text)
+        self.abort()
 
     async def single(self) -> None:
         """`:TRIGger:SINGle`: start a sweep that `*OPC?` waits for."""
@@ -106,5 +115,6 @@ def numbers_text(values: Sequence[float]) -> str:
 @cache
 def _vocabulary() -> Vocabulary:
     from .analyser_commands import ANALYSER_COMMANDS
+    from .common_commands import COMMON_COMMANDS
 
     return Vocabulary((*COMMON_COMMANDS, *ANALYSER_COMMANDS))

@@ -33,18 +33,19 @@ TEXTS = {
 DATA_TYPE, INVALID_SUFFIX, INIT_IGNORED, SETTINGS_CONFLICT = -104, -131, -213, -221
 TOO_MUCH_DATA, ILLEGAL_VALUE, STALE_DATA, DEVICE_ERROR, OVERFLOW = -223, -224, -230, -300, -350
 LENGTH = 20
-"""Errors that the queue holds. Chosen here: the length is in no manual that was at hand."""
+"""Errors that the queue of an LCR meter holds. Chosen here: it is in no manual that was at hand."""
 
 
 @dataclass
 class ErrorQueue:
     """Errors, the oldest first. The last one of a full queue is -350."""
 
+    length: int = LENGTH
     codes: deque[int] = field(default_factory=deque)
 
     def add(self, code: int) -> None:
         """Add an error."""
-        if len(self.codes) < LENGTH:
+        if len(self.codes) < self.length:
             self.codes.append(code)
         else:
             self.codes[-1] = OVERFLOW

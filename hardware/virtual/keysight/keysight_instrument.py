@@ -18,8 +18,14 @@ from ..language.meter_command import MeterCommand
 from ..language.parser import TRIGGER_IGNORED, ExecutionError, LanguageError
 from ..language.vocabulary import Vocabulary
 from ..measurement import NO_RESULT, MeasurementResult, MeterSettings
-from .error_queue import DEVICE_ERROR, INIT_IGNORED, SETTINGS_CONFLICT, ErrorQueue, register_bit
-from .scpi_values import integer
+from .error_queue import (
+    DEVICE_ERROR,
+    INIT_IGNORED,
+    LENGTH,
+    SETTINGS_CONFLICT,
+    ErrorQueue,
+    register_bit,
+)
 
 MEASURING, SWEEPING, CORRECTING = 16, 8, 1
 """Bits of the operation status register: E4980A user's guide, chapter 8."""
@@ -31,19 +37,27 @@ ACQUISITION = 20.0
 class KeysightInstrument(Instrument):
     """An instrument of Keysight. initiated: False if the trigger system is idle.
 
-    maker, firmware: in the answer to `*IDN?`. operation: event register of completed actions.
+    maker, firmware: in the answer to `*IDN?`. operation: event register of actions, whose bits are
+    set when a condition begins (rising) or ends (falling). queue_length: of errors.
     acquiring: correction that is being acquired until the time acquired_at, s.
     """
 
     maker: ClassVar[str] = "Keysight Technologies"
     firmware: ClassVar[str]
+    queue_length: ClassVar[int] = LENGTH
     registers: EventRegisters = field(default_factory=EventRegisters)
-    errors: ErrorQueue = field(default_factory=ErrorQueue)
+    errors: ErrorQueue = field(init=False)
     results: list[MeasurementResult] = field(default_factory=list)
     initiated: bool = True
     operation: int = 0
+    operation_mask: int = 0
+    rising: int = 0
+    falling: int = 0xFFFF
     acquiring: tuple[tuple[int, ...], str] | None = None
     acquired_at: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.errors = ErrorQueue(self.queue_length)
 
     @classmethod
     @abstractmethod
@@ -146,7 +160,7 @@ class KeysightInstrument(Instrument):
     def keep(self, results: Sequence[MeasurementResult]) -> None:
         """Keep the results, and leave the measuring state."""
         self.results, self.latest = list(results), results[-1]
-        self.operation |= MEASURING | (SWEEPING if len(results) > 1 else 0)
+        self.operation |= self.falling & (MEASURING | (SWEEPING if len(results) > 1 else 0))
         self.initiated = self.settings.continuous
 
     def reset(self) -> None:
@@ -164,7 +178,14 @@ class KeysightInstrument(Instrument):
     def restart(self) -> None:
         """Simulate a power cut: it runs freely, and the power-on event is set."""
         self.preset()
-        self.registers, self.errors, self.operation = EventRegisters(), ErrorQueue(), 0
+        self.registers, self.operation = EventRegisters(), 0
+        self.errors.clear()
+
+    @property
+    def status_byte(self) -> int:
+        """Answer to `*STB?`; 128: an event of the operation register that its mask lets pass."""
+        further = 128 * bool(self.operation & self.operation_mask)
+        return self.registers.status_byte(self.waiting, further)
 
     def take_operation(self) -> int:
         """Read and clear the operation event register."""
@@ -174,64 +195,11 @@ class KeysightInstrument(Instrument):
     def _end_acquisition(self) -> None:
         if self.acquiring is not None and self.now >= self.acquired_at:
             self.acquiring = None
-            self.operation |= CORRECTING
+            self.operation |= self.falling & CORRECTING
             if self.faults.take("correction"):
                 self.fail()
 
     def _measure_points(self, done: float | None = None) -> None:
         points = [deepcopy(each) for each in self.points()]
+        self.operation |= self.rising & MEASURING
         self.begin(self.now + self.pace * self.seconds if done is None else done, points)
-
-
-async def _complete(meter: KeysightInstrument) -> int:
-    await meter.finished()
-    return 1
-
-
-async def _note_completion(meter: KeysightInstrument) -> None:
-    await meter.finished()
-    meter.registers.note(Standard.OPC)
-
-
-def _clear(meter: KeysightInstrument) -> None:
-    meter.registers.clear()
-    meter.errors.clear()
-    meter.operation = 0
-
-
-async def _operation(meter: KeysightInstrument) -> int:
-    await meter.settle_if_done()
-    return meter.take_operation()
-
-
-async def _operation_condition(meter: KeysightInstrument) -> int:
-    await meter.settle_if_done()
-    measuring = meter.pending is not None or meter.runs_freely
-    return MEASURING * measuring | CORRECTING * (meter.acquiring is not None)
-
-
-def _mask(header: str, name: str) -> MeterCommand:
-    def set_mask(meter: KeysightInstrument, text: str) -> None:
-        setattr(meter.registers, name, integer(text, 0, 255))
-
-    return MeterCommand(header, set_mask, lambda meter: getattr(meter.registers, name))
-
-
-COMMON_COMMANDS = (
-    MeterCommand("*IDN", on_query=lambda meter: meter.identity),
-    MeterCommand("*RST", lambda meter: meter.reset(), set_arguments=0),
-    MeterCommand("*CLS", _clear, set_arguments=0),
-    MeterCommand("*OPC", _note_completion, _complete, set_arguments=0),
-    MeterCommand("*WAI", lambda meter: meter.finished(), set_arguments=0),
-    MeterCommand("*TST", on_query=lambda meter: 0),
-    MeterCommand("*OPT", on_query=lambda meter: 0),
-    MeterCommand("*ESR", on_query=lambda meter: meter.registers.take_standard()),
-    MeterCommand("*STB", on_query=lambda meter: meter.registers.status_byte(meter.waiting)),
-    _mask("*ESE", "standard_mask"),
-    _mask("*SRE", "request_mask"),
-    MeterCommand(":ABORt", lambda meter: meter.abort(), set_arguments=0),
-    MeterCommand(":SYSTem:ERRor[:NEXT]", on_query=lambda meter: meter.errors.take()),
-    MeterCommand(":SYSTem:PRESet", lambda meter: meter.preset(), set_arguments=0),
-    MeterCommand(":STATus:OPERation[:EVENt]", on_query=_operation),
-    MeterCommand(":STATus:OPERation:CONDition", on_query=_operation_condition),
-)

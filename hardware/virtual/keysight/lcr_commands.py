@@ -5,7 +5,7 @@ Source: Keysight E4980A/AL user's guide, chapter 10 (SCPI command reference).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..language.meter_command import MeterCommand, matched_word
@@ -100,18 +100,44 @@ def _list(kind: str, header: str, read: Callable[..., float]) -> MeterCommand:
     """Command of the points of a list sweep, which replace those of another kind."""
 
     def set_list(meter: VirtualE4980A, *texts: str) -> None:
-        if len(texts) > meter.limits.list_points:
-            raise ExecutionError(len(texts), TOO_MUCH_DATA)
-        meter.settings.list_values = tuple(read(meter, text) for text in texts)
-        meter.settings.list_kind, meter.step = kind, 0
-        meter.changed()
+        _set_points(meter, kind, read, texts)
 
     def query(meter: VirtualE4980A) -> str:
-        if meter.settings.list_kind != kind or not meter.settings.list_values:
+        if meter.settings.list_kind != kind:
             raise ExecutionError(header, STALE_DATA)
-        return ",".join(nr3(value) for value in meter.settings.list_values)
+        return _points_text(meter)
 
     return MeterCommand(header, set_list, query, set_arguments=(1, 1000))
+
+
+def _set_points(
+    meter: VirtualE4980A, kind: str, read: Callable[..., float], texts: Sequence[str]
+) -> None:
+    if len(texts) > meter.limits.list_points:
+        raise ExecutionError(len(texts), TOO_MUCH_DATA)
+    meter.settings.list_values = tuple(read(meter, text) for text in texts)
+    meter.settings.list_kind, meter.step = kind, 0
+    meter.changed()
+
+
+def _points_text(meter: VirtualE4980A) -> str:
+    if not meter.settings.list_values:
+        raise ExecutionError("LIST", STALE_DATA)
+    return ",".join(nr3(value) for value in meter.settings.list_values)
+
+
+def _set_stimulus(meter: VirtualE4980A, kind: str, second: str = "NONE") -> None:
+    """What a list varies. A second stimulus is refused: the virtual meter varies one."""
+    first = one_of("FREQuency", "VOLTage", "CURRent")(kind)
+    one_of("NONE")(second)
+    if first != meter.settings.list_kind:
+        _clear_list(meter)
+    meter.settings.list_kind = first
+
+
+def _stimulus_data(meter: VirtualE4980A, *texts: str) -> None:
+    read = {"FREQ": _frequency, "VOLT": _voltage, "CURR": _current}[meter.settings.list_kind]
+    _set_points(meter, meter.settings.list_kind, read, texts)
 
 
 def _clear_list(meter: VirtualE4980A) -> None:
@@ -147,9 +173,11 @@ async def _read_buffer(meter: VirtualE4980A, name: str) -> str:
 
 
 def _set_format(meter: VirtualE4980A, *texts: str) -> None:
-    """Only ASCii: the virtual meter has no binary answers."""
-    if one_of("ASCii", "REAL")(texts[0]) != "ASC" or len(texts) > 1:
+    """Only ASCii: the virtual meter has no binary answers. The length, 64, may follow."""
+    if one_of("ASCii", "REAL")(texts[0]) != "ASC":
         raise ExecutionError(texts, ILLEGAL_VALUE)
+    for text in texts[1:]:
+        integer(text, 64, 64)
 
 
 def _initiate(meter: VirtualE4980A) -> None:
@@ -190,6 +218,13 @@ SETTINGS = (
     _list("FREQ", ":LIST:FREQuency", _frequency),
     _list("VOLT", ":LIST:VOLTage", _voltage),
     _list("CURR", ":LIST:CURRent", _current),
+    MeterCommand(
+        ":LIST:STIMulus:TYPE",
+        _set_stimulus,
+        lambda meter: f"{meter.settings.list_kind},NONE",
+        set_arguments=(1, 2),
+    ),
+    MeterCommand(":LIST:STIMulus:DATA", _stimulus_data, _points_text, set_arguments=(1, 1000)),
     MeterCommand(":LIST:CLEar:ALL", _clear_list, set_arguments=0),
 )
 READINGS = (

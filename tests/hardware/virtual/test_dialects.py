@@ -90,7 +90,8 @@ def test_an_error_is_silent_and_waits_in_the_queue(keysight, line, code):
 
 
 def test_a_full_queue_says_that_it_overflowed(keysight):
-    *_, last, after = talk(keysight, *[":NONSENSE"] * 100, *[ERROR] * 20, ERROR)
+    length = keysight.queue_length
+    *_, last, after = talk(keysight, *[":NONSENSE"] * (length + 1), *[ERROR] * length, ERROR)
     assert (last, after) == ('-350,"Queue overflow"', NO_ERROR)
 
 
@@ -201,6 +202,26 @@ def test_an_analyser_waits_for_single_triggers_alone(make_instrument):
     meter = make_instrument(kind=VirtualE4990A, pace=1.0)
     answers = talk(meter, SWEEP, ":TRIG;*OPC?", DATA, ":ABOR;:TRIG:SING;*OPC?", DATA)
     assert answers[1:] == ["1", ZEROS, "1", OHMS]
+
+
+def test_an_analyser_reports_the_end_of_a_sweep_if_its_transition_lets_it_pass(make_instrument):
+    meter = make_instrument(kind=VirtualE4990A)
+    before = talk(meter, SWEEP + ";:STAT:OPER?", ":TRIG:SING;*OPC?", ":STAT:OPER?")
+    assert before[1:] == ["1", "16"]
+    passed = ":STAT:OPER:PTR 0;NTR 16;ENAB 16;:TRIG:SING;*OPC?;*STB?;:STAT:OPER?;:STAT:OPER?"
+    assert talk(meter, passed) == ["1;144;16;0"]
+
+
+def test_another_source_ends_a_running_sweep(make_instrument):
+    meter = make_instrument(kind=VirtualE4990A, pace=100.0)
+    running = ":STAT:OPER:COND?"
+    assert talk(meter, f"{SWEEP};:TRIG;{running}", f":TRIG:SOUR MAN;{running}") == ["16", "0"]
+
+
+def test_a_list_is_also_set_by_its_stimulus(make_instrument):
+    meter = make_instrument(kind=VirtualE4980A)
+    lines = (":LIST:STIM:TYPE VOLT,NONE;DATA 0.1,0.2", ":LIST:VOLT?;:LIST:FREQ?", ERROR)
+    assert talk(meter, *lines)[1:] == ["+1.00000E-01,+2.00000E-01", '-230,"Data corrupt or stale"']
 
 
 def test_faults_reach_the_analyser(make_instrument):
