@@ -119,7 +119,7 @@ def identify(
 def correct(
     kind: Annotated[str, typer.Argument(help="Correction: open or short.")],
     resource: Resource,
-    extent: Annotated[str, typer.Option(help="ALL, SPOT or OFF.")] = "ALL",
+    extent: Annotated[str, typer.Option(help="ALL, SPOT (Hioki) or OFF.")] = "ALL",
     timeout: Timeout = 5.0,
     baud: Baud = 9600,
 ) -> None:

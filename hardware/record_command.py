@@ -50,13 +50,18 @@ def record(
     switch: SwitchName = None,
     switch_with: SwitchWith = None,
     settle: Settle = None,
-    speed: Annotated[str | None, typer.Option(help="FAST, MEDIUM, SLOW or SLOW2.")] = None,
+    speed: Annotated[
+        str | None, typer.Option(help="FAST to SLOW2 (Hioki), SHORT to LONG (Keysight).")
+    ] = None,
     averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
     level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
     amplitude: Annotated[float | None, typer.Option(help="Amplitude of the level, V or A.")] = None,
-    range_: Annotated[int | None, typer.Option("--range", help="Range 1-10; 0: automatic.")] = None,
+    range_: Annotated[
+        float | None,
+        typer.Option("--range", help="Range 1-10 (Hioki) or ohm (Keysight); 0: automatic."),
+    ] = None,
     delay: Annotated[float | None, typer.Option(help="Delay after the trigger, s.")] = None,
-    cable: Annotated[int | None, typer.Option(help="Cable length, 0 or 1 m.")] = None,
+    cable: Annotated[int | None, typer.Option(help="Cable length, m.")] = None,
     repeatability: Annotated[
         float, typer.Option(help="Allowed change of |Z| between repetitions.")
     ] = 0.05,
@@ -178,7 +183,7 @@ def _settings(
     averaging: int | None,
     level: str | None,
     amplitude: float | None,
-    range_: int | None,
+    range_: float | None,
     delay: float | None,
     cable: int | None,
 ) -> dict[str, Any]:

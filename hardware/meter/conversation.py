@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntFlag
 from time import monotonic
@@ -18,11 +19,14 @@ from .errors import (
     RefusedError,
     RestartedError,
 )
+from .meter_identity import MAKERS
 from .termination import raise_pending_signal
 
 Answer = TypeVar("Answer")
-SYNCHRONIZED = re.compile(r"(\d{1,3});.*HIOKI.*", re.IGNORECASE)
+SYNCHRONIZED = re.compile(rf"\s*\+?(\d{{1,3}});.*\b({'|'.join(MAKERS)})\b.*", re.IGNORECASE)
 LATE_ANSWERS = 16
+ERRORS = 20
+"""Longest queue of errors."""
 
 
 class Event(IntFlag):
@@ -62,8 +66,9 @@ ANSWER_TIMES = AnswerTimes()
 class Conversation:
     """Messages over one connection. After a failure it is resynchronized or closed."""
 
-    def __init__(self, connection: Connection) -> None:
-        self._connection, self._closed = connection, False
+    def __init__(self, connection: Connection, error_query: str = "") -> None:
+        """error_query: takes the oldest error from the meter's queue; empty if it has none."""
+        self._connection, self._closed, self._error_query = connection, False, error_query
         self._pending: float | None = None
 
     @property
@@ -189,10 +194,24 @@ class Conversation:
         reasons = [reason for event, reason in REFUSALS.items() if event in found]
         if not reasons:
             return None
+        reasons += self._queued_errors()
         return RefusedError(
             f"{self.resource}: the meter refused {message} ({'; '.join(reasons)}); check the "
             "value and the model's command list"
         )
+
+    def _queued_errors(self) -> list[str]:
+        """Errors in the meter's queue, which is then empty."""
+        found: list[str] = []
+        if not self._error_query:
+            return found
+        with suppress(NoAnswerError, GarbledError, ValueError):
+            while len(found) < ERRORS:
+                error = self._exchange(self._error_query, 0.0).strip()
+                if int(error.split(",")[0]) == 0:
+                    break
+                found.append(error)
+        return found
 
     def _require_open(self) -> None:
         if self._closed:

@@ -10,13 +10,12 @@ from .accuracy_table import RANGES, AccuracyTable, GeneratorLevel, ReadingCondit
 from .errors import GarbledError
 from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading
-from .setting import (
+from .setting import MeterProperty, Setting
+from .setting_formats import (
     IntegerFormat,
-    MeterProperty,
     NumberFormat,
     OnOffFormat,
     RegisterFormat,
-    Setting,
     WordFormat,
 )
 

@@ -38,8 +38,8 @@ class LcrMeter(ABC):
     on, in the order in which they are set. reported: properties in a snapshot that cannot be set.
     timing: settings that the time of a reading depends on. restored_last: settings that are
     restored after all others, in this order. extents: words for the extent of a correction; the
-    last one ends it. sweeps: True if the meter sweeps by itself. aliases: other names of settings,
-    for `apply_settings`.
+    last one ends it. sweeps: True if the meter sweeps by itself. error_query: query of the oldest
+    error in the meter's queue, if it has one.
     """
 
     model: str
@@ -49,7 +49,7 @@ class LcrMeter(ABC):
     restored_last: tuple[str, ...]
     extents: ClassVar[tuple[str, ...]]
     sweeps: bool = False
-    aliases: ClassVar[Mapping[str, str]] = {}
+    error_query: str = ""
 
     frequency: ClassVar[Setting[float]]
     range: ClassVar[Setting[Any]]
@@ -58,7 +58,7 @@ class LcrMeter(ABC):
     short_correction: ClassVar[MeterProperty[Any]]
 
     def __init__(self, connection: Connection, identity: MeterIdentity | None = None) -> None:
-        self.talk = Conversation(connection)
+        self.talk = Conversation(connection, self.error_query)
         self.identity = identity or self.talk.query("*IDN?", parse_identity)
         self.original: dict[str, Any] | None = None
         self.cached: dict[str, Any] = {}
@@ -74,6 +74,12 @@ class LcrMeter(ABC):
     def band(self) -> tuple[float, float]:
         """Lowest and highest frequency, Hz."""
         return METER_BANDS[self.model]
+
+    def nearest(self, frequency: float) -> float:
+        """Frequency in Hz that the meter sets for a requested one, by the digits of its setting."""
+        allowed = type(self).frequency.allowed
+        text = allowed.write(frequency)
+        return frequency if text is None else allowed.read(text)
 
     @abstractmethod
     def set_up(self) -> None:
@@ -150,7 +156,7 @@ class LcrMeter(ABC):
         Raises InputError if the meter lacks a setting or a value is not allowed, MeterError if the
         meter fails.
         """
-        named = {self.aliases.get(name, name): value for name, value in settings.items()}
+        named = self.own_settings(settings)
         for name in named:
             if name not in (*self.settable, *self.reported):
                 raise InputError(
@@ -159,6 +165,10 @@ class LcrMeter(ABC):
         for name in self.settable:
             if name in named:
                 setattr(self, name, named[name])
+
+    def own_settings(self, requested: Mapping[str, Any]) -> dict[str, Any]:
+        """Requested settings in this meter's names. Raises InputError if it has none for one."""
+        return dict(requested)
 
     def save_original(self) -> None:
         """Save the original settings, if there is a store."""

@@ -9,6 +9,11 @@ from ...simulator.sweeps.meter_bands import METER_BANDS
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 MODELS = tuple(METER_BANDS)
+MAKERS = ("HIOKI", "KEYSIGHT", "AGILENT", "HEWLETT-PACKARD", "HP")
+"""Makers in the answers to `*IDN?`, as regular expressions."""
+SERIAL = re.compile(r"\d{4,}|[A-Z]{2}\w{8}|\d{4}[A-Z]\d{5}")
+"""Serial numbers: digits (Hioki), or two letters or four digits first (Keysight)."""
+FIRMWARE = re.compile(r"(V(er)?|REV|[A-Z])?\.?\s*\d+(\.\w+)+", re.IGNORECASE)
 VIRTUAL_SERIAL = "000000000"
 """Serial number of the virtual meter."""
 MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
@@ -33,8 +38,8 @@ def parse_identity(text: str) -> MeterIdentity:
     if not any(fields):
         raise ValueError(text)
     found = MODEL.search(text)
-    firmware = next((f for f in fields if re.fullmatch(r"V(er)?\.?\s*\d[\w.]*", f, re.I)), "")
-    serial = next((f for f in fields if re.fullmatch(r"\d{4,}", f)), "")
+    firmware = next((field for field in fields if FIRMWARE.fullmatch(field)), "")
+    serial = next((field for field in fields if SERIAL.fullmatch(field)), "")
     return MeterIdentity(text.strip(), found[1].upper() if found else "", serial, firmware)
 
 

@@ -9,11 +9,16 @@ from enum import Enum
 from .errors import FailedReadingError
 
 PLACEHOLDER = 1e30
+OTHER_MAKERS = 20
+"""Codes from here on are not Hioki's."""
 CONTACT = "contact error: check the leads and terminals"
 
 
 class ReadingStatus(Enum):
-    """Status of a reading: the meter's code, and what to check if it is not normal."""
+    """Status of a reading: its code, and what to check if it is not normal.
+
+    Codes below 20 are Hioki's; the others are this program's, for the meters of other makers.
+    """
 
     NORMAL = 0, "normal"
     NOT_MEASURED = 1, "nothing was measured yet: check the trigger"
@@ -29,6 +34,10 @@ class ReadingStatus(Enum):
     CONTACT_15 = 15, CONTACT
     CONTACT_16 = 16, CONTACT
     CONTACT_17 = 17, CONTACT
+    OVERLOAD = 21, "overload: check the leads, or take a higher range"
+    CONVERTER = 22, "the meter's converter does not work: have the meter checked"
+    SOURCE_OVERLOAD = 23, "the generator is overloaded: take a lower level"
+    NOT_LEVELLED = 24, "the level control cannot hold the level: take a lower one, or end control"
 
     def __init__(self, code: int, meaning: str) -> None:
         self.code, self.meaning = code, meaning
@@ -36,7 +45,7 @@ class ReadingStatus(Enum):
     @property
     def has_values(self) -> bool:
         """True if the reading has numbers."""
-        return self.code in (0, 2, 3, 5)
+        return self.code in (0, 2, 3, 5, 23, 24)
 
 
 BY_CODE = {status.code: status for status in ReadingStatus}
@@ -61,7 +70,7 @@ def parse_reading(text: str) -> MeterReading:
     if not code.is_integer():
         raise ValueError(text)
     status = BY_CODE.get(int(code))
-    if status is None:
+    if status is None or code >= OTHER_MAKERS:
         raise FailedReadingError(f"the meter gave status {code:g}, which has no known meaning")
     if not status.has_values:
         raise FailedReadingError(f"the reading failed with status {status.code}: {status.meaning}")

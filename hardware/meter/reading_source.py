@@ -34,6 +34,10 @@ class ReadingSource(Protocol):
         """Lowest and highest frequency, Hz."""
         ...
 
+    def nearest(self, frequency: float) -> float:
+        """Frequency in Hz that the reader sets for a requested one."""
+        ...
+
     @property
     def sweeps(self) -> bool:
         """True if `read_sweep` is faster than `read_at` at each frequency."""

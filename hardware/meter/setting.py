@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
 
 from ...simulator.sweeps import InputError
+from .setting_formats import ValueFormat
 
 if TYPE_CHECKING:
     from .conversation import Conversation
 
 T = TypeVar("T")
-Value_co = TypeVar("Value_co", covariant=True)
 
 
 class SettingsOwner(Protocol):
@@ -32,131 +29,6 @@ class SettingsOwner(Protocol):
     def save_original(self) -> None:
         """Save `original`, which has changed; the meter is about to change, too."""
         ...
-
-
-class ValueFormat(Protocol[Value_co]):
-    """Allowed values of a setting, and their written form."""
-
-    def __str__(self) -> str:
-        """Allowed values with their unit."""
-        ...
-
-    def write(self, value: Any) -> str | None:
-        """Value as the meter reads it; None if it is not allowed."""
-        ...
-
-    def read(self, text: str) -> Value_co:
-        """Value that the meter wrote. Raises ValueError if the text is none."""
-        ...
-
-
-@dataclass(frozen=True)
-class NumberFormat:
-    """Numbers in a unit, sent with `digits` significant digits."""
-
-    unit: str
-    low: float
-    high: float
-    digits: int
-
-    def __str__(self) -> str:
-        return f"from {self.low:g} to {self.high:g} {self.unit}"
-
-    def write(self, value: Any) -> str | None:
-        """The number in exponent form, such as `1.0000E+03`."""
-        within = _is_number(value) and self.low <= value <= self.high
-        return f"{value:.{self.digits - 1}E}" if within else None
-
-    def read(self, text: str) -> float:
-        """A finite number."""
-        value = float(text)
-        if not math.isfinite(value):
-            raise ValueError(text)
-        return value
-
-
-@dataclass(frozen=True)
-class IntegerFormat:
-    """Whole numbers. lowest_word: the meter's word for the lowest, or empty."""
-
-    low: int
-    high: int
-    lowest_word: str = ""
-
-    def __str__(self) -> str:
-        return f"a whole number from {self.low} to {self.high}"
-
-    def write(self, value: Any) -> str | None:
-        """The number in digits, or the word for the lowest."""
-        if not (_is_number(value) and value == int(value) and self.low <= value <= self.high):
-            return None
-        return self.lowest_word if self.lowest_word and value == self.low else str(int(value))
-
-    def read(self, text: str) -> int:
-        """A whole number."""
-        if self.lowest_word and text.upper() == self.lowest_word:
-            return self.low
-        return int(text)
-
-
-@dataclass(frozen=True)
-class WordFormat:
-    """One of several words. The meter may answer with the short or the long form."""
-
-    words: tuple[str, ...]
-
-    def __str__(self) -> str:
-        return "one of " + ", ".join(word.upper() for word in self.words)
-
-    def write(self, value: Any) -> str | None:
-        """The word in its long form."""
-        return next((word for word in self._long() if str(value).upper() == word), None)
-
-    def read(self, text: str) -> str:
-        """The word in its long form."""
-        for word, long in zip(self.words, self._long(), strict=True):
-            if text.strip().upper() in (long, "".join(c for c in word if not c.islower())):
-                return long
-        raise ValueError(text)
-
-    def _long(self) -> list[str]:
-        return [word.upper() for word in self.words]
-
-
-@dataclass(frozen=True)
-class RegisterFormat:
-    """`count` registers of eight bits."""
-
-    count: int
-
-    def __str__(self) -> str:
-        return f"{self.count} whole numbers from 0 to 255"
-
-    def write(self, value: Any) -> str | None:
-        """The numbers in digits, separated by commas."""
-        fits = len(value) == self.count and all(_is_number(each) for each in value)
-        return ",".join(str(int(each)) for each in value) if fits else None
-
-    def read(self, text: str) -> tuple[int, ...]:
-        """The numbers."""
-        return tuple(int(each) for each in text.split(","))
-
-
-@dataclass(frozen=True)
-class OnOffFormat:
-    """On or off."""
-
-    def __str__(self) -> str:
-        return "True or False"
-
-    def write(self, value: Any) -> str | None:
-        """ON or OFF."""
-        return ("ON" if value else "OFF") if isinstance(value, bool) else None
-
-    def read(self, text: str) -> bool:
-        """True if on. A header before the word is ignored."""
-        text = text.split()[-1]
-        return {"ON": True, "1": True, "OFF": False, "0": False}[text.strip().upper()]
 
 
 class MeterProperty(Generic[T]):
@@ -249,5 +121,32 @@ class Setting(MeterProperty[T]):
             meter.save_original()
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+class SettingPart(Generic[T]):
+    """One value of a setting that holds several, see `PartsFormat`."""
+
+    def __init__(self, whole: Setting[Any], index: int, meaning: str) -> None:
+        self._whole, self._index = whole, index
+        self._allowed: ValueFormat[T] = whole.allowed.parts[index]  # pyright: ignore
+        self.__doc__ = f"{meaning}: {self._allowed}."
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, meter: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, meter: SettingsOwner, owner: type) -> T: ...
+    def __get__(self, meter: Any, owner: type) -> Self | T:
+        if meter is None:
+            return self
+        values: Any = self._whole.__get__(meter, owner)
+        return values[self._index]
+
+    def __set__(self, meter: SettingsOwner, value: T) -> None:
+        """Set it, and leave the other parts. Raises as a `Setting`."""
+        text = self._allowed.write(value)
+        if text is None:
+            raise InputError(f"`{self.name}` must be {self._allowed}, got {value}")
+        values = list(self._whole.__get__(meter, type(meter)))
+        values[self._index] = self._allowed.read(text)
+        self._whole.__set__(meter, tuple(values))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,6 +20,9 @@ from ..switch.switch import Switch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+LOG = logging.getLogger(__name__)
+ROUNDING = 1e-4
+"""Relative rounding of a frequency that is no matter: less than the error of a meter."""
 MAX_PAUSE = 1.0
 """Seconds between two interfaces after which a touch may have changed."""
 Watch = Callable[[float, MeterReading], None]
@@ -161,10 +165,22 @@ def measure_readings(
 
 
 def check_frequencies(meter: ReadingSource, frequencies: Sequence[float]) -> None:
-    """Raises InputError if the meter's model does not reach one of the frequencies in Hz."""
+    """Raises InputError if the meter's model does not reach one of the frequencies in Hz.
+
+    Logs a warning if the meter rounds one by more than ROUNDING.
+    """
     beyond = outside_band(meter.model, frequencies, meter.band)
     if beyond:
         raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
+    rounded = [f for f in frequencies if abs(meter.nearest(f) / f - 1) > ROUNDING]
+    if rounded:
+        LOG.warning(
+            "meter %s sets %.7g Hz as %.7g Hz; round `sweep.frequencies` of the scene to the "
+            "meter's digits",
+            meter.model,
+            rounded[0],
+            meter.nearest(rounded[0]),
+        )
 
 
 def _trace(

@@ -11,8 +11,13 @@ METER_BANDS = {
     "IM3533": (1e-3, 200e3),
     "IM3536": (4.0, 8e6),
     "IM3570": (4.0, 5e6),
+    "E4980A": (20.0, 2e6),
+    "E4980AL": (20.0, 1e6),
+    "4284A": (20.0, 1e6),
 }
-"""Lowest and highest frequency of each model in Hz; source: specifications by Hioki."""
+"""Lowest and highest frequency of each model in Hz; source: specifications by Hioki and Keysight.
+
+E4980AL: with its option 102; the meter itself refuses what another option lacks."""
 VIRTUAL_MODEL = "IM3523"
 """The model that the virtual meter imitates."""
 

@@ -14,12 +14,12 @@ from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
-from rcskin.hardware.virtual.hioki.meter_state import PerRange, Settings
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.tests.hardware.instrument_cases import hioki
 from typer.testing import CliRunner
 from websockets.sync.client import connect
 
@@ -119,25 +119,8 @@ def make_instrument():
 
 @pytest.fixture
 def as_found():
-    """Settings that no command here leaves untouched, each range with its own."""
-    each = {n: PerRange(("FAST", "SLOW")[n % 2], n, n / 10) for n in range(1, 11)}
-    return Settings(
-        header=True,
-        mode="CONTINUOUS",
-        frequency=2e3,
-        level="CC",
-        voltage=0.5,
-        constant_voltage=0.25,
-        constant_current=2e-3,
-        range=7,
-        auto_range=False,
-        parameters=("CP", "D"),
-        items=(1, 2),
-        valid=2,
-        each_range=each,
-        load_correction=True,
-        cable=1,
-    )
+    """Settings of an IM3523 that no command here leaves untouched, each range with its own."""
+    return hioki()
 
 
 @pytest.fixture

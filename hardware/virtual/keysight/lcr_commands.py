@@ -199,6 +199,8 @@ SETTINGS = (
         lambda meter: f"{meter.settings.aperture},{meter.settings.averaging}",
         set_arguments=(1, 2),
     ),
+    setting(":FUNCtion:DEV1:MODE", "deviation_1", _word("OFF")),
+    setting(":FUNCtion:DEV2:MODE", "deviation_2", _word("OFF")),
     setting(":TRIGger:SOURce", "trigger", _word("INTernal", "HOLD", "EXTernal", "BUS")),
     setting(":TRIGger:DELay", "step_delay", _seconds(999.0), nr3),
     setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),

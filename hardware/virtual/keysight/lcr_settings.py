@@ -86,6 +86,8 @@ class LcrSettings:
     list_mode: str = "SEQ"
     list_kind: str = "FREQ"
     list_values: tuple[float, ...] = ()
+    deviation_1: str = "OFF"
+    deviation_2: str = "OFF"
     comparator: bool = False
     long_format: bool = False
     level_control: bool = False

@@ -1,6 +1,6 @@
 """A meter is left as it was found, whatever was set and however the work with it ended."""
 
-import copy
+import dataclasses
 import signal
 import time
 
@@ -8,51 +8,59 @@ import pytest
 from rcskin.hardware.meter.connection import VisaConnection
 from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.hardware.meter.hioki import IM3523, HiokiMeter
+from rcskin.hardware.meter.hioki import HiokiMeter
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.setting import Setting
 from rcskin.hardware.record.managed_meter import ManagedMeter
 from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.hioki.meter_state import Settings
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.tests.hardware.instrument_cases import CASES, E4980A, HP4284A, IM3523
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
-SETTERS = {
-    setting.command_text.split(" ")[0]: name
-    for name in dir(IM3523)
-    if isinstance(setting := getattr(IM3523, name), Setting)
-}
+HIOKI_ONLY = pytest.mark.parametrize("case", [IM3523], indirect=True, ids=["IM3523"])
+
+
+@pytest.fixture(params=CASES, ids=lambda case: case.model)
+def case(request):
+    """An instrument: how it is found, and what is set."""
+    return request.param
 
 
 @pytest.fixture
-def instrument(make_instrument, as_found):
-    return make_instrument(settings=copy.deepcopy(as_found))
+def as_found(case):
+    """Settings that no command here leaves untouched."""
+    return case.found()
 
 
-SET = {
-    "level": "V",
-    "voltage": 1.0,
-    "constant_voltage": 1.0,
-    "constant_current": 1e-2,
-    "auto_range": True,
-    "speed": "SLOW2",
-    "averaging": 2,
-    "trigger_delay": 0.0,
-    "cable": 0,
-    "load_correction": False,
-    "frequency": 5e3,
-}
+@pytest.fixture
+def instrument(make_instrument, case):
+    """The virtual instrument, as found."""
+    return make_instrument(kind=VIRTUAL_MODELS[case.model], settings=case.found())
 
 
-def test_everything_that_was_set_is_put_back(ports, instrument, as_found):
+def change_all(meter, case):
+    """Set everything that the case names."""
+    for name, value in case.changes.items():
+        setattr(meter, name, value)
+        assert getattr(meter, name) == value
+
+
+def after_power_cut(case, as_found):
+    """Settings as found, but those that a power cut changes and no driver knows."""
+    return dataclasses.replace(as_found, **(case.lost or {}))
+
+
+def test_everything_that_was_set_is_put_back(ports, instrument, case, as_found):
     with open_meter(ports.resource, 1) as meter:
-        for name, value in SET.items():
-            setattr(meter, name, value)
-        meter.read()
+        change_all(meter, case)
+        meter.read_sweep([1e3, 2e3])
+        meter.read_at(1e3)
         assert instrument.settings != as_found
     assert instrument.settings == as_found
 
 
+@HIOKI_ONLY
 @pytest.mark.parametrize("automatic", [True, False])
 def test_a_range_that_was_set_or_searched_for_is_put_back(ports, instrument, automatic):
     instrument.settings.auto_range = automatic
@@ -63,6 +71,27 @@ def test_a_range_that_was_set_or_searched_for_is_put_back(ports, instrument, aut
     assert (instrument.settings.range, instrument.settings.auto_range) == (7, automatic)
 
 
+@pytest.mark.parametrize("case", [E4980A, HP4284A], indirect=True, ids=lambda case: case.model)
+def test_a_level_of_the_other_kind_is_put_back(ports, instrument, case, as_found):
+    with open_meter(ports.resource, 0.3) as meter:
+        for amplitude in ("0.25 V", "0.004 A"):
+            meter.amplitude = amplitude
+            assert meter.amplitude == amplitude
+    now, found = instrument.settings, as_found
+    kept = {"VOLT": "voltage", "CURR": "current"}[found.level]
+    assert (now.level, getattr(now, kept)) == (found.level, getattr(found, kept))
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+@pytest.mark.parametrize(("kind", "values"), [("FREQ", ()), ("VOLT", (0.5, 1.0))])
+def test_a_list_that_is_empty_or_of_no_frequencies_is_emptied(ports, instrument, kind, values):
+    instrument.settings.list_kind, instrument.settings.list_values = kind, values
+    with open_meter(ports.resource, 0.2) as meter:
+        assert len(meter.read_sweep([1e3, 2e3])) == 2
+    assert instrument.settings.list_values == ()
+
+
+@HIOKI_ONLY
 def test_only_what_was_set_is_touched(ports, instrument):
     with open_meter(ports.resource, 1) as meter:
         meter.read()
@@ -73,20 +102,22 @@ def test_only_what_was_set_is_touched(ports, instrument):
 def test_it_is_put_back_after_an_error_too(ports, instrument, as_found):
     with pytest.raises(MeterError), open_meter(ports.resource, 0.2) as meter:
         instrument.faults.add(Fault("garbage"))
-        meter.read()
+        meter.read_at(1e3)
     assert instrument.settings == as_found
 
 
-def test_an_acquired_correction_stays_and_the_trigger_goes_back(ports, instrument, as_found):
+def test_an_acquired_correction_stays_and_the_trigger_goes_back(ports, instrument, case, as_found):
     with open_meter(ports.resource, 1) as meter:
         correct(meter, "open", interval=0.001)
-    as_found.open_correction = "ALL"
+    as_found.open_correction = case.acquired
     assert instrument.settings == as_found
 
 
-def test_a_meter_that_came_back_is_put_back_to_what_it_was_at_first(ports, instrument, as_found):
+def test_a_meter_that_came_back_is_put_back_to_what_it_was_at_first(
+    ports, instrument, case, as_found
+):
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
-    station.ready().speed = "SLOW2"
+    station.ready().speed = case.changes["speed"]
     station.close()
     station.ready().cable = 0
     station.close()
@@ -95,25 +126,23 @@ def test_a_meter_that_came_back_is_put_back_to_what_it_was_at_first(ports, instr
     assert instrument.settings == as_found
 
 
-def test_a_meter_that_lost_its_settings_is_put_back_all_the_same(ports, instrument, as_found):
+def test_a_meter_that_lost_its_settings_is_put_back_all_the_same(ports, instrument, case, as_found):
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
-    meter = station.ready()
-    for name, value in SET.items():
-        setattr(meter, name, value)
+    change_all(station.ready(), case)
     instrument.faults.add(Fault("forget"))
     station.release()
-    as_found.parameters = Settings().parameters
-    assert instrument.settings == as_found
+    assert instrument.settings == after_power_cut(case, as_found)
 
 
-def test_a_connection_lost_at_the_very_end_is_made_again(ports, instrument, as_found):
+def test_a_connection_lost_at_the_very_end_is_made_again(ports, instrument, case, as_found):
     station = ManagedMeter(lambda: open_meter(ports.resource, 0.3))
-    station.ready().speed = "SLOW2"
+    station.ready().speed = case.changes["speed"]
     instrument.faults.add(Fault("drop", times=2))
     station.release()
     assert instrument.settings == as_found
 
 
+@HIOKI_ONLY
 def test_a_meter_that_stays_away_is_told_of(ports, instrument):
     told = []
     station = ManagedMeter(lambda: open_meter(ports.resource, 0.2), report=told.append)
@@ -126,6 +155,7 @@ def test_a_meter_that_stays_away_is_told_of(ports, instrument):
     ]
 
 
+@HIOKI_ONLY
 def test_a_slow_line_is_given_time_for_each_answer(ports, instrument, as_found, monkeypatch):
     monkeypatch.setattr("rcskin.hardware.record.managed_meter.GIVE_UP_AFTER", 0.3)
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
@@ -137,6 +167,7 @@ def test_a_slow_line_is_given_time_for_each_answer(ports, instrument, as_found, 
     assert instrument.settings == as_found
 
 
+@HIOKI_ONLY
 def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
     ports, instrument, as_found, monkeypatch
 ):
@@ -151,31 +182,33 @@ def test_a_setting_that_the_meter_refuses_is_named_and_all_others_are_put_back(
 
 
 def test_a_meter_switched_on_anew_in_the_midst_is_put_back_from_the_beginning(
-    ports, instrument, as_found, monkeypatch
+    ports, instrument, case, as_found, monkeypatch
 ):
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
-    meter = station.ready()
-    for name, value in SET.items():
-        setattr(meter, name, value)
+    change_all(station.ready(), case)
     told = Setting.restore
 
     def restore(setting, meter, found):
         told(setting, meter, found)
-        if setting.name == "trigger" and not instrument.faults.waiting:
+        if setting.name == "auto_range" and not instrument.faults.waiting:
             instrument.faults.add(Fault("forget"))
             monkeypatch.undo()
 
     monkeypatch.setattr(Setting, "restore", restore)
     station.release()
-    as_found.parameters = Settings().parameters
-    assert instrument.settings == as_found
+    assert instrument.settings == after_power_cut(case, as_found)
 
 
-def test_how_it_was_found_is_on_the_disk_before_anything_is_set(ports, tmp_path, monkeypatch):
+def test_how_it_was_found_is_on_the_disk_before_anything_is_set(ports, case, tmp_path, monkeypatch):
     journal, wrote, seen = RecordingJournal(tmp_path / "run.nc"), VisaConnection.write, set()
+    setters = {
+        setting.command_text.split(" ")[0]: name
+        for name in dir(case.driver)
+        if isinstance(setting := getattr(case.driver, name), Setting)
+    }
 
     def write(line, message):
-        name = SETTERS.get(message.split(" ")[0])
+        name = setters.get(message.split(" ")[0])
         if name:
             assert name in journal.original_settings()[1]
             seen.add(name)
@@ -183,9 +216,9 @@ def test_how_it_was_found_is_on_the_disk_before_anything_is_set(ports, tmp_path,
 
     monkeypatch.setattr(VisaConnection, "write", write)
     station = ManagedMeter(lambda: open_meter(ports.resource, 1), journal=journal)
-    station.ready().speed = "SLOW2"
-    station.meter.range = 5
-    assert {"header", "trigger", "items", "speed", "range"} <= seen
+    station.ready().frequency = 4e3
+    station.meter.auto_range = True
+    assert {"trigger", "frequency", "auto_range"} <= seen
     station.release()
     assert not journal.folder.exists()
 
@@ -203,6 +236,7 @@ def test_small_commands_leave_it_as_found(command, ports, instrument, as_found, 
     assert instrument.settings == as_found
 
 
+@HIOKI_ONLY
 def test_a_correction_that_is_ended_is_cancelled(ports, start_rig, instrument, as_found):
     instrument.pace = 1.0
     process = start_rig("correct", "open", "--resource", ports.resource)

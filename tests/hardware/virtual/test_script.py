@@ -227,7 +227,7 @@ def test_an_answer_that_is_none_puts_the_conversation_back_in_step(script):
         ("HIOKI,123456789,IM3523,V1.00", "IM3523", "123456789"),
         ("HIOKI,im3536,0,V2.1", "IM3536", ""),
         ("Hioki, IM3570 , 000123, Ver 1.2", "IM3570", "000123"),
-        ("KEYSIGHT,E4980A,MY1,A.1", "", ""),
+        ("KEYSIGHT,34461A,MY1,A.1", "", ""),
         ("HIOKI,IM35233,1,V1", "", ""),
     ],
 )
@@ -263,7 +263,7 @@ def test_a_known_meter_is_set_up_in_its_dialect(script, model):
 
 
 def test_another_instrument_is_refused_and_let_go(script):
-    with script(("*IDN?", "KEYSIGHT,E4980A,MY1,A.1")) as line:
+    with script(("*IDN?", "KEYSIGHT,34461A,MY1,A.1")) as line:
         with pytest.raises(WrongMeterError, match="none of IM3523"):
             start(line)
         assert line.closed

@@ -1,0 +1,263 @@
+"""The driver of Keysight's meters by scripted conversation, written from the user's guides."""
+
+import math
+
+import pytest
+from rcskin.hardware.meter.errors import (
+    FailedReadingError,
+    GarbledError,
+    RefusedError,
+    RestartedError,
+)
+from rcskin.hardware.meter.instruments import start
+from rcskin.hardware.meter.keysight_lcr import E4980A, E4980AL, HP4284A
+from rcskin.hardware.meter.meter_identity import parse_identity
+from rcskin.hardware.meter.meter_reading import ReadingStatus
+from rcskin.simulator.sweeps import InputError
+
+IDENTITY = parse_identity("Keysight Technologies,E4980A,MY46618801,B.07.05")
+R_X = "+1.00000E+04,-1.59155E+05"
+
+
+def said(text):
+    return [(f"{text};*ESR?", "+0")]
+
+
+@pytest.mark.parametrize(
+    ("text", "model", "serial", "firmware"),
+    [
+        ("Keysight Technologies,E4980A,MY46618801,B.07.05", "E4980A", "MY46618801", "B.07.05"),
+        ("Agilent Technologies,E4980AL,MY54201800,A.06.15", "E4980AL", "MY54201800", "A.06.15"),
+        ("HEWLETT-PACKARD,4284A,2940J01234,REV01.20", "4284A", "2940J01234", "REV01.20"),
+    ],
+)
+def test_a_meter_is_known_by_its_identity(text, model, serial, firmware):
+    identity = parse_identity(text)
+    assert (identity.model, identity.serial, identity.firmware) == (model, serial, firmware)
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "value", "text"),
+    [
+        (E4980A, "frequency", 12345.678, ":FREQuency 1.235E+04"),
+        (HP4284A, "frequency", 12345.678, ":FREQuency 1.23457E+04"),
+        (E4980A, "amplitude", "0.5 V", ":VOLTage 5.000E-01"),
+        (E4980A, "amplitude", "0.001 A", ":CURRent 1.000E-03"),
+        (E4980A, "level", "CV", ":AMPLitude:ALC ON"),
+        (E4980A, "level", "V", ":AMPLitude:ALC OFF"),
+        (E4980A, "range", 300, ":FUNCtion:IMPedance:RANGe 300"),
+        (E4980A, "auto_range", True, ":FUNCtion:IMPedance:RANGe:AUTO ON"),
+        (E4980A, "trigger", "BUS", ":TRIGger:SOURce BUS"),
+        (E4980A, "trigger_delay", 0.1, ":TRIGger:DELay 1.0000E-01"),
+        (E4980A, "cable", 4, ":CORRection:LENGth 4"),
+        (E4980A, "aperture", ("LONG", 4), ":APERture LONG,4"),
+        (E4980A, "list_frequencies", (1e3, 2e3), ":LIST:FREQuency 1.000E+03,2.000E+03"),
+    ],
+)
+def test_a_set_is_followed_by_a_look_at_the_event_register(script, model, name, value, text):
+    with script(*said(text)) as line:
+        setattr(model(line, IDENTITY), name, value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"), [("speed", "short", "SHORT,8"), ("averaging", 3, "MEDIUM,3")]
+)
+def test_speed_and_averaging_share_a_command_and_leave_each_other(script, name, value, text):
+    with script((":APERture?", "MED,+8"), *said(f":APERture {text}")) as line:
+        setattr(E4980A(line, IDENTITY), name, value)
+
+
+@pytest.mark.parametrize(
+    ("model", "settings", "refusal"),
+    [
+        (E4980A, {"speed": "SLOW2"}, "`speed` must be one of SHORT, MEDIUM, LONG, got SLOW2"),
+        (E4980A, {"averaging": 257}, "`averaging` must be a whole number from 1 to 256, got 257"),
+        (E4980A, {"range": 7}, "`range` must be one of 0.1, 1, 10, 100, .*100000 ohm, got 7"),
+        (HP4284A, {"range": 0.1}, "`range` must be one of 1, 10, .* ohm, got 0.1"),
+        (E4980A, {"amplitude": "21 V"}, "must be from 0 to 20 V or from 0 to 0.1 A, got 21 V"),
+        (E4980A, {"voltage": 21}, "must be from 0 to 20 V or from 0 to 0.1 A, got 21 V"),
+        (E4980A, {"level": "CC"}, "`level` CC needs an amplitude in A"),
+        (E4980A, {"frequency_": 1}, "E4980A has no setting `frequency_`; it has level, amplitude"),
+    ],
+)
+def test_what_is_not_allowed_is_never_set(script, model, settings, refusal):
+    with script() as line, pytest.raises(InputError, match=refusal):
+        model(line, IDENTITY).apply_settings(settings)
+
+
+def test_options_of_the_recorder_become_level_and_amplitude(script):
+    exchange = [*said(":AMPLitude:ALC ON"), *said(":CURRent 1.000E-03")]
+    with script(*exchange) as line:
+        E4980A(line, IDENTITY).apply_settings({"level": "CC", "constant_current": 1e-3})
+
+
+def test_the_level_that_is_not_in_use_has_no_answer_and_the_other_is_read(script):
+    refused = [(":VOLTage?", "+0.0;what"), ("*ESR?;*IDN?", f"+16;{IDENTITY.text}")]
+    queue = [(":SYSTem:ERRor?", '-230,"Data corrupt or stale"'), (":SYSTem:ERRor?", "+0,")]
+    with script(*refused, *queue, (":CURRent?", "+1.00000E-03"), (":CURRent?", "+2E-3")) as line:
+        meter = E4980A(line, IDENTITY)
+        assert meter.amplitude == "0.001 A"
+        assert meter.amplitude == "0.002 A"
+
+
+@pytest.mark.parametrize(
+    ("register", "error", "told"),
+    [
+        ("+16", RefusedError, 'out of range; -222,"Data out of range"; -113,"Undefined header"'),
+        ("+128", RestartedError, "switched off and on"),
+    ],
+)
+def test_a_refusal_tells_the_meters_own_words(script, register, error, told):
+    queue = [
+        (":SYSTem:ERRor?", '-222,"Data out of range"'),
+        (":SYSTem:ERRor?", '-113,"Undefined header"'),
+        (":SYSTem:ERRor?", '+0,"No error"'),
+    ]
+    asked = queue if register == "+16" else []
+    with script((":VOLTage 1.000E+01;*ESR?", register), *asked) as line:
+        meter = E4980A(line, IDENTITY)
+        with pytest.raises(error, match=told):
+            meter.amplitude = "10 V"
+
+
+def reading_of(line):
+    meter = E4980A(line, IDENTITY)
+    meter.cached["page"] = "MEAS"
+    return meter.read_at(1e3)
+
+
+def exchange_of(answer, frequency="+1.00000E+03"):
+    return [
+        (":FREQuency 1.000E+03;*ESR?", "+0"),
+        ("*TRG;:FREQuency?;*ESR?", f"{answer};{frequency};+0"),
+    ]
+
+
+@pytest.mark.parametrize("more", ["", ",+0"])
+def test_a_reading_is_triggered_read_and_checked(script, more):
+    with script(*exchange_of(f"{R_X},+0{more}")) as line:
+        reading = reading_of(line)
+    w = 2 * math.pi * 1e3
+    assert (reading.Rs, reading.X, reading.status) == (1e4, -159155.0, ReadingStatus.NORMAL)
+    assert reading.Cp == pytest.approx((1 / complex(1e4, -159155.0)).imag / w)
+
+
+@pytest.mark.parametrize("code", [3, 4])
+def test_a_doubtful_reading_is_kept_and_flagged(script, code):
+    with script(*exchange_of(f"{R_X},+{code}")) as line:
+        assert reading_of(line).status.code == 20 + code
+
+
+@pytest.mark.parametrize(
+    ("answer", "frequency", "error", "told"),
+    [
+        ("+9.90000E+37,+9.90000E+37,+1", "+1E3", FailedReadingError, "status 1: overload"),
+        ("+9.90000E+37,+9.90000E+37,+2", "+1E3", FailedReadingError, "status 2: the meter's conv"),
+        ("+9.90000E+37,+9.90000E+37,-1", "+1E3", FailedReadingError, "status -1: nothing was"),
+        (f"{R_X},+7", "+1E3", FailedReadingError, "status 7, which has no known meaning"),
+        (f"{R_X},+0", "+2E3", GarbledError, "at 2000 Hz instead of 1000 Hz"),
+    ],
+)
+def test_what_is_no_reading_is_never_a_number(script, answer, frequency, error, told):
+    with script(*exchange_of(answer, frequency)) as line, pytest.raises(error, match=told):
+        reading_of(line)
+
+
+@pytest.mark.parametrize("answer", ["", "1", "a,b,+0", "+9.90000E+37,+9.90000E+37,+0"])
+def test_a_garbled_answer_puts_the_conversation_back_in_step(script, answer):
+    again = ("*ESR?;*IDN?", f"+0;{IDENTITY.text}")
+    with script(*exchange_of(answer), again) as line, pytest.raises(GarbledError):
+        reading_of(line)
+
+
+SET_LIST = [
+    *said(":LIST:MODE SEQUENCE"),
+    *said(":LIST:FREQuency 1.000E+03,2.000E+03"),
+    *said(":DISPlay:PAGE LIST"),
+]
+TIMES = [(":FREQuency?", "+1.00000E+03"), (":APERture?", "MED,+1"), (":TRIGger:DELay?", "+0")]
+LISTED = (":LIST:FREQuency?;*ESR?", "+1.00000E+03,+2.00000E+03;+0")
+TWO = f"{R_X},+0,+0,+1.00000E+04,-7.95775E+04,+0,+0"
+
+
+def test_a_sweep_is_one_trigger_and_its_list_is_read_back(script):
+    again = [("*TRG", TWO), LISTED]
+    with script(*SET_LIST, *TIMES, ("*TRG", TWO), LISTED, *again) as line:
+        meter = E4980A(line, IDENTITY)
+        for _ in range(2):
+            assert [reading.X for reading in meter.read_sweep([1e3, 2e3])] == [-159155.0, -79577.5]
+
+
+@pytest.mark.parametrize(
+    ("answer", "listed", "error", "told"),
+    [
+        (TWO.replace(",+0,+0", ",+1,+0", 1), None, FailedReadingError, "at 1000 Hz .* overload"),
+        (TWO, "+1.00000E+03;+0", GarbledError, "swept 1 frequencies instead of 2"),
+        (TWO, "+1.00000E+03,+3.00000E+03;+0", GarbledError, "at 3000 Hz instead of 2000 Hz"),
+    ],
+)
+def test_a_sweep_with_a_fault_is_none(script, answer, listed, error, told):
+    back = [(LISTED[0], listed)] if listed else []
+    with script(*SET_LIST, *TIMES, ("*TRG", answer), *back) as line:
+        with pytest.raises(error, match=told):
+            E4980A(line, IDENTITY).read_sweep([1e3, 2e3])
+
+
+def test_a_long_list_is_swept_in_parts(script):
+    frequencies = [100.0 * n for n in range(1, 12)]
+    first = ",".join(f"{f:.5E}" for f in frequencies[:10])
+    exchange = [
+        *said(":LIST:MODE SEQUENCE"),
+        *said(f":LIST:FREQuency {first}"),
+        *said(":DISPlay:PAGE LIST"),
+        *TIMES,
+        ("*TRG", ",".join([f"{R_X},+0,+0"] * 10)),
+        (":LIST:FREQuency?;*ESR?", f"{first};+0"),
+        *said(":LIST:MODE SEQUENCE"),
+        *said(":LIST:FREQuency 1.10000E+03"),
+        ("*TRG", f"{R_X},+0,+0"),
+        (":LIST:FREQuency?;*ESR?", "+1.1E+03;+0"),
+    ]
+    with script(*exchange) as line:
+        assert len(HP4284A(line, IDENTITY).read_sweep(frequencies)) == 11
+
+
+@pytest.mark.parametrize("model", [E4980A, E4980AL, HP4284A])
+def test_a_known_meter_is_set_up_and_its_settings_are_kept(script, model):
+    found = {
+        (":FORMat", "REAL,64"): "ASC",
+        (":FUNCtion:IMPedance", "CPD"): "RX",
+        (":FUNCtion:DEV1:MODE", "OFF"): "OFF",
+        (":FUNCtion:DEV2:MODE", "PERC"): "OFF",
+        (":INITiate:CONTinuous", "0"): "ON",
+        (":TRIGger:SOURce", "INT"): "BUS",
+        (":DISPlay:PAGE", "LSET"): "MEAS",
+    }
+    exchange = [
+        line
+        for (command, before), now in found.items()
+        for line in ((f"{command}?", before), *said(f"{command} {now}"))
+    ]
+    with script(("*IDN?", f"X,{model.model},MY1,A.1"), *said("*CLS"), *exchange) as line:
+        meter = start(line)
+    assert type(meter) is model
+    assert meter.original == {
+        "data_format": "REAL,64",
+        "function": "CPD",
+        "deviation_1": "OFF",
+        "deviation_2": "PERC",
+        "continuous": False,
+        "trigger": "INTERNAL",
+        "page": "LSET",
+    }
+
+
+@pytest.mark.parametrize("model", [E4980A, E4980AL, HP4284A])
+def test_the_time_of_a_reading_falls_with_frequency_and_rises_with_speed_and_averaging(model):
+    def seconds(frequency, speed="MEDIUM", averaging=1, delay=0.0):
+        timing = {"frequency": frequency, "aperture": (speed, averaging), "trigger_delay": delay}
+        return model.reading_seconds(timing)
+
+    assert seconds(1e3) > seconds(1e4) >= seconds(1e5)
+    assert seconds(1e3, "SHORT") < seconds(1e3) < seconds(1e3, "LONG")
+    assert seconds(1e3, averaging=4, delay=0.5) == pytest.approx(4 * seconds(1e3) + 0.5)

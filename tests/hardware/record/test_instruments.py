@@ -1,0 +1,113 @@
+"""Recordings with instruments that are no Hioki: sweeps, settings, faults, and a meter as found."""
+
+import dataclasses
+import json
+import logging
+
+import numpy as np
+import pytest
+from rcskin.hardware.record.measured_sweep import check_frequencies
+from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.recorder import record
+from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.simulator.sweeps import InputError, impedance
+from rcskin.tests.hardware.instrument_cases import CASES, E4980A
+
+OTHERS = [case for case in CASES if case.model != "IM3523"]
+
+
+@pytest.fixture(params=OTHERS, ids=lambda case: case.model)
+def case(request):
+    """An instrument that is no Hioki."""
+    return request.param
+
+
+@pytest.fixture
+def instrument(make_instrument, case):
+    """The virtual instrument, as found."""
+    return make_instrument(kind=VIRTUAL_MODELS[case.model], settings=case.found())
+
+
+def asking(task, **other):
+    """The task with another header."""
+    return dataclasses.replace(task, header=dataclasses.replace(task.header, **other))
+
+
+def test_a_recording_is_the_skin_and_leaves_the_meter_as_found(
+    task, operator, pillow, case, instrument
+):
+    task = asking(task, asked={"averaging": 2, "speed": case.changes["speed"]})
+    sweeps = recording_dataset(*record(task, operator))
+    exact = [
+        [pillow.impedance(step.press, f) for f in task.header.frequencies] for step in task.order
+    ]
+    np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-5)
+    settings = json.loads(sweeps.attrs["settings"])
+    assert (settings["averaging"], settings["speed"]) == (2, case.changes["speed"])
+    assert case.model in sweeps.attrs["meter"]
+    assert instrument.settings == case.found()
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [Fault("silent"), Fault("half"), Fault("garbage"), Fault("drop"), Fault("forget")],
+    ids=lambda fault: fault.kind,
+)
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument, case, show, fault):
+    by = operator.press_skin
+
+    def press(step):
+        by(step)
+        if fault.times:
+            instrument.faults.add(fault)
+
+    operator.press_skin = press
+    order = [parse_step(press, 2, 2) for press in ("none", "1,1")]
+    task = asking(task, order=tuple(step.press for step in order))
+    _, entries = record(task, operator)
+    assert len(show.remarks) == 1 and "check" in show.remarks[0]
+    assert all(not entry.remarks for entry in entries)
+    now, found = instrument.settings, case.found()
+    lost = {"frequency", *case.lost} if fault.kind == "forget" else set()  # never set by the driver
+    assert now == dataclasses.replace(found, **{name: getattr(now, name) for name in lost})
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+@pytest.mark.parametrize(
+    ("asked", "refusal"),
+    [
+        ({"speed": "SLOW2"}, "`speed` must be one of SHORT, MEDIUM, LONG, got SLOW2"),
+        ({"range": 7}, "`range` must be one of 0.1, 1, 10"),
+        ({"header": True}, "meter E4980A has no setting `header`"),
+    ],
+)
+def test_a_setting_that_the_meter_lacks_is_refused_and_nothing_is_left_behind(
+    task, operator, instrument, case, asked, refusal
+):
+    with pytest.raises(InputError, match=refusal):
+        record(asking(task, asked=asked), operator)
+    assert instrument.settings == case.found()
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_a_frequency_with_more_digits_than_the_meter_sets_is_told(meter, caplog):
+    check_frequencies(meter, (1e3, 12350.0))
+    assert not caplog.records
+    with caplog.at_level(logging.WARNING):
+        check_frequencies(meter, (1e3, 12345.678))
+    assert "meter E4980A sets 12345.68 Hz as 12350 Hz" in caplog.text
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_the_command_records_and_identifies(command, ports, tmp_path, instrument, case):
+    assert "E4980A (Keysight Technologies" in command("identify", ports.resource).output
+    order = tmp_path / "order.txt"
+    order.write_text("none\n")
+    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "run.nc"]
+    settings = ["--speed", "SHORT", "--level", "CV", "--amplitude", "0.5", "--range", "10000"]
+    result = command("record", "pillow", *where, "--unattended", *settings)
+    assert result.exit_code == 0, result.output
+    assert instrument.settings == case.found()
