@@ -48,7 +48,7 @@ def test_scenes_names_every_built_in_scene(run):
 
 def test_scenes_shows_the_file_of_one(run, refused):
     assert run("scenes", "strip-1x3")[1] == (BUILTIN / "strip-1x3.toml").read_text()
-    assert "did you mean strip-1x5? there are foam, glove, l-shape" in refused(
+    assert "did you mean strip-1x5? there are foam, glove, knit-36, l-shape" in refused(
         "scenes", "strip-1x9"
     )
 

@@ -75,3 +75,14 @@ def test_changes_of_a_scene_are_not_modified():
     given = deepcopy(changes)
     changed = load_scene("strip-1x3").with_(changes)
     assert changed.skin.top.map.y == 0.1 and changes == given
+
+
+def test_the_knit_has_the_yarn_and_the_readings_of_its_paper():
+    """0.5 Mohm, 1 Mohm at each end, 2 to 25.75 kHz in steps of 250 Hz, touches of 20 to 40 pF."""
+    knit = load_scene("knit-36")
+    skin = knit.skin
+    assert skin.top.sheet_resistance * skin.length / skin.width == pytest.approx(0.5e6, rel=1e-5)
+    assert [each.series_resistance for each in knit.interfaces] == [1e6, 1e6]
+    np.testing.assert_allclose(knit.frequencies, 2e3 + 250 * np.arange(96), rtol=1e-12)
+    drawn = knit.dataset.press.capacitance
+    assert (drawn.low, drawn.high, knit.pixels.shape) == (20e-12, 40e-12, (1, 36))
