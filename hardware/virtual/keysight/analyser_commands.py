@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from ..language.meter_command import MeterCommand
 from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError, ExecutionError
 from .analyser_settings import BAND, CURRENT, POINTS, VOLTAGE, AnalyserSettings, parse_segments
-from .common_commands import operation_register
 from .e4990a import numbers_text
 from .error_queue import ILLEGAL_VALUE
+from .keysight_common_commands import operation_register
 from .keysight_corrections import correction_commands
 from .scpi_values import check_suffixes, integer, nr3, number, one_of, setting, switch, switch_text
 

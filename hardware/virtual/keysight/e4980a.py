@@ -166,7 +166,7 @@ class Virtual4284A(VirtualE4980A):
 
 @cache
 def _vocabulary() -> Vocabulary:
-    from .common_commands import COMMON_COMMANDS
+    from .keysight_common_commands import COMMON_COMMANDS
     from .lcr_commands import LCR_COMMANDS
 
     return Vocabulary((*COMMON_COMMANDS, *LCR_COMMANDS))

@@ -115,6 +115,6 @@ def numbers_text(values: Sequence[float]) -> str:
 @cache
 def _vocabulary() -> Vocabulary:
     from .analyser_commands import ANALYSER_COMMANDS
-    from .common_commands import COMMON_COMMANDS
+    from .keysight_common_commands import COMMON_COMMANDS
 
     return Vocabulary((*COMMON_COMMANDS, *ANALYSER_COMMANDS))

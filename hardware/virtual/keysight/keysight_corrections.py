@@ -17,7 +17,7 @@ SPOTS = range(1, 202)
 
 
 @dataclass(frozen=True)
-class Spot:
+class CorrectionSpot:
     """A frequency with a correction of its own, Hz. standard: reference values of the load."""
 
     state: bool = False
@@ -78,7 +78,7 @@ def _spot(
     return MeterCommand(f":CORRection:SPOT#:{words}", set_value, query, set_arguments=arguments)
 
 
-def _checked(meter: VirtualE4980A, spot: int) -> Spot:
+def _checked(meter: VirtualE4980A, spot: int) -> CorrectionSpot:
     if spot not in SPOTS:
         raise CommandError(spot, SUFFIX_OUT_OF_RANGE)
-    return meter.settings.spots.get(spot, Spot())
+    return meter.settings.spots.get(spot, CorrectionSpot())

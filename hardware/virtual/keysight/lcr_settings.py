@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from ...meter.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
 from ..measurement import NORMAL, OVERFLOW, quantity
-from .keysight_corrections import Spot
+from .keysight_corrections import CorrectionSpot
 
 RANGES = (0.1, 1.0, 10.0, 100.0, 300.0, 1e3, 3e3, 10e3, 30e3, 100e3)
 """Measurement ranges, ohm; source: record `FUNC:IMP:RANG?` of the EPICS support `Kse4980`."""
@@ -98,7 +98,7 @@ class LcrSettings:
     load_correction: bool = False
     length: int = 0
     method: str = "SING"
-    spots: dict[int, Spot] = field(default_factory=dict)
+    spots: dict[int, CorrectionSpot] = field(default_factory=dict)
 
     def conditions(self, Z: complex, accuracy: AccuracyTable) -> ReadingConditions:
         """Conditions of a measurement of Z in ohm; range: 1 for 100 mohm to 10 for 100 kohm."""
