@@ -26,7 +26,7 @@ NO_DATA = f"{nr3(NO_NUMBER)},{nr3(NO_NUMBER)},-1,+0"
 
 @dataclass
 class VirtualE4980A(KeysightInstrument):
-    """Virtual E4980A. step: next point of a list in the mode STEPped.
+    """Virtual E4980A. step: next point of a list in the mode STEPped. data_format: of answers.
 
     buffer: texts of readings in the data buffer. filling: True while readings go there.
     """
@@ -34,6 +34,7 @@ class VirtualE4980A(KeysightInstrument):
     model: str = "E4980A"
     firmware: ClassVar[str] = "A.06.15"
     limits: ClassVar[LcrLimits] = LcrLimits((20.0, 2e6), 201)
+    data_format: ClassVar[str] = "ASC,64"
     settings: LcrSettings = field(default_factory=LcrSettings)
     step: int = 0
     buffer: list[str] = field(default_factory=list)
@@ -161,6 +162,7 @@ class Virtual4284A(VirtualE4980A):
     limits: ClassVar[LcrLimits] = LcrLimits(
         (20.0, 1e6), 10, (0, 1, 2), voltage=(5e-3, 2.0), current=(50e-6, 20e-3)
     )
+    data_format: ClassVar[str] = "ASC"
     note: ClassVar[str] = "a 4284A has GP-IB only; the virtual one answers on TCP instead"
 
 

@@ -206,7 +206,9 @@ SETTINGS = (
     setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),
     setting(":COMParator[:STATe]", "comparator", _switch, switch_text),
     setting(":FORMat:ASCii:LONG", "long_format", _switch, switch_text),
-    MeterCommand(":FORMat[:DATA]", _set_format, lambda meter: "ASC", set_arguments=(1, 2)),
+    MeterCommand(
+        ":FORMat[:DATA]", _set_format, lambda meter: meter.data_format, set_arguments=(1, 2)
+    ),
     setting(":AMPLitude:ALC", "level_control", _switch, switch_text),
     setting(":BIAS:STATe", "bias", _switch, switch_text),
     setting(":DISPlay:PAGE", "page", _word(*PAGES)),

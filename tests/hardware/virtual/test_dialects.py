@@ -2,7 +2,6 @@
 
 import asyncio
 import socket
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -13,26 +12,15 @@ from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
 from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken
 
-SCRIPTS = sorted(Path(__file__).parents[1].joinpath("conversations").glob("*.txt"))
+SCRIPTS = sorted(CONVERSATIONS.rglob("*.txt"))
 KEYSIGHT = [model for model in VIRTUAL_MODELS if not model.startswith("IM")]
 ERROR, LINE_END = ":SYST:ERR?", b"\n"
 NO_ERROR = '+0,"No error"'
 
 
-def spoken(path):
-    """(line sent, line answered or None) of a conversation."""
-    turns = []
-    for line in path.read_text().splitlines():
-        mark, _, text = line.partition(" ")
-        if mark == ">":
-            turns.append((text, None))
-        elif mark == "<":
-            turns[-1] = (turns[-1][0], text)
-    return turns
-
-
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: str(path.relative_to(CONVERSATIONS)))
 def test_the_conversation_of_the_manual(make_instrument, serve, path):
     with (
         serve(make_instrument(kind=VIRTUAL_MODELS[path.stem])) as ports,
