@@ -34,7 +34,7 @@ class ReadingStatus(Enum):
     CONTACT_15 = 15, CONTACT
     CONTACT_16 = 16, CONTACT
     CONTACT_17 = 17, CONTACT
-    OVERLOAD = 21, "overload: check the leads, or take a higher range"
+    OVERLOAD = 21, "overload: check the leads, or take another range"
     CONVERTER = 22, "the meter's converter does not work: have the meter checked"
     SOURCE_OVERLOAD = 23, "the generator is overloaded: take a lower level"
     NOT_LEVELLED = 24, "the level control cannot hold the level: take a lower one, or end control"
