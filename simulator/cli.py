@@ -17,6 +17,7 @@ from .dataset.command import dataset, export
 from .describe.command import describe
 from .design.command import design
 from .interrupt import EndSignal, end_on_signals, leave
+from .limits.amplitudes_command import amplitudes
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
@@ -218,6 +219,7 @@ app.command(epilog="Example: rcskin export skins.zarr -o skins.csv")(export)
 app.command(epilog="Example: rcskin calibrate sheet-5x5 run.nc -o found")(calibrate)
 app.command(epilog="Example: rcskin limits sheet-5x5 -o limits")(limits)
 app.command(epilog="Example: rcskin frequencies sheet-5x5 -n 8")(frequencies)
+app.command(epilog="Example: rcskin amplitudes skin.toml -o shared.toml")(amplitudes)
 app.command(epilog="Example: rcskin design sheet-5x5-two-interfaces --want 0.9 -o designed")(design)
 app.command(epilog="Example: rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png")(view)
 app.command(epilog="Example: rcskin page sheet-5x5 -o skin.html")(page)

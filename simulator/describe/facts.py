@@ -23,6 +23,7 @@ from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
+from .multisine_reader import describe_multisine
 from .secondary_effects import secondary_effects
 
 LINES = 64
@@ -69,6 +70,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     if not skin.one_conductor:
         yield from secondary_effects(scene)
     yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
+    if scene.readout.multisine is not None:
+        yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 
@@ -242,8 +245,9 @@ def _noise(scene: Scene) -> str:
     readout = scene.readout
     if readout.exact:
         return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
+    added = "" if readout.multisine is None else "in addition to that of the multisine, "
     return (
-        f"{100 * readout.magnitude_noise:.3g} % of |Z| and "
+        f"{added}{100 * readout.magnitude_noise:.3g} % of |Z| and "
         f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, "
         f"{100 * readout.magnitude_accuracy:.3g} % and "
         f"{math.degrees(readout.phase_accuracy):.3g} degrees fixed for a session"

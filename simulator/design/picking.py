@@ -14,6 +14,7 @@ from ..bounds.touch_readings import hypotheses
 from ..measure.readout import errors_of, require_noise
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
+from ..scene.multisine.reader import Multisine
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.reading_time import SETTLE, reading_time
@@ -54,12 +55,15 @@ class Picked:
         return cls(**{**answer, **numbers})
 
 
-def sweep_time(of_each: Sequence[Sequence[float]]) -> float:
+def sweep_time(of_each: Sequence[Sequence[float]], multisine: Multisine | None = None) -> float:
     """Time of a sweep in s, rounded to a nanosecond, with a switch between readings.
 
-    of_each: frequencies of each reading, Hz.
+    of_each: frequencies of each reading, Hz. multisine: reader of all of them at once, if it is
+    one.
     """
     settled = SETTLE * len(of_each) * (len(of_each) > 1)
+    if multisine:
+        return round(settled + multisine.seconds * sum(map(bool, of_each)), 9)
     return round(settled + sum(reading_time(f) for own in of_each for f in own), 9)
 
 
@@ -73,17 +77,18 @@ def budgets(scene: Scene, request: Design, low: float, pool: int) -> list[tuple[
     highest, each = min(request.readings, pool), request.frequencies or len(scene.frequencies)
     if request.seconds is None:
         return [(highest, each)]
-    found: list[tuple[int, int]] = []
+    found, multisine = list[tuple[int, int]](), scene.readout.multisine
     for readings in range(1, highest + 1):
         count = each
-        while count and sweep_time([[low] * count] * readings) > request.seconds:
+        while count and sweep_time([[low] * count] * readings, multisine) > request.seconds:
             count -= 1
         if count:
             found = [each for each in found if each[1] > count]
             found.append((readings, count))
     if not found:
+        shortest = sweep_time([[low]], multisine)
         raise InputError(
-            f"`design.seconds` must be >= {sweep_time([[low]]):.3g} s, the time of one reading at "
+            f"`design.seconds` must be >= {shortest:.3g} s, the time of one reading at "
             f"{low:g} Hz, got {request.seconds:g}"
         )
     return found

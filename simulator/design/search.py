@@ -39,13 +39,14 @@ class SearchStep:
     """State of the search after a step.
 
     merits: best merits (see `scoring`) of the nominal skin, then of each sample. taken: True if the
-    step gained enough and meets the constraints.
+    step gained enough and meets the constraints. seconds: time of a sweep, see `sweep_time`.
     """
 
     name: str
     layout: Layout
     merits: tuple[float, ...]
     taken: bool
+    seconds: float
 
     @property
     def tenth(self) -> float:
@@ -201,15 +202,16 @@ class _Search:
     def _add_step(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
         """Adds a step, and returns True if it meets the constraints and gains enough."""
         self._settings.progress(f"{name}: the exact bound")
-        step = SearchStep(name, layout, self._evaluator.merits(layout), self._allowed(layout))
+        time = sweep_time(layout.frequencies_of_each, self._evaluator.scene.readout.multisine)
+        merits, allowed = self._evaluator.merits(layout), self._allowed(layout, time)
+        step = SearchStep(name, layout, merits, allowed, time)
         best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=-math.inf)
         self._steps.append(replace(step, taken=step.taken and step.tenth >= best))
         return self._steps[-1].taken
 
-    def _allowed(self, layout: Layout) -> bool:
+    def _allowed(self, layout: Layout, time: float) -> bool:
         request, sheets = self._settings.request, (layout.material.top, layout.material.bottom)
         highest = request.frequencies or len(self._evaluator.scene.frequencies)
-        time = sweep_time(layout.frequencies_of_each)
         low, high = request.sheet_resistance
         return (
             len(layout.readings) <= request.readings

@@ -67,6 +67,17 @@ class Criterion:
         parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
         return np.concatenate([self._score(part) for part in parts])
 
+    @property
+    def of_all(self) -> float:
+        """Figure of all candidates together."""
+        return float(self.weighted(np.ones((1, len(self.frequency))))[0])
+
+    def weighted(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Figures of all candidates with weights of their information, (choice, candidate) to
+        (choice,)."""
+        total = np.einsum("wk,ckab->wcab", weights, self.information, optimize=True)
+        return self.merit(variances(total + self.prior, self.wanted))
+
     def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
         total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)
         return self.merit(variances(total + self.prior, self.wanted))

@@ -96,7 +96,7 @@ def design(
     others = compared(scene, n, band)
     own = candidates_of(scene, n, band, grid) if among is None else among
     every = np.unique(np.concatenate([own, *others.values()]))
-    scored, slopes = _criterion(scene, criterion, every, touch, against_rest, progress)
+    scored, slopes = criterion_at(scene, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
     best = best_set(
         scored, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
@@ -147,7 +147,7 @@ def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
         )
 
 
-def _criterion(
+def criterion_at(
     scene: Scene,
     name: str,
     candidates: NDArray[np.float64],

@@ -39,13 +39,16 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
     """Time of each reading, s after the press, shape (interface, frequency), and the end of the
     last one.
 
-    Times are in the middle of a reading, see `reading_time`; those of skipped readings are at
-    the end.
+    Times are in the middle of a reading, see `reading_time`, or of the frames of a multisine; those
+    of skipped readings are at the end.
     """
-    timing, reading = scene.experiment.timed, scene.reading
+    timing, reading, multisine = scene.experiment.timed, scene.reading, scene.readout.multisine
     moment, now = np.zeros(reading.shape), timing.before
     for i, own in enumerate(reading.read):
         now += SETTLE * (len(reading.interfaces) > 1)
+        if multisine:
+            moment[i], now = now + multisine.seconds / 2, now + multisine.seconds
+            continue
         for k in np.flatnonzero(own):
             takes = timing.averaging * reading_time(reading.frequency[k], timing.speed)
             moment[i, k] = now + takes / 2

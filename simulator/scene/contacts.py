@@ -215,8 +215,9 @@ class Interface(Table):
 
     low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
     frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
-    "impedance", that between high and low, as a meter reads it; "gain", the complex gain V / V_s of
-    the node that high is, with a source V_s behind a series resistor between it and low. The
+    "impedance", that between high and low, as a meter reads it; "multisine", the same at all
+    frequencies at once, by the electronics of readout.multisine; "gain", the complex gain V / V_s
+    of the node that high is, with a source V_s behind a series resistor between it and low. The
     reader is the same at all interfaces. For gains: series_resistance [ohm] of that resistor;
     load, the input of the amplifier that reads the node; magnitude_only, true if it reads |V / V_s|
     and no phase, the same at all interfaces; driven_with, names of the other interfaces whose

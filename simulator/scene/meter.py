@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from .foam_in_time import Celsius, Humid
 from .keys.key_paths import OrTable, OrText
+from .multisine.noise import multisine_deviation, smallest_deviation
+from .multisine.reader import Multisine
 from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
 from .readout_errors import spread_over
 from .validation import Number, Table, Whole, one_line, within
@@ -76,7 +86,8 @@ class Readout(Table):
     """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
 
     Accuracy is the standard deviation of the error that is fixed during a session; noise is that of
-    the error of each single reading.
+    the error of each single reading. multisine: the electronics of interfaces whose reader is
+    "multisine"; their noise is added.
     """
 
     magnitude_accuracy: Share = 0.0
@@ -84,27 +95,41 @@ class Readout(Table):
     magnitude_noise: Share = 0.0
     phase_noise: Phase = 0.0
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
+    multisine: Multisine | None = None
+
+    @model_serializer(mode="wrap")
+    def _multisine_where_there_is_one(
+        self, everything: SerializerFunctionWrapHandler
+    ) -> dict[str, object]:
+        kept = everything(self)
+        return kept if self.multisine else {k: v for k, v in kept.items() if k != "multisine"}
 
     @property
     def uniform(self) -> bool:
         """True if the errors are the same for all readings and frequencies."""
-        return True
+        return self.multisine is None
 
     @property
     def noisy(self) -> bool:
         """True if noise of magnitude and phase is > 0 for every reading."""
-        return self.magnitude_noise > 0 and self.phase_noise > 0
+        return self.multisine is not None or (self.magnitude_noise > 0 and self.phase_noise > 0)
 
     @property
     def smallest_noise(self) -> float:
         """Smallest standard deviation of noise that a reading can have, of ln |Z| or phase."""
-        return min(self.magnitude_noise, self.phase_noise)
+        smallest = min(self.magnitude_noise, self.phase_noise)
+        return (
+            math.hypot(smallest, smallest_deviation(self.multisine)) if self.multisine else smallest
+        )
 
     def noise(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Noise of each reading, see `ReadoutErrors`."""
-        return spread_over((self.magnitude_noise, self.phase_noise), reading)
+        own = spread_over((self.magnitude_noise, self.phase_noise), reading)
+        if self.multisine is None:
+            return own
+        return np.hypot(own, multisine_deviation(self.multisine, reading, frequency))
 
     def accuracy(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
@@ -115,7 +140,7 @@ class Readout(Table):
     @property
     def exact(self) -> bool:
         """True if the only error of readings is the rounding to the displayed digits."""
-        return not (
+        return self.multisine is None and not (
             self.magnitude_accuracy
             or self.phase_accuracy
             or self.magnitude_noise
@@ -152,7 +177,8 @@ class Timing(Table):
     A press begins `before` [s] before its sweep and ends with the sweep; after a `pause` [s] the
     next press begins. Without a pause a press changes into the next one without release. speed,
     averaging: of the meter, which reads one frequency after the other, lowest first, and one
-    interface after the other.
+    interface after the other. A multisine reader reads all frequencies of an interface in its
+    frames instead.
     """
 
     before: Wait = 0.0

@@ -16,7 +16,7 @@ from .validation import Number, Table, one_line, within
 if TYPE_CHECKING:
     from .contacts import Interface
 
-ReaderName = Literal["impedance", "gain"]
+ReaderName = Literal["impedance", "multisine", "gain"]
 GAIN_KEYS = ("series_resistance", "load", "magnitude_only", "driven_with")
 """Keys of an interface that only a reader of gains has."""
 

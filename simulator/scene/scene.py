@@ -32,6 +32,7 @@ from .foam_in_time import in_ambient
 from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
+from .multisine.scene_tones import scene_reader
 from .one_conductor import with_earth, without_earth
 from .pixel_grid import Pixels, Pressing
 from .randomisation import Randomisation
@@ -278,6 +279,18 @@ class Scene(Table):
     def contact(self, name: str) -> Contact:
         """The contact of that name."""
         return next(contact for contact in self.contacts if contact.name == name)
+
+    @model_validator(mode="after")
+    def _tones_on_the_grid_of_a_frame(self) -> Self:
+        reader = scene_reader(self.interfaces, self.readout.multisine, self.sweep.frequencies)
+        if reader is not None:
+            sweep, readout = (
+                self.sweep.model_copy(update={"frequencies": tuple(reader.tones.tolist())}),
+                self.readout.model_copy(update={"multisine": reader}),
+            )
+            object.__setattr__(self, "sweep", sweep)
+            object.__setattr__(self, "readout", readout)
+        return self
 
     @model_validator(mode="after")
     def _mechanics_for_depth_and_force(self) -> Self:

@@ -15,7 +15,7 @@ from ..scoring import Layout, designed
 from ..search import SearchResult
 from ..sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
 from .design_charts import draw_flat, draw_steps, draw_wiring
-from .design_page import bound_with_own_frequencies, counted, sections_of, time_of
+from .design_page import bound_with_own_frequencies, counted, sections_of
 from .merit_scale import MeritScale, scale_of
 from .wiring_table import WiringRow, rows
 
@@ -89,7 +89,7 @@ def _numbers(
                 "readings": [each.name for each in step.layout.readings],
                 "frequencies_Hz": list(step.layout.frequencies),
                 **_of_each(step.layout),
-                "sweep_s": time_of(step),
+                "sweep_s": step.seconds,
                 "taken": step.taken,
             }
             for step in found.steps

@@ -9,7 +9,6 @@ from typing import Any
 from ...report.page import Items, Picture, ReportSection, TableGrid
 from ...scene.scene import Scene
 from ..evaluator import SearchSettings
-from ..picking import sweep_time
 from ..scoring import Layout, designed
 from ..search import SearchResult, SearchStep
 from ..sensitivity import SensitivityCurve
@@ -83,7 +82,7 @@ def _row(step: SearchStep, before: SearchStep | None, scale: MeritScale) -> list
         f"{1e-3 * material.top:.3g}, {1e-3 * material.bottom:.3g}",
         str(len(step.layout.readings)),
         _count(step.layout),
-        f"{time_of(step):.2f}",
+        f"{step.seconds:.2f}",
         "yes" if step.taken else "no",
     ]
 
@@ -108,7 +107,7 @@ def _wiring_section(
             TableGrid(["reading", "H", "L", "open", f"loss without it ({unit})"], rows, (4,)),
             Picture(folder / "wiring.png", caption),
             f"Frequencies of the readings: {_listed(layout)} Hz. A sweep takes "
-            f"{time_of(found.best):.2f} s on the virtual meter.",
+            f"{found.best.seconds:.2f} s.",
         ],
     )
 
@@ -195,11 +194,6 @@ def _change(part: float, scale: MeritScale) -> float:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.1f}"
-
-
-def time_of(step: SearchStep) -> float:
-    """Time of a sweep in s at the virtual meter's pace."""
-    return sweep_time(step.layout.frequencies_of_each)
 
 
 def counted(count: int, label: str) -> str:

@@ -28,7 +28,8 @@ def waveform(
     amplitude: complex A_k, shape (..., tone). bins: periods of each tone in a frame.
     """
     spectrum = np.zeros((*amplitude.shape[:-1], points // 2 + 1), dtype=np.complex128)
-    np.add.at(spectrum, (..., bins), amplitude / 2)
+    for number, own in enumerate(bins):  # bins may repeat
+        spectrum[..., own] += amplitude[..., number] / 2
     return np.fft.irfft(spectrum, points) * points
 
 
@@ -61,7 +62,7 @@ def _phasors(shares: tuple[float, ...], bins: tuple[int, ...]) -> NDArray[np.com
         wave = waveform(amplitude, number, points)
         peak = float(np.abs(wave).max())
         if peak < lowest:
-            best, lowest = amplitude / peak, peak
+            best, lowest = (amplitude / peak).astype(np.complex128), peak
         clipped = np.clip(wave, -CLIPPED * peak, CLIPPED * peak)
         phase = np.angle(np.fft.rfft(clipped)[number])
     return best
@@ -73,14 +74,19 @@ def bins_of(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.int
 
 
 def amplitudes(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """Complex amplitudes in V at some of the tones; all tones peak at `peak_voltage` together.
+    """Complex amplitudes of tones in V; all tones of the scene peak at `peak_voltage` together.
 
-    frequency: Hz, ascending; see `Multisine.tones`. Raises InputError as `Multisine.shares` does.
+    frequency: Hz, ascending. Any that is no tone of the scene has the mean power of its tones, as
+    if it stood in place of one of them.
     """
-    tones = reader.tones(frequency)
-    shares, bins = reader.shares(len(tones)), bins_of(reader, tones)
-    every = reader.peak_voltage * _phasors(tuple(shares.tolist()), tuple(bins.tolist()))
-    return every[np.searchsorted(tones, frequency)]
+    tones = reader.tones if reader.tones.size else frequency
+    shares = np.ones(len(tones)) if reader.amplitudes is None else np.array(reader.amplitudes)
+    bins = bins_of(reader, tones)
+    unit = _phasors(tuple(shares.tolist()), tuple(bins.tolist()))
+    every = (reader.peak_voltage * unit).astype(np.complex128)
+    number = np.minimum(np.searchsorted(tones, frequency), len(tones) - 1)
+    mean = np.sqrt(np.mean(np.abs(every) ** 2))
+    return np.where(tones[number] == frequency, every[number], mean)
 
 
 def output(

@@ -15,6 +15,8 @@ The source is taken as exact, and a filter as removing what the ADC would alias.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,8 +45,16 @@ def output_density(
         + thermal * np.maximum((1 / Z).real, 0.0)
     )
     amplifier = reader.voltage_noise**2 * np.abs(1 + feedback * into_input) ** 2
-    converter = reader.step**2 * (1 / 12 + reader.adc_noise**2) / (reader.sampling_rate / 2)
-    return amplifier + current * np.abs(feedback) ** 2 + converter
+    return amplifier + current * np.abs(feedback) ** 2 + _converter_density(reader)
+
+
+def _converter_density(reader: Multisine) -> float:
+    return reader.step**2 * (1 / 12 + reader.adc_noise**2) / (reader.sampling_rate / 2)
+
+
+def smallest_deviation(reader: Multisine) -> float:
+    """Smallest deviation that a reading can have: a tone that fills the range of the ADC."""
+    return math.sqrt(_converter_density(reader) / reader.seconds) / reader.full_scale
 
 
 def multisine_deviation(
@@ -53,9 +63,11 @@ def multisine_deviation(
     """Standard deviation of ln |Z| and of the phase [rad] in a sweep, of the shape of Z.
 
     sigma = |Z / (V Z_f)| sqrt(S / (n T)) with n frames of duration T. Z: ohm, shape (...,
-    frequency), at all tones. Raises InputError where the output exceeds the ADC's range.
+    frequency). Raises InputError where the output at all tones of the scene exceeds the ADC's
+    range.
     """
-    check_range(reader, Z, frequency)
+    if np.array_equal(frequency, reader.tones):
+        check_range(reader, Z, frequency)
     size = np.abs(output(reader, Z, frequency))
     return np.sqrt(output_density(reader, Z, frequency) / reader.seconds) / size
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
-from ...sweeps import InputError
 from ..ranges import Capacitance
 from ..validation import Number, Table, Whole, within
 
@@ -137,24 +136,7 @@ class Multisine(Table):
         own._tones = tuple(frequency.tolist())
         return own
 
-    def tones(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
-        """All tones of sweeps that are read at these frequencies, Hz, ascending.
-
-        They are the scene's if it has all these frequencies, else these alone.
-        """
-        own = np.array(self._tones)
-        return own if np.isin(frequency, own).all() else frequency
-
-    def shares(self, tones: int) -> NDArray[np.float64]:
-        """Amplitudes of that many tones, relative to each other.
-
-        Raises InputError where `amplitudes` is a list of another length.
-        """
-        if self.amplitudes is None:
-            return np.ones(tones)
-        if len(self.amplitudes) != tones:
-            raise InputError(
-                f"`readout.multisine.amplitudes` are of the scene's {len(self.amplitudes)} "
-                f"frequencies, not of {tones} others; leave it out for equal ones"
-            )
-        return np.array(self.amplitudes)
+    @property
+    def tones(self) -> NDArray[np.float64]:
+        """All tones of the scene, Hz, ascending; empty for a reader without a scene."""
+        return np.array(self._tones)
