@@ -115,12 +115,6 @@ def test_any_argument_is_taken_or_an_error(keysight):
     assert talk(keysight, "*RST", "*IDN?")[1] == keysight.identity
 
 
-def test_a_line_that_is_too_long_is_an_error(make_instrument, serve, raw):
-    with serve(make_instrument(kind=VirtualE4980A)) as ports:
-        sent = b"*CLS\n" + b"*IDN?;" * 10_000 + b"\n:SYST:ERR?\n"
-        assert raw(ports.meter, sent) == b'-102,"Syntax error"\n'
-
-
 READ = "*CLS;:TRIG:SOUR BUS;:INIT:CONT ON;:FUNC:IMP RX;*TRG"
 
 

@@ -10,44 +10,59 @@ from rcskin.hardware.meter.errors import (
     NoAnswerError,
     RestartedError,
 )
-from rcskin.hardware.meter.instruments import open_meter
+from rcskin.hardware.meter.instruments import INSTRUMENTS, open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import instrument as instrument_of
 from rcskin.hardware.virtual.serving import simulated
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.scene.changed_readings import with_frequencies
 from rcskin.simulator.sweeps import InputError
 
+INSTRUMENTS_SERVED = [model for model in VIRTUAL_MODELS if model in INSTRUMENTS]
+WAIT = 0.2
+"""Time-out of the driver, s."""
+EVERYWHERE = [
+    ({"kind": "silent"}, NoAnswerError, "no whole answer within 0.2 s; check"),
+    ({"kind": "half"}, NoAnswerError, "no whole answer within 0.2 s; check"),
+    ({"kind": "garbage"}, GarbledError, "no line of text; check the baud rate"),
+    ({"kind": "late", "seconds": 0.3}, NoAnswerError, "the time-out is long enough"),
+    ({"kind": "forget"}, RestartedError, "settings and corrections are lost"),
+]
+OF_ONE = [
+    ("IM3523", {"kind": "status"}, FailedReadingError, "status 7: overflow: check the leads"),
+    ("IM3523", {"kind": "status", "status": -7}, FailedReadingError, "status -7: underflow"),
+    (
+        "IM3523",
+        {"kind": "status", "status": 1},
+        FailedReadingError,
+        "status 1: nothing was measured",
+    ),
+    ("IM3523", {"kind": "status", "status": 9}, FailedReadingError, "status 9: sampling error"),
+    ("IM3523", {"kind": "status", "status": 14}, FailedReadingError, "status 14: contact error"),
+    ("E4980A", {"kind": "status"}, FailedReadingError, "status 1: overload: check the leads"),
+]
+
 
 @pytest.mark.parametrize(
-    ("fault", "error", "told"),
-    [
-        (Fault("silent"), NoAnswerError, "no whole answer within 0.5 s; check"),
-        (Fault("half"), NoAnswerError, "no whole answer within 0.5 s; check"),
-        (Fault("garbage"), GarbledError, "no line of text; check the baud rate"),
-        (Fault("late", seconds=0.7), NoAnswerError, "the time-out is long enough"),
-        (Fault("status"), FailedReadingError, "status 7: overflow: check the leads"),
-        (Fault("status", status=-7), FailedReadingError, "status -7: underflow"),
-        (Fault("status", status=1), FailedReadingError, "status 1: nothing was measured"),
-        (Fault("status", status=9), FailedReadingError, "status 9: sampling error"),
-        (Fault("status", status=14), FailedReadingError, "status 14: contact error"),
-        (Fault("forget"), RestartedError, "settings and corrections are lost"),
-    ],
+    ("model", "fault", "error", "told"),
+    [*OF_ONE, *((model, *row) for model in INSTRUMENTS_SERVED for row in EVERYWHERE)],
 )
 def test_a_fault_is_told_and_the_next_readings_are_right_again(
-    instrument, meter, pillow, fault, error, told
+    make_instrument, serve, pillow, model, fault, error, told
 ):
-    instrument.faults.add(fault)
-    with pytest.raises(error, match=told) as raised:
-        meter.read()
-    assert "\n" not in str(raised.value)
-    meter.prepare()
-    for frequency in (2e3, 5e4):
-        meter.frequency = frequency
-        reading = meter.read()
-        assert reading.X == pytest.approx(pillow.impedance("none", frequency).imag, rel=1e-5)
-        assert reading.status is ReadingStatus.NORMAL
+    instrument = make_instrument(kind=VIRTUAL_MODELS[model])
+    with serve(instrument) as ports, open_meter(ports.resource, WAIT) as meter:
+        instrument.faults.add(Fault(**fault))
+        with pytest.raises(error, match=told) as raised:
+            meter.read_at(1e3)
+        assert "\n" not in str(raised.value)
+        meter.prepare()
+        for frequency in (2e3, 5e4):
+            reading = meter.read_at(frequency)
+            assert reading.X == pytest.approx(pillow.impedance("none", frequency).imag, rel=1e-5)
+            assert reading.status is ReadingStatus.NORMAL
 
 
 def test_a_dropped_connection_is_lost_and_a_new_one_works(instrument, ports, meter):

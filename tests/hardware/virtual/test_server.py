@@ -14,6 +14,7 @@ from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.clients import MAX_CLIENTS, MAX_LINE, LineReader
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.press_routines import press_at_random, press_by_script, read_script
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError
 
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)
@@ -24,9 +25,24 @@ def control(ports):
     return f"127.0.0.1:{ports.control}"
 
 
+@pytest.fixture(params=VIRTUAL_MODELS)
+def served(request, make_instrument, serve):
+    """A virtual instrument of each dialect, and its ports."""
+    instrument = make_instrument(kind=VIRTUAL_MODELS[request.param])
+    with serve(instrument) as ports:
+        yield instrument, ports
+
+
+def answers(instrument, *said):
+    """Bytes of answers of an instrument."""
+    return "".join(f"{each}{instrument.line_end}" for each in said).encode()
+
+
 @pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n"])
-def test_lines_end_with_either_mark_or_both(ports, raw, end):
-    assert raw(ports.meter, b"*IDN?" + end + b"*ESE?" + end) == IDENTITY + b"0\r\n"
+def test_lines_end_with_either_mark_or_both(served, raw, end):
+    instrument, ports = served
+    sent = b"*IDN?" + end + b"*ESE?" + end
+    assert raw(ports.meter, sent) == answers(instrument, instrument.identity, 0)
 
 
 def test_answers_may_end_with_a_carriage_return_alone(ports, raw):
@@ -41,13 +57,16 @@ def test_what_has_no_end_is_no_message(ports, raw):
     assert raw(ports.meter, b"*IDN?") == b""
 
 
-def test_a_line_that_is_too_long_is_refused_whole_and_the_next_one_heard(ports, raw):
-    flood = b"*IDN?;" * 100_000
-    assert raw(ports.meter, b"*CLS\n", flood, b"\n", b"*ESR?\n*IDN?\n") == b"32\r\n" + IDENTITY
+def test_a_line_that_is_too_long_is_refused_whole_and_the_next_one_heard(served, raw):
+    instrument, ports = served
+    sent = (b"*CLS\n", b"*IDN?;" * 100_000, b"\n", b"*ESR?\n*IDN?\n")
+    assert raw(ports.meter, *sent) == answers(instrument, 32, instrument.identity)
 
 
-def test_bytes_that_are_no_text_are_a_command_error(ports, raw):
-    assert raw(ports.meter, b"*CLS\n\xff\xfe\x00:FREQ?\n*ESR?\n") == b"32\r\n"
+def test_bytes_that_are_no_text_are_a_command_error(served, raw):
+    instrument, ports = served
+    sent = b"*CLS\n\xff\xfe\x00:FREQ?\n*ESR?\n"
+    assert raw(ports.meter, sent) == answers(instrument, 32)
 
 
 @given(st.lists(st.binary(max_size=40) | st.just(b"\r\n"), max_size=20))
@@ -97,6 +116,14 @@ def test_a_thousand_bad_clients_do_not_stop_it(ports, meter, pillow):
     meter.prepare()
     meter.frequency = 2e3
     assert meter.read().X == pytest.approx(pillow.impedance("none", 2e3).imag, rel=1e-5)
+
+
+def test_bad_clients_stop_no_dialect(served, raw):
+    instrument, ports = served
+    dice = random.Random(1)
+    for kind in KINDS * 5:
+        _hostile(ports.meter, kind, dice.randbytes(300))
+    assert raw(ports.meter, b"*CLS;*IDN?\n") == answers(instrument, instrument.identity)
 
 
 def test_more_clients_than_it_holds_push_out_the_oldest(ports):
