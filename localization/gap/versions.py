@@ -63,7 +63,8 @@ def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Vers
     except (InputError, ToleranceError) as error:
         return Versions({BEFORE: before}, (), [*notes_before, f"No calibration: {error}."])
     after = Version(exact, read_by_meter(exact, pair.scene, seed))
-    notes = [*notes_before, _calibration_note(pair, reserved)]
+    left_over = [f"After calibration, {remark}." for remark in found.left_over]
+    notes = [*notes_before, _calibration_note(pair, reserved), *left_over]
     return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
 
 

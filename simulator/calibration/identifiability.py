@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fit import Fit
-from .prior import Prior
+from .prior import Noise, Prior
 from .problem import LeastSquaresProblem
+from .residual_correlation import readings_per_independent_one
 
 IDENTIFIED_SHARE = 0.25
 """Largest posterior deviation over the prior's, for a parameter that the data identify."""
@@ -26,6 +27,8 @@ PRIOR_WIDENING, MAX_WIDENING = 10.0, 2.0
 that gets wider than this depends on a prior; the data alone do not identify it."""
 MIN_COMPONENT = 0.2
 """Smallest component of a unit direction with which a parameter is part of it."""
+MIN_INDEPENDENT = 3.0
+"""Fewest degrees of freedom of correlated residuals: Student's t with two has no variance."""
 MIN_EFFECT = 4.0
 """Smallest chi-squared by which a parameter has an effect."""
 
@@ -35,14 +38,28 @@ class Information:
     """Information on all unknown parameters, fitted or not.
 
     data: information of the data alone, shape (parameter, parameter), with all other unknowns
-    marginalized and errors scaled. freedom: degrees of freedom of the residuals. scale: chi-squared
-    per degree of freedom, at least 1, by which the error variance was enlarged.
+    marginalized and errors scaled. freedom: degrees of freedom of the residuals. correlated: number
+    of readings for each independent one, see `residual_correlation`. independent: degrees of
+    freedom of the independent ones. scale: factor on the error variance, at least 1: their
+    chi-squared per degree of freedom, times `correlated`.
     """
 
     names: tuple[str, ...]
     data: NDArray[np.float64]
     freedom: float
+    correlated: float
+    independent: float
     scale: float
+
+    def variance_freedom(self, noise: Noise) -> float:
+        """Degrees of freedom of the error variance, infinite where it is known.
+
+        Residuals estimate it where the noise is unknown, and where they exceed the noise.
+        """
+        if noise.guessed:
+            return self.independent
+        exceeding = self.scale > self.correlated
+        return min(noise.freedom, self.independent) if exceeding else noise.freedom
 
     @cached_property
     def covariance(self) -> NDArray[np.float64]:
@@ -140,11 +157,14 @@ def _orthogonal_complement(given: NDArray[np.float64]) -> NDArray[np.float64]:
 def information(fit: Fit, not_fitted: Mapping[str, Prior] | None = None) -> Information:
     """Information at a solution. not_fitted: priors of unknown parameters that were not fitted."""
     data = _of_data(fit)
-    taken = np.trace(np.linalg.solve(data + np.eye(len(data)), data))
-    freedom = max(fit.spec.measurements.numbers - float(taken), 1.0)
-    scale = max(1.0, fit.chi_squared / freedom)
+    taken = float(np.trace(np.linalg.solve(data + np.eye(len(data)), data)))
+    count, correlated = fit.spec.measurements.numbers, readings_per_independent_one(fit, taken)
+    freedom = max(count - taken, 1.0)
+    independent = min(freedom, max(count / correlated - taken, MIN_INDEPENDENT))
+    scale = max(correlated, fit.chi_squared / independent)
     opened = with_all_unknown(fit, not_fitted or {})
-    return Information(opened.spec.names, _of_data(opened) / scale, freedom, scale)
+    data = _of_data(opened) / scale
+    return Information(opened.spec.names, data, freedom, correlated, independent, scale)
 
 
 def with_all_unknown(fit: Fit, not_fitted: Mapping[str, Prior]) -> Fit:

@@ -13,16 +13,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..models.parameters import loss_of
+from ..progress import ProgressCallback, silent
 from ..sweeps.units import prefixed
 from .fit import EXPLAINED, Fit, solve_from
-from .prior import Prior, effect_prior
+from .prior import Noise, Prior, effect_prior
 from .problem import FitSpec, LeastSquaresProblem
+from .residual_correlation import neighbour_correlation
 from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
+from .surroundings_trials import trial_remarks
 
 STRUCTURED = 0.5
 """Correlation of residuals at neighbouring frequencies from which a fit leaves structure."""
-FEWEST = 12
-"""Fewest frequencies at which the correlation is estimated."""
 SLOPE = 0.1
 """Prior standard deviation of the change of the exponent in a decade."""
 SHARE = 0.3
@@ -31,6 +32,14 @@ ELEMENTS: Mapping[Element, str] = {
     "line": "a second line in series",
     "film": "a film in series",
 }
+
+
+def misfit_trials(
+    fit: Fit, freedom: float, noise: Noise, progress: ProgressCallback = silent
+) -> list[str]:
+    """Remarks on physics that the scene lacks and that would explain the remaining misfit."""
+    surroundings = [] if noise.guessed else trial_remarks(fit, freedom, progress)
+    return [*surroundings, *physics_remarks(fit, freedom, noise.stated)]
 
 
 def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
@@ -50,32 +59,13 @@ def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
     )
     return [
         f"the fit leaves structure: residuals at neighbouring frequencies correlate by "
-        f"{correlation:.2f}; of chi-squared, in addition, {'; '.join(shares)}"
+        f"{correlation:.2f}, and intervals do not include the bias by physics that the scene "
+        f"lacks; of chi-squared, in addition, {'; '.join(shares)}"
     ]
 
 
 def _share(pair: tuple[str, float]) -> float:
     return pair[1]
-
-
-def neighbour_correlation(fit: Fit) -> float:
-    """Correlation of residuals of ln |Z| and of phase at neighbouring frequencies.
-
-    0 where an interface has fewer than FEWEST frequencies. Student's t errors weight the readings.
-    """
-    measured = fit.spec.measurements
-    shape = len(measured.sweeps), 2, *measured.sweeps[0].Z.shape
-    r = fit.problem.residuals(fit.u)[: math.prod(shape)].reshape(shape)
-    if fit.spec.tail is not None:
-        squares = (r**2).sum(axis=1, keepdims=True)
-        r = r * np.sqrt(fit.spec.tail.weights(squares))
-    products, squares = 0.0, 0.0
-    for k, read in enumerate(measured.read):
-        if read.sum() >= FEWEST:
-            own = r[..., k, read]
-            products += float((own[..., 1:] * own[..., :-1]).sum())
-            squares += float((own[..., 1:] ** 2).sum() + (own[..., :-1] ** 2).sum()) / 2
-    return products / squares if squares else 0.0
 
 
 def _losses(fit: Fit) -> list[tuple[str, Fit]]:

@@ -126,16 +126,13 @@ class LeastSquaresProblem:
         """Residuals and Jacobian rotated to few more rows than unknowns.
 
         Their products r'r, J'r and J'J stay the same. scale: divides chi-squared, but not the
-        priors of parameters. Student's t errors have a scale of their own: r'r is then the sum of
-        rho and the priors.
+        priors of parameters. With Student's t errors chi-squared is the sum of rho.
         """
         if self._turned is None or self._turned[:2] != (u.tobytes(), scale):
             tail, blocks = self.spec.tail, self._blocks(u)
-            if tail is None:
-                found = reduced_system(blocks, u, len(self.spec.fitted), scale)
-            else:
-                damped = [tail.damped(each) for each in blocks]
-                found = reduced_system(damped, u, len(self.spec.fitted), 1.0)
+            if tail is not None:
+                blocks = [tail.damped(each) for each in blocks]
+            found = reduced_system(blocks, u, len(self.spec.fitted), scale)
             self._turned = u.tobytes(), scale, found
         return self._turned[2]
 

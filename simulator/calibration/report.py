@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from .estimates import FittedQuantity
+    from .identifiability import Information
     from .run import Calibration
 
 WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
@@ -113,17 +114,27 @@ def explanations(calibration: Calibration) -> list[str]:
         f"noise from {calibration.noise.source}: {100 * readout.magnitude_noise:.3g} % of |Z|, "
         f"{1e3 * readout.phase_noise:.3g} mrad",
     ]
-    if calibration.information.scale > WIDENED:
-        lines.append(
-            f"intervals are {calibration.information.scale**0.5:.2g} times as wide as by the noise "
-            "alone, because the residuals exceed the noise"
-        )
+    lines += _widening(calibration.information)
     if spec.touch_count:
         lines.append(_strength_range(calibration))
     lines += _assumptions(calibration)
     lines += _strong_correlations(calibration)
     lines += calibration.remarks
     return [*lines, *(calibration.ideal.sentences if calibration.ideal else ())]
+
+
+def _widening(information: Information) -> list[str]:
+    """A line on the factor by which intervals are wider than by independent noise, and why."""
+    scale, count = information.scale, information.correlated
+    if scale < WIDENED:
+        return []
+    reasons = {
+        f"exceed the noise ({(scale / count) ** 0.5:.2g} times)": scale / count,
+        f"are correlated ({count**0.5:.2g} times: {count:.2g} of them count as one)": count,
+    }
+    why = " and ".join(reason for reason, share in reasons.items() if share > WIDENED**0.5)
+    wider = f"intervals are {scale**0.5:.2g} times as wide as by the noise alone"
+    return [f"{wider}, because the residuals {why}"]
 
 
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:

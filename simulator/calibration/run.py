@@ -31,12 +31,12 @@ from .likelihood.distributions import Distributions
 from .likelihood.student import StudentT
 from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
-from .physics_trials import physics_remarks
+from .physics_trials import misfit_trials
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import FitSpec
 from .robust import robust_fit, tail_remarks
 from .sheet_intervals import MISMATCH
-from .surroundings_trials import trial_remarks, with_effects
+from .surroundings_trials import with_effects
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,8 +55,8 @@ class Calibration(Tabular):
     if the data determine it, False if its prior does. quantities: the fitted quantities in physical
     units. scene: the calibrated scene. not_fitted: unknown parameters that kept the scene's values.
     noise: the meter's noise. unclear: combinations that the data do not identify, a line each.
-    remarks: notes on the fit. ideal: comparison with an ideal capacitance, if the exponent was
-    fitted below 1.
+    remarks: notes on the fit. left_over: those on readings far off and on physics that the scene
+    lacks. ideal: comparison with an ideal capacitance, if the exponent was fitted below 1.
     """
 
     values: dict[str, float]
@@ -69,6 +69,7 @@ class Calibration(Tabular):
     noise: Noise
     unclear: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    left_over: tuple[str, ...] = ()
     not_fitted: tuple[str, ...] = ()
     ideal: IdealComparison | None = None
 
@@ -115,11 +116,12 @@ def calibrate(
     job = _CalibrationRun(data, options, unknown_effects, model, progress)
     fit, noise = job.run()
     info = information(fit, job.not_fitted)
-    degrees = info.freedom if noise.guessed else noise.freedom
+    degrees = info.variance_freedom(noise)
     unknown = with_all_unknown(fit, job.not_fitted)
     distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
     bounds = intervals(scene, unknown, info, degrees, distributions)
-    gained = _trial_remarks(fit, info, noise, progress) if options.trials else []
+    gained = misfit_trials(fit, info.freedom, noise, progress) if options.trials else []
+    left_over = tuple([*tail_remarks(fit), *gained])
     names = fit.spec.names
     beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
@@ -132,18 +134,11 @@ def calibrate(
         fit=fit,
         noise=noise,
         unclear=tuple(weakly_identified(scene, unknown, info)),
-        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *tail_remarks(fit), *gained])),
+        remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *left_over])),
+        left_over=left_over,
         not_fitted=tuple(job.not_fitted),
         ideal=compare_with_ideal(fit, progress) if beaten else None,
     )
-
-
-def _trial_remarks(
-    fit: Fit, info: Information, noise: Noise, progress: ProgressCallback
-) -> list[str]:
-    """Remarks on physics that the scene lacks and that would explain the remaining misfit."""
-    surroundings = [] if noise.guessed else trial_remarks(fit, info.freedom, progress)
-    return [*surroundings, *physics_remarks(fit, info.freedom, noise.stated)]
 
 
 def _distributions(

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.estimates import quantile
 from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.likelihood.profile_distribution import NORMAL
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
@@ -173,7 +175,10 @@ def test_errors_grow_where_the_model_does_not_follow(line, read):
     wrong, right = (calibrate(line, each, options) for each in (sweeps, read(line, {}, REST)))
     assert wrong.chi_squared > 20
     ratio = np.ptp(wrong.intervals["capacitance"]) / np.ptp(right.intervals["capacitance"])
-    assert ratio == pytest.approx(wrong.chi_squared**0.5, rel=0.3)
+    found = wrong.information
+    assert found.correlated > 3 and found.scale > 3 * wrong.chi_squared
+    expected = found.scale**0.5 * quantile(found.independent) / NORMAL
+    assert ratio == pytest.approx(expected, rel=0.3)
 
 
 def test_why_an_ideal_capacitance_does_not_do(line, read):
