@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from pyvisa.resources import MessageBasedResource
 
 TERMINATION = "\r\n"
-LONGEST_ANSWER = 4096
+LONGEST_ANSWER = 65536
+"""Bytes. A sweep of 402 points has some 16,000."""
 BAUD_RATES = (9600, 19200, 38400, 57600)
 EXAMPLES = (
     "TCPIP0::192.168.1.1::3500::SOCKET, ASRL/dev/ttyACM0::INSTR (Windows: ASRL3::INSTR for COM3), "
@@ -115,7 +116,7 @@ class VisaConnection:
     def _silent(self, waited: float) -> NoAnswerError:
         return NoAnswerError(
             f"{self.resource}: no whole answer within {waited:.3g} s; check that the meter "
-            "is on, that the cable and the port are right, that its terminator is CR+LF, and that "
+            "is on, that the cable and the port are right, that its answers end with LF, and that "
             "the time-out is long enough for a slow measurement"
         )
 

@@ -76,12 +76,13 @@ class Conversation:
         """Name of the meter's resource."""
         return self._connection.resource
 
-    def send(self, message: str) -> None:
+    def send(self, message: str, seconds: float = 0.0) -> None:
         """Send a message without an answer, and check that the meter accepted it.
 
-        Raises RefusedError, RestartedError, or MeterError if the connection fails.
+        seconds: time allowed beyond the time-out. Raises RefusedError, RestartedError, or
+        MeterError if the connection fails.
         """
-        self._check_register(f"{message};*ESR?", message)
+        self._check_register(f"{message};*ESR?", message, seconds)
 
     def check_events(self, message: str) -> None:
         """Raises RefusedError or RestartedError if the event register holds such an event."""
@@ -135,8 +136,8 @@ class Conversation:
             self._closed = True
             self._connection.close()
 
-    def _check_register(self, query_text: str, about: str) -> None:
-        failure = self._failure(self.query(query_text, _events, about), about)
+    def _check_register(self, query_text: str, about: str, seconds: float = 0.0) -> None:
+        failure = self._failure(self.query(query_text, _events, about, seconds), about)
         if failure:
             raise failure
 

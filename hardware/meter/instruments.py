@@ -6,11 +6,14 @@ from .connection import Connection, connect
 from .conversation import Conversation
 from .errors import LostConnectionError, NoConnectionError, WrongMeterError
 from .hioki import HIOKI
+from .keysight_analyser import E4990A
 from .keysight_lcr import KEYSIGHT_LCR
 from .lcr_meter import LcrMeter
 from .meter_identity import MeterIdentity, parse_identity
 
-INSTRUMENTS: dict[str, type[LcrMeter]] = {each.model: each for each in (*HIOKI, *KEYSIGHT_LCR)}
+INSTRUMENTS: dict[str, type[LcrMeter]] = {
+    each.model: each for each in (*HIOKI, *KEYSIGHT_LCR, E4990A)
+}
 """Class of each model."""
 
 

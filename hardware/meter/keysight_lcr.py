@@ -11,26 +11,24 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...simulator.sweeps import InputError, parallel_capacitance
+from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import METER_BANDS
 from .accuracy_table import OUTPUT_RESISTANCE, RANGES, AccuracyTable, ReadingConditions
-from .errors import FailedReadingError, GarbledError
+from .errors import FailedReadingError
+from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
 from .keysight_settings import (
-    NO_VALUE,
     AmplitudeSetting,
     FrequencyListFormat,
     FrequencyListSetting,
 )
-from .lcr_meter import SEARCHES, LcrMeter
 from .meter_reading import MeterReading, ReadingStatus
-from .setting import MeterProperty, Setting, SettingPart
+from .setting import Setting, SettingPart
 from .setting_formats import (
     ChoiceFormat,
     IntegerFormat,
     NumberFormat,
     OnOffFormat,
     PartsFormat,
-    StateFormat,
     TokenFormat,
     WordFormat,
 )
@@ -41,13 +39,8 @@ TABLE_SPEEDS = {"SHORT": "FAST", "MEDIUM": "MEDIUM", "LONG": "SLOW"}
 MEASUREMENT_PAGE, LIST_PAGE = "MEAS", "LIST"
 VALUES_OF_POINT = 4
 """Values of a point in the answer of a list sweep: R, X, status, comparison."""
-ROUNDING = 6e-4
-"""Largest relative rounding of a frequency by the meter."""
 CORRECTING = 1
 """Bit of the operation status register: correction data are being measured."""
-CORRECTION_COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
-CORRECTION_SECONDS = 120.0
-"""Time that the meter may be silent while it acquires a correction, s."""
 STATUSES = {
     -1: ReadingStatus.NOT_MEASURED,
     0: ReadingStatus.NORMAL,
@@ -59,7 +52,7 @@ STATUSES = {
 """Status of a reading by the number in the meter's answer."""
 
 
-class KeysightLcrMeter(LcrMeter):
+class KeysightLcrMeter(KeysightMeter):
     """Common part of the three models."""
 
     settable = (
@@ -76,11 +69,16 @@ class KeysightLcrMeter(LcrMeter):
     reported = ("open_correction", "short_correction", "bias")
     timing = ("frequency", "aperture", "trigger_delay")
     restored_last = ("auto_range", "page", "continuous", "trigger")
-    extents = ("ALL", "OFF")
-    sweeps = True
-    error_query = ":SYSTem:ERRor?"
+    rounding = 6e-4
+    correction_commands: ClassVar = {
+        "open": ":CORRection:OPEN:EXECute",
+        "short": ":CORRection:SHORt:EXECute",
+    }
+    correction_states: ClassVar = {
+        "open": ":CORRection:OPEN:STATe",
+        "short": ":CORRection:SHORt:STATe",
+    }
     list_frequencies: ClassVar[FrequencyListSetting]
-    max_points: ClassVar[int]
     seconds_at: ClassVar[Mapping[str, tuple[tuple[float, float], ...]]]
 
     data_format = Setting(":FORMat", TokenFormat(), "Format of answers")
@@ -121,9 +119,9 @@ class KeysightLcrMeter(LcrMeter):
     load_correction = Setting(
         ":CORRection:LOAD:STATe", OnOffFormat(), "True if load correction is applied"
     )
-    open_correction = MeterProperty(":CORRection:OPEN:STATe?", StateFormat(), "Open correction")
-    short_correction = MeterProperty(":CORRection:SHORt:STATe?", StateFormat(), "Short correction")
-    bias = MeterProperty(":BIAS:STATe?", StateFormat(), "DC bias")
+    open_correction = state_of(":CORRection:OPEN:STATe", "Open correction")
+    short_correction = state_of(":CORRection:SHORt:STATe", "Short correction")
+    bias = state_of(":BIAS:STATe", "DC bias")
 
     @property
     def level(self) -> str:
@@ -168,21 +166,13 @@ class KeysightLcrMeter(LcrMeter):
 
         query = f"*TRG;{type(self).frequency.query}"
         reading, reported = self.talk.query_checked(query, parsed, self.max_seconds)
-        self._check_frequency(frequency, reported)
+        self.check_frequencies([frequency], [reported])
         return reading
 
-    def read_sweep(self, frequencies: Sequence[float]) -> list[MeterReading]:
-        """Readings at frequencies in Hz, by list sweeps of at most `max_points`."""
-        found: list[MeterReading] = []
-        for begin in range(0, len(frequencies), self.max_points):
-            found += self._listed(frequencies[begin : begin + self.max_points])
-        return found
-
-    def _listed(self, frequencies: Sequence[float]) -> list[MeterReading]:
+    def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
         """Readings of one list sweep. The meter's list is read back afterwards."""
         setting = type(self).list_frequencies
-        rounded = setting.allowed.read(setting.allowed.write(frequencies) or "")
-        if self.cached.get(setting.name) != rounded:
+        if self.cached.get(setting.name) != tuple(map(self.nearest, frequencies)):
             self.list_mode, self.list_frequencies = "SEQUENCE", tuple(frequencies)
         self._show(LIST_PAGE)
 
@@ -190,43 +180,18 @@ class KeysightLcrMeter(LcrMeter):
             values = answer.split(",")
             if len(values) != VALUES_OF_POINT * len(frequencies):
                 raise ValueError(answer)
-            return [
-                parse_point(R, X, status, frequency)
-                for frequency, R, X, status in zip(
-                    frequencies, values[0::4], values[1::4], values[2::4], strict=True
-                )
-            ]
+            points = zip(frequencies, values[0::4], values[1::4], values[2::4], strict=True)
+            return [parse_point(R, X, status, frequency) for frequency, R, X, status in points]
 
-        self._sweep_seconds = SEARCHES * sum(self._seconds_at(f) for f in frequencies)
-        try:
-            found = self.talk.query("*TRG", readings, seconds=self._sweep_seconds)
-        finally:
-            self._sweep_seconds = 0.0
+        with self.sweeping(frequencies) as seconds:
+            found = self.talk.query("*TRG", readings, seconds=seconds)
         listed = self.talk.query_checked(setting.query, setting.allowed.read)
-        if len(listed) != len(frequencies):
-            raise GarbledError(
-                f"{self.resource}: the meter swept {len(listed)} frequencies instead of "
-                f"{len(frequencies)}; check that nothing else sets it"
-            )
-        for frequency, reported in zip(frequencies, listed, strict=True):
-            self._check_frequency(frequency, reported)
+        self.check_frequencies(frequencies, listed)
         return found
-
-    def _seconds_at(self, frequency: float) -> float:
-        """Approximate time of a reading at a frequency in Hz with the present settings, s."""
-        _ = self.seconds  # fills the cache
-        return self.reading_seconds({**self.cached, "frequency": frequency})
 
     def _show(self, page: str) -> None:
         if self.cached.get("page") != page:
             self.page = page
-
-    def _check_frequency(self, frequency: float, reported: float) -> None:
-        if abs(reported / frequency - 1) > ROUNDING:
-            raise GarbledError(
-                f"{self.resource}: the meter is at {reported:g} Hz instead of {frequency:g} Hz; "
-                "check that nothing else sets it, and that the model has this frequency"
-            )
 
     @classmethod
     def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
@@ -259,27 +224,10 @@ class KeysightLcrMeter(LcrMeter):
             min(settings["cable"], 1),
         )
 
-    def start_correction(self, kind: str, extent: str) -> None:
-        """Start to acquire a correction at all frequencies and apply it, or end it."""
-        command = CORRECTION_COMMANDS[kind]
-        self.talk.send(f"{command}:STATe {'OFF' if extent == 'OFF' else 'ON'}")
-        if extent != "OFF":
-            self.talk.send("*CLS")
-            self.talk.query(f"{command}:EXECute;*OPC?", int, seconds=CORRECTION_SECONDS)
-
     def correction_done(self) -> bool:
         """True if the started correction has ended."""
         status = self.talk.query(":STATus:OPERation:CONDition?", int, seconds=CORRECTION_SECONDS)
         return not status & CORRECTING
-
-    def correction_fault(self, kind: str) -> str:
-        """Fault of the correction that has ended, from the queue of errors."""
-        error = self.talk.query(self.error_query, str.strip)
-        return "" if error.lstrip("+").startswith("0") else f"error {error}"
-
-    def cancel_correction(self, kind: str) -> None:
-        """Cancel the started correction."""
-        self.talk.send(":ABORt")
 
 
 def parse_point(R: str, X: str, status: str, frequency: float) -> MeterReading:
@@ -294,11 +242,7 @@ def parse_point(R: str, X: str, status: str, frequency: float) -> MeterReading:
         raise FailedReadingError(f"{where}, which has no known meaning")
     if not meaning.has_values:
         raise FailedReadingError(f"{where}: {meaning.meaning}")
-    Z = complex(float(R), float(X))
-    if not abs(Z) < NO_VALUE:
-        raise ValueError(f"{R},{X}")
-    Cp = float(parallel_capacitance(np.array([Z]), np.array([frequency]))[0])
-    return MeterReading(Cp, Z.real, Z.imag, meaning)
+    return reading_of(float(R), float(X), frequency, meaning)
 
 
 def _range_number(full_scale: float) -> int:

@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from .errors import RefusedError
+from .keysight_meter import NO_VALUE
 from .setting import Setting, SettingsOwner
 from .setting_formats import NumberFormat
-
-NO_VALUE = 9e37
-"""The meter writes 9.9E37 where it has no number."""
 
 
 class AmplitudeFormat:
@@ -109,3 +107,37 @@ class FrequencyListSetting(Setting[tuple[float, ...]]):
             self.__set__(meter, found)
         elif self._clear:
             meter.talk.send(self._clear)
+
+
+class NumbersFormat:
+    """Any numbers."""
+
+    def __str__(self) -> str:
+        return "numbers"
+
+    def write(self, value: Any) -> str | None:
+        """The numbers."""
+        return ",".join(f"{each:.12g}" for each in value) or None
+
+    def read(self, text: str) -> tuple[float, ...]:
+        """The numbers."""
+        return tuple(float(each) for each in text.split(","))
+
+
+class NumbersSetting(Setting[tuple[float, ...]]):
+    """A table of numbers; empty if the meter has none, and then the table of the driver stays."""
+
+    def __init__(self, command: str, meaning: str) -> None:
+        super().__init__(command, NumbersFormat(), meaning)
+
+    def current_value(self, meter: SettingsOwner) -> tuple[float, ...]:
+        """Present numbers."""
+        try:
+            return self.__get__(meter, type(meter))
+        except RefusedError:
+            return ()
+
+    def restore(self, meter: SettingsOwner, found: Any) -> None:
+        """Set numbers that `current_value` gave earlier."""
+        if found:
+            self.__set__(meter, found)

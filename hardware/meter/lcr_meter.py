@@ -146,7 +146,7 @@ class LcrMeter(ABC):
     def snapshot(self) -> dict[str, SettingValue]:
         """All settings that a reading depends on; the range only if fixed. Raises MeterError."""
         values = {name: getattr(self, name) for name in (*self.settable, *self.reported)}
-        if values["auto_range"]:
+        if values.get("auto_range"):
             del values["range"]
         return values
 

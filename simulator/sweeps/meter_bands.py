@@ -14,10 +14,12 @@ METER_BANDS = {
     "E4980A": (20.0, 2e6),
     "E4980AL": (20.0, 1e6),
     "4284A": (20.0, 1e6),
+    "E4990A": (20.0, 120e6),
 }
 """Lowest and highest frequency of each model in Hz; source: specifications by Hioki and Keysight.
 
-E4980AL: with its option 102; the meter itself refuses what another option lacks."""
+E4980AL with its option 102, E4990A with its option 120; with another one the meter itself refuses
+what it lacks, or is found at another frequency."""
 VIRTUAL_MODEL = "IM3523"
 """The model that the virtual meter imitates."""
 

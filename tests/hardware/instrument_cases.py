@@ -6,6 +6,7 @@ from typing import Any
 
 from rcskin.hardware.meter.instruments import INSTRUMENTS
 from rcskin.hardware.virtual.hioki.meter_state import PerRange, Settings
+from rcskin.hardware.virtual.keysight.analyser_settings import AnalyserSettings, Segment
 from rcskin.hardware.virtual.keysight.lcr_settings import LcrSettings
 
 
@@ -113,4 +114,41 @@ HP4284A = Case(
     {**CHANGES, "amplitude": "0.005 A"},
     lost={**LOST_LIST, "voltage": 1.0},
 )
-CASES = (IM3523, E4980A, HP4284A)
+E4990A = Case(
+    "E4990A",
+    lambda: AnalyserSettings(
+        start=1e3,
+        stop=1e6,
+        sweep_type="LOG",
+        segment_table=(7, 0, 0, 0, 0, 0, 0, 0, 1, 1e3, 2e3, 3),
+        segments=(Segment(1e3, 2e3, 3),),
+        parameters=("CP", "D", "Z", "Y"),
+        level="CURR",
+        voltage=0.25,
+        current=1e-3,
+        time=2,
+        point_average=True,
+        point_count=8,
+        sweep_average=True,
+        trigger="EXT",
+        continuous=False,
+        load_correction=True,
+    ),
+    {
+        "speed": 3,
+        "averaging": 1,
+        "level": "V",
+        "voltage": 0.5,
+        "constant_current": 2e-3,
+        "load_correction": False,
+    },
+    lost={
+        "parameters": ("CP", "D"),
+        "start": 20.0,
+        "stop": 120e6,
+        "sweep_type": "LIN",
+        "segments": AnalyserSettings().segments,
+        "segment_table": AnalyserSettings().segment_table,
+    },
+)
+CASES = (IM3523, E4980A, HP4284A, E4990A)

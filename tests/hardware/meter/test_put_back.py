@@ -119,7 +119,7 @@ def test_a_meter_that_came_back_is_put_back_to_what_it_was_at_first(
     station = ManagedMeter(lambda: open_meter(ports.resource, 1))
     station.ready().speed = case.changes["speed"]
     station.close()
-    station.ready().cable = 0
+    station.ready().load_correction = False
     station.close()
     assert instrument.settings != as_found
     station.release()
@@ -190,7 +190,7 @@ def test_a_meter_switched_on_anew_in_the_midst_is_put_back_from_the_beginning(
 
     def restore(setting, meter, found):
         told(setting, meter, found)
-        if setting.name == "auto_range" and not instrument.faults.waiting:
+        if setting.name == case.driver.restored_last[0] and not instrument.faults.waiting:
             instrument.faults.add(Fault("forget"))
             monkeypatch.undo()
 
@@ -216,9 +216,8 @@ def test_how_it_was_found_is_on_the_disk_before_anything_is_set(ports, case, tmp
 
     monkeypatch.setattr(VisaConnection, "write", write)
     station = ManagedMeter(lambda: open_meter(ports.resource, 1), journal=journal)
-    station.ready().frequency = 4e3
-    station.meter.auto_range = True
-    assert {"trigger", "frequency", "auto_range"} <= seen
+    change_all(station.ready(), case)
+    assert {"trigger", "load_correction"} <= seen and len(seen) > 8
     station.release()
     assert not journal.folder.exists()
 

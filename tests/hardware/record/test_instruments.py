@@ -111,3 +111,10 @@ def test_the_command_records_and_identifies(command, ports, tmp_path, instrument
     result = command("record", "pillow", *where, "--unattended", *settings)
     assert result.exit_code == 0, result.output
     assert instrument.settings == case.found()
+
+
+def test_a_sweep_of_hundreds_of_frequencies_comes_whole(meter, pillow):
+    frequencies = [1000.0 + 100 * n for n in range(301)]
+    readings = meter.read_sweep(frequencies)
+    exact = [pillow.impedance("none", f) for f in frequencies]
+    np.testing.assert_allclose([complex(r.Rs, r.X) for r in readings], exact, rtol=2e-3)

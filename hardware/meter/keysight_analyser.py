@@ -1,0 +1,220 @@
+"""Impedance analyser E4990A by Keysight, swept by segments.
+
+Source: E4990A Help, "SCPI Command Reference"; the sequence of commands is that of public programs
+for this analyser (github.com/rjollos/e4990a).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.meter_bands import METER_BANDS
+from .accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
+from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
+from .keysight_settings import NumbersSetting
+from .meter_reading import MeterReading
+from .setting import Setting
+from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat
+
+SEGMENT_HEADER = (7, 0, 0, 0, 0, 0, 0, 0)
+"""Start of a table of segments that have start, stop and number of points, and nothing else."""
+TRACES = ("R", "X")
+POINTS_OF_SEGMENT = 2
+"""Smallest number of points of a segment."""
+VALUES_OF_POINT = 2
+"""Values of a point in a trace: the value, and 0."""
+TABLE_SPEEDS = {1: "FAST", 2: "MEDIUM", 3: "SLOW", 4: "SLOW", 5: "SLOW2"}
+"""Speeds in the words of an accuracy table."""
+MIN_SECONDS = {1: 5e-3, 2: 0.03, 3: 0.07, 4: 0.14, 5: 0.25}
+"""Shortest time of a point by speed, s: assumed, and generous, as a time-out follows from it."""
+PERIODS = {1: 2, 2: 4, 3: 8, 4: 16, 5: 32}
+"""Periods of the signal in a point by speed: assumed in the same way."""
+
+
+class E4990A(KeysightMeter):
+    """20 Hz to 10, 20, 30, 50 or 120 MHz, by its option.
+
+    A pair of neighbouring frequencies is a segment of two points. The analyser chooses its range by
+    itself, and sends no status with a point.
+    """
+
+    model = "E4990A"
+    settable = ("level", "voltage", "constant_current", "speed", "averaging", "load_correction")
+    reported = ("open_correction", "short_correction", "bias")
+    timing = ("speed", "averaging_count", "averages")
+    restored_last = ("continuous", "trace_count", "trigger")
+    max_points = 402
+    rounding = 1e-6
+    correction_commands: ClassVar = {
+        "open": ":SENSe1:CORRection2:COLLect:ACQuire:OPEN",
+        "short": ":SENSe1:CORRection2:COLLect:ACQuire:SHORt",
+    }
+    correction_states: ClassVar = {
+        "open": ":SENSe1:CORRection2:OPEN",
+        "short": ":SENSe1:CORRection2:SHORt",
+    }
+
+    data_format = Setting(":FORMat:DATA", TokenFormat(), "Format of answers")
+    trace_count = Setting(":CALCulate1:PARameter:COUNt", IntegerFormat(1, 4), "Number of traces")
+    trace_1 = Setting(":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1")
+    trace_2 = Setting(":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2")
+    sweep_type = Setting(":SENSe1:SWEep:TYPE", TokenFormat(), "Type of the sweep")
+    segments = NumbersSetting(":SENSe1:SEGMent:DATA", "Table of the segments")
+    continuous = Setting(
+        ":INITiate1:CONTinuous", OnOffFormat(), "True if the analyser waits for triggers by itself"
+    )
+    trigger = Setting(
+        ":TRIGger:SOURce",
+        WordFormat(("INTernal", "EXTernal", "MANual", "BUS")),
+        "Source of the trigger: the analyser itself, a contact, a key, or a command",
+    )
+    sweep_averages = Setting(
+        ":CALCulate1:AVERage:STATe", OnOffFormat(), "True if sweeps are averaged"
+    )
+    source_mode = Setting(
+        ":SOURce1:MODE", WordFormat(("VOLTage", "CURRent")), "Kind of the oscillator's level"
+    )
+    voltage = Setting(":SOURce1:VOLTage", NumberFormat("V", 5e-3, 1, 4), "Voltage, rms, level V")
+    constant_current = Setting(
+        ":SOURce1:CURRent", NumberFormat("A", 200e-6, 20e-3, 4), "Current, rms, level CC"
+    )
+    speed = Setting(
+        ":SENSe1:APERture:TIME", IntegerFormat(1, 5), "Measurement time: 1 fastest, 5 most accurate"
+    )
+    averages = Setting(":SENSe1:AVERage:STATe", OnOffFormat(), "True if points are averaged")
+    averaging_count = Setting(
+        ":SENSe1:AVERage:COUNt", IntegerFormat(1, 999), "Readings of a point that are averaged"
+    )
+    load_correction = Setting(
+        ":SENSe1:CORRection2:LOAD", OnOffFormat(), "True if load compensation is applied"
+    )
+    open_correction = state_of(":SENSe1:CORRection2:OPEN", "Open compensation of the fixture")
+    short_correction = state_of(":SENSe1:CORRection2:SHORt", "Short compensation of the fixture")
+    bias = state_of(":SOURce1:BIAS:STATe", "DC bias")
+
+    @property
+    def level(self) -> str:
+        """Kind of the level: a voltage (V) or a current (CC)."""
+        return "V" if self.source_mode == "VOLTAGE" else "CC"
+
+    @level.setter
+    def level(self, value: str) -> None:
+        if value not in ("V", "CC"):
+            raise InputError(f"`level` must be one of V, CC, got {value}")
+        self.source_mode = "VOLTAGE" if value == "V" else "CURRENT"
+
+    @property
+    def averaging(self) -> int:
+        """Readings of a point that are averaged."""
+        return self.averaging_count if self.averages else 1
+
+    @averaging.setter
+    def averaging(self, value: int) -> None:
+        self.averaging_count = value
+        self.averages = value > 1
+
+    def nearest(self, frequency: float) -> float:
+        """The frequency itself: the analyser sets 1 mHz."""
+        return frequency
+
+    def own_settings(self, requested: Mapping[str, Any]) -> dict[str, Any]:
+        """Requested settings; the speed is a number. Raises InputError for another range."""
+        own = dict(requested)
+        if own.get("auto_range") is True:
+            del own["auto_range"]
+        if str(own.get("speed", "")).isdigit():
+            own["speed"] = int(own["speed"])
+        return own
+
+    def set_up(self) -> None:
+        """Set the analyser up so that a single trigger sweeps its segments, with traces R and X."""
+        self.data_format = "ASC"
+        if self.trace_count < len(TRACES):
+            self.trace_count = len(TRACES)
+        self.trace_1, self.trace_2 = TRACES
+        self.sweep_averages = False
+        self.continuous, self.trigger = True, "BUS"
+
+    def read_at(self, frequency: float) -> MeterReading:
+        """Reading at a frequency in Hz: a sweep of one segment."""
+        return self.sweep_once([frequency])[0]
+
+    def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
+        """Readings of one segment sweep. Its frequencies are read back afterwards."""
+        low, high = self.band
+        for frequency in frequencies:
+            if not low <= frequency <= high:
+                raise InputError(
+                    f"`frequency` must be from {low:g} to {high:g} Hz, got {frequency:g}"
+                )
+        points, table = _segments(frequencies)
+        if self.cached.get("segments") != table:
+            self.segments = table
+        if self.cached.get("sweep_type") != "SEGM":
+            self.sweep_type = "SEGM"
+        with self.sweeping(points) as seconds:
+            self.talk.query_checked(":TRIGger:SINGle;*OPC?", int, seconds)
+        R, X = (self._trace(number, len(points)) for number in (1, 2))
+        self.check_frequencies(
+            points, self.talk.query_checked(":SENSe1:FREQuency:DATA?", values_of)
+        )
+        return [reading_of(*each) for each in zip(R, X, frequencies, strict=False)]
+
+    def _trace(self, number: int, points: int) -> list[float]:
+        """Values of a trace after the latest sweep."""
+
+        def values(answer: str) -> list[float]:
+            found = values_of(answer)
+            if len(found) != VALUES_OF_POINT * points:
+                raise ValueError(answer)
+            return found[::VALUES_OF_POINT]
+
+        return self.talk.query_checked(f":CALCulate1:TRACe{number}:DATA:FDATa?", values)
+
+    @classmethod
+    def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
+        """Approximate time of a point, s; at the lowest frequency if none is given."""
+        frequency = timing.get("frequency", METER_BANDS[cls.model][0])
+        one = max(PERIODS[timing["speed"]] / frequency, MIN_SECONDS[timing["speed"]])
+        return one * (timing["averaging_count"] if timing["averages"] else 1)
+
+    @classmethod
+    def conditions(
+        cls, settings: Mapping[str, Any], frequency: float, Z: complex, table: AccuracyTable
+    ) -> ReadingConditions:
+        """Conditions of a reading of Z [ohm] with the settings of a snapshot."""
+        voltage = settings["voltage"]
+        if settings["level"] == "CC":
+            voltage = settings["constant_current"] * abs(OUTPUT_RESISTANCE + Z)
+        speed = TABLE_SPEEDS[settings["speed"]]
+        return ReadingConditions(
+            frequency, table.fitting_range(Z), speed, settings["averaging"], voltage
+        )
+
+    def start_correction(self, kind: str, extent: str) -> None:
+        """Start to acquire a compensation at fixed points, between which the analyser interpolates.
+
+        Or end its use.
+        """
+        if extent != "OFF":
+            self.talk.send(":SENSe1:CORRection:COLLect:FPOints FIXed")
+        super().start_correction(kind, extent)
+
+    def correction_done(self) -> bool:
+        """True when the started compensation has ended, for which this call waits."""
+        return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
+
+
+def _segments(frequencies: Sequence[float]) -> tuple[list[float], tuple[float, ...]]:
+    """Points of a sweep [Hz], and its table of segments.
+
+    The last one of an odd number of frequencies is measured twice.
+    """
+    points = list(frequencies)
+    points += points[-1:] * (len(points) % POINTS_OF_SEGMENT)
+    table = [*SEGMENT_HEADER, len(points) // POINTS_OF_SEGMENT]
+    for begin in range(0, len(points), POINTS_OF_SEGMENT):
+        table += [*points[begin : begin + POINTS_OF_SEGMENT], POINTS_OF_SEGMENT]
+    return points, tuple(map(float, table))

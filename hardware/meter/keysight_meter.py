@@ -1,0 +1,129 @@
+"""Common part of Keysight's LCR meters and analysers, which sweep by themselves."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import ClassVar
+
+import numpy as np
+
+from ...simulator.sweeps import parallel_capacitance
+from .errors import GarbledError, MeterError
+from .lcr_meter import SEARCHES, LcrMeter
+from .meter_reading import MeterReading, ReadingStatus
+from .setting import MeterProperty
+from .setting_formats import StateFormat
+
+NO_VALUE = 9e37
+"""The meter writes 9.9E37 where it has no number."""
+CORRECTION_SECONDS = 120.0
+"""Time that the meter may be silent while it acquires a correction, s."""
+
+
+class KeysightMeter(LcrMeter):
+    """A meter that sweeps by itself, with a queue of errors.
+
+    max_points: of a sweep. rounding: largest relative rounding of a frequency by the meter.
+    correction_commands: acquire a correction. correction_states: switch its use ON or OFF.
+    """
+
+    extents = ("ALL", "OFF")
+    sweeps = True
+    error_query = ":SYSTem:ERRor?"
+    max_points: ClassVar[int]
+    rounding: ClassVar[float]
+    correction_commands: ClassVar[Mapping[str, str]]
+    correction_states: ClassVar[Mapping[str, str]]
+    open_correction: ClassVar[MeterProperty[str]]
+    short_correction: ClassVar[MeterProperty[str]]
+
+    @abstractmethod
+    def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
+        """Readings of one sweep, at most `max_points` frequencies in Hz."""
+
+    def read_sweep(self, frequencies: Sequence[float]) -> list[MeterReading]:
+        """Readings at frequencies in Hz, by sweeps of at most `max_points`."""
+        found: list[MeterReading] = []
+        for begin in range(0, len(frequencies), self.max_points):
+            found += self.sweep_once(frequencies[begin : begin + self.max_points])
+        return found
+
+    @contextmanager
+    def sweeping(self, frequencies: Sequence[float]) -> Iterator[float]:
+        """Block in which a sweep runs. Gives its longest time, s.
+
+        After a signal the meter counts as busy for that time.
+        """
+        _ = self.seconds  # fills the cache
+        each = [self.reading_seconds({**self.cached, "frequency": f}) for f in frequencies]
+        self._sweep_seconds = SEARCHES * sum(each)
+        try:
+            yield self._sweep_seconds
+        except MeterError:
+            self._sweep_seconds = 0.0
+            raise
+        self._sweep_seconds = 0.0
+
+    def check_frequencies(self, frequencies: Sequence[float], reported: Sequence[float]) -> None:
+        """Raises GarbledError if the meter measured at other frequencies, Hz."""
+        if len(reported) != len(frequencies):
+            raise GarbledError(
+                f"{self.resource}: the meter swept {len(reported)} frequencies instead of "
+                f"{len(frequencies)}; check that nothing else sets it"
+            )
+        for wanted, found in zip(frequencies, reported, strict=True):
+            if abs(found / wanted - 1) > self.rounding:
+                raise GarbledError(
+                    f"{self.resource}: the meter is at {found:g} Hz instead of {wanted:g} Hz; "
+                    "check that nothing else sets it, and that the model has this frequency"
+                )
+
+    def start_correction(self, kind: str, extent: str) -> None:
+        """Start to acquire a correction at all frequencies, or end its use.
+
+        The meter may be silent until it has the correction.
+        """
+        if extent == "OFF":
+            self.talk.send(f"{self.correction_states[kind]} OFF")
+            return
+        self.talk.send("*CLS")
+        self._sweep_seconds = CORRECTION_SECONDS
+        self.talk.send(self.correction_commands[kind], CORRECTION_SECONDS)
+
+    def correction_fault(self, kind: str) -> str:
+        """Fault of the correction that has ended; empty if there is none, and then it is used."""
+        self._sweep_seconds = 0.0
+        error = self.talk.query(self.error_query, str.strip)
+        if not error.lstrip("+").startswith("0"):
+            return f"error {error}"
+        self.talk.send(f"{self.correction_states[kind]} ON")
+        return ""
+
+    def cancel_correction(self, kind: str) -> None:
+        """Cancel the started correction."""
+        self.talk.send(":ABORt")
+
+
+def state_of(command: str, meaning: str) -> MeterProperty[str]:
+    """Property that is ON or OFF."""
+    return MeterProperty(f"{command}?", StateFormat(), meaning)
+
+
+def reading_of(
+    R: float, X: float, frequency: float, status: ReadingStatus = ReadingStatus.NORMAL
+) -> MeterReading:
+    """Reading of R and X in ohm at a frequency in Hz. Raises ValueError for numbers that are none.
+
+    The capacitance follows from R, X and the frequency.
+    """
+    if not max(abs(R), abs(X)) < NO_VALUE or R == X == 0:
+        raise ValueError(f"{R:g},{X:g}")
+    Cp = parallel_capacitance(np.array([complex(R, X)]), np.array([frequency]))
+    return MeterReading(float(Cp[0]), R, X, status)
+
+
+def values_of(text: str) -> list[float]:
+    """Numbers separated by commas. Raises ValueError."""
+    return [float(each) for each in text.split(",")]
