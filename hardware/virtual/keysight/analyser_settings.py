@@ -47,8 +47,7 @@ class Segment:
 class AnalyserSettings:
     """Settings after `*RST`, but continuous. start, stop: Hz. voltage: V. current: A. delay: s.
 
-    range: the analyser chooses it. segments: of a sweep of type SEGM, as they were sent in
-    segment_table.
+    segments: of a sweep of type SEGM, as they were sent in segment_table.
     """
 
     start: float = BAND[0]
@@ -79,7 +78,6 @@ class AnalyserSettings:
     fixture: str = "NONE"
     bias: bool = False
     byte_order: str = "NORM"
-    range: int = 0
 
     @property
     def frequencies(self) -> list[float]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError
 from ..language.vocabulary import Vocabulary
@@ -45,6 +45,12 @@ class VirtualE4990A(KeysightInstrument):
     def band(self) -> tuple[float, float]:
         """Lowest and highest frequency, Hz."""
         return BAND
+
+    @property
+    def shown_settings(self) -> dict[str, Any]:
+        """Settings that the control port shows. frequency: of the first point, Hz."""
+        frequency = self.points()[0].frequency
+        return {"frequency": frequency, "range": "auto", "trigger": self.settings.trigger}
 
     def points(self) -> Sequence[AnalyserSettings]:
         """Settings at each point of the sweep."""

@@ -3,7 +3,9 @@
 import pytest
 import pyvisa
 from pymeasure.instruments import Instrument
+from pymeasure.instruments.agilent import Agilent4284A, AgilentE4980
 from pymeasure.instruments.validators import strict_range
+from rcskin.hardware.virtual.keysight.e4980a import Virtual4284A, VirtualE4980A
 
 
 @pytest.fixture
@@ -62,3 +64,42 @@ def test_an_instrument_of_pymeasure(ports):
         assert lcr.reading == [0, 10e3]
     finally:
         lcr.adapter.close()
+
+
+FREQUENCIES = [1e3 * n for n in range(1, 13)]
+
+
+def reactances(pillow):
+    return pytest.approx([pillow.impedance("none", f).imag for f in FREQUENCIES], rel=1e-5)
+
+
+def test_the_driver_of_pymeasure_for_the_4284a(make_instrument, serve, pillow):
+    """It sweeps twelve frequencies in lists of ten, and polls the operation register."""
+    with serve(make_instrument(kind=Virtual4284A)) as ports:
+        lcr = Agilent4284A(ports.resource, visa_library="@py")
+        try:
+            lcr.reset()
+            lcr.frequency, lcr.ac_voltage, lcr.impedance_mode = 5e3, 0.5, "RX"
+            assert (lcr.frequency, lcr.ac_voltage, lcr.impedance_mode) == (5e3, 0.5, "RX")
+            R, X, swept = lcr.sweep_measurement("frequency", FREQUENCIES)
+            assert (R, X, swept) == ([10e3] * 12, reactances(pillow), FREQUENCIES)
+            assert lcr.check_errors() == []
+        finally:
+            lcr.adapter.close()
+
+
+@pytest.mark.filterwarnings("ignore:It is not known whether this device:FutureWarning")
+def test_the_driver_of_pymeasure_for_the_e4980a(make_instrument, serve, pillow):
+    ends = {"read_termination": "\n", "write_termination": "\n"}
+    with serve(make_instrument(kind=VirtualE4980A)) as ports:
+        lcr = AgilentE4980(ports.resource, visa_library="@py", **ends)
+        try:
+            lcr.mode, lcr.frequency, lcr.ac_voltage = "RX", 5e3, 0.5
+            lcr.aperture("SHORT", 4)
+            assert (lcr.mode, lcr.frequency, lcr.aperture()) == ("RX", 5e3, ("SHOR", 4))
+            assert lcr.impedance == [10e3, pytest.approx(-31831.0)]
+            R, X, swept = lcr.freq_sweep(FREQUENCIES, return_freq=True)
+            assert (R, X, swept) == ([10e3] * 12, reactances(pillow), FREQUENCIES)
+            assert lcr.check_errors() == []
+        finally:
+            lcr.adapter.close()

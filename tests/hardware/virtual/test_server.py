@@ -118,6 +118,12 @@ def test_a_thousand_bad_clients_do_not_stop_it(ports, meter, pillow):
     assert meter.read().X == pytest.approx(pillow.impedance("none", 2e3).imag, rel=1e-5)
 
 
+def test_the_state_of_each_dialect_is_shown(served):
+    _, ports = served
+    state = send_request(control(ports), "state")
+    assert state["frequency"] > 0 and state["trigger"] in ("INT", "INTERNAL") and state["range"]
+
+
 def test_bad_clients_stop_no_dialect(served, raw):
     instrument, ports = served
     dice = random.Random(1)
