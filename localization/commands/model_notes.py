@@ -51,23 +51,24 @@ def note_versions(model: Model, path: Path) -> None:
 def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:
     """Line on the kind of sweeps that an accuracy applies to. scored: see `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
-    from ..inputs.features import RELATIVE
+    from ..inputs.feature_names import are_changes
 
     used = ", ".join(problem.quantities)
-    features = CHANGES if problem.quantities == RELATIVE else used
+    features = CHANGES if are_changes(problem.quantities) else used
     noisy = "rtol" not in sweeps.attrs or "readout" in sweeps.attrs
     return accuracy_text(problem.target, features, scored, noisy=noisy)
 
 
 def note_features(requested: str | None, used: Sequence[str]) -> None:
     """Print a note if the features are a default other than changes from the unpressed skin."""
-    from ..inputs.features import RELATIVE
+    from ..inputs.feature_names import are_changes, names_beside
 
-    if requested is None and tuple(used) != RELATIVE:
+    if requested is None and not are_changes(used):
+        changes = names_beside(used).relative[: len(used)]
         say(
             f"rcskin: note: --features {','.join(used)} is used because most presses have no sweep "
             "of the unpressed skin before them in their session; with such sweeps, "
-            f"{','.join(RELATIVE)} is usually more accurate",
+            f"{','.join(changes)} is usually more accurate",
             err=True,
         )
 

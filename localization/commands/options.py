@@ -59,7 +59,9 @@ Quantities = Annotated[
         "--features",
         help="Features, joined by ',': Rs, X, Cp, lnZ, phase; dlnZ and dphase, the changes from "
         "the unpressed skin in the same session; lnZ0 and phase0 of the unpressed skin itself. "
-        "Default: dlnZ,dphase, or Rs,Cp if the unpressed skin was not measured.",
+        "Of gains: gain, lnG, phaseG, dlnG, dphaseG, lnG0, phaseG0. "
+        "Default: dlnZ,dphase, or Rs,Cp if the unpressed skin was not measured; of gains dlnG,"
+        "dphaseG, or lnG,phaseG.",
     ),
 ]
 Interfaces = Annotated[

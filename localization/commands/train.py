@@ -91,11 +91,14 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
     """Hint to use changes from the unpressed skin, if the sweeps allow it."""
     import numpy as np
 
+    from ..inputs.feature_names import names_of
+
     if not model.guards_use_changes or np.unique(sweeps["session"]).size < 2:
         return []
+    changes = names_of(sweeps.variables).relative
     return [
         "uses absolute readings, which differ from skin to skin; changes from the unpressed skin "
-        "are usually more accurate: --features dlnZ,dphase"
+        f"are usually more accurate: --features {','.join(changes)}"
     ]
 
 

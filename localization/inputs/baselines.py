@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...simulator.sweeps import OPENING as OF_OPENING
-from ...simulator.sweeps import InputError, impedance
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.schema import complex_readings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +53,7 @@ def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselin
     before EARLY, at least MIN_BASELINES. Sweeps before these, and sessions without any, are not
     among the rows.
     """
-    absolute = np.log(impedance(sweeps).astype(complex))
+    absolute = np.log(complex_readings(sweeps).astype(complex))
     parts = list(
         _own_baselines(sweeps, absolute)
         if rest is None
@@ -121,7 +122,7 @@ def _given_baselines(
     known, wanted = rest["session"].values, sweeps["session"].values
     if np.unique(known).size == 1:
         known, wanted = np.zeros_like(known), np.zeros_like(wanted)
-    baselines = np.log(impedance(rest).astype(complex))
+    baselines = np.log(complex_readings(rest).astype(complex))
     for session in np.intersect1d(wanted, known):
         here, of_session = np.flatnonzero(wanted == session), known == session
         means = [_mean_of_others(absolute[here], baselines[of_session & of]) for of in _parts(rest)]
@@ -134,7 +135,7 @@ def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np
 
     Both are the mean of all if the opening is not marked. Shape (interface, frequency) each.
     """
-    known = np.log(impedance(rest).astype(complex))
+    known = np.log(complex_readings(rest).astype(complex))
     latest, opening = (known[part].mean(axis=0) for part in _parts(rest))
     return latest, opening
 

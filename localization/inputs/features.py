@@ -7,28 +7,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.sweeps import InputError, impedance
-from ...simulator.sweeps.schema import taken_of
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import kind_of
+from ...simulator.sweeps.schema import complex_readings, taken_of
 from .baselines import check_baselines, has_baseline_before, log_baselines
+from .feature_names import (
+    BASELINE,
+    PAPER,
+    QUANTITIES,
+    READ,
+    RELATIVE,
+    check_kind,
+    names_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-READ = ("Rs", "X", "Cp")
-"""Readings as the sweeps store them, in SI units."""
-ABSOLUTE = ("lnZ", "phase")
-"""ln |Z / ohm|, and the phase of Z in rad."""
-RELATIVE = ("dlnZ", "dphase")
-"""ln |Z| and phase relative to recent baseline sweeps of the same session.
-
-The meter's errors of the session and most differences between skins cancel.
-"""
-BASELINE = ("lnZ0", "phase0")
-"""ln |Z| and phase of the unpressed skin at the start of the session; they identify the skin."""
-QUANTITIES = (*READ, *ABSOLUTE, *RELATIVE, *BASELINE)
-PAPER = ("Rs", "Cp")
-"""The paper's choice, and the default where the unpressed skin was not measured."""
 BLOCK = 10_000
 """Approximate number of sweeps per block; computing features takes ten times their memory."""
 
@@ -40,12 +36,13 @@ Quantities = str | Sequence[str]
 def default_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
     """The default features: changes from the unpressed skin, if most presses have a baseline.
 
-    RELATIVE if `rest` is given, or if more than half of the pressed sweeps have a baseline sweep
-    before them in their session. PAPER otherwise.
+    They are the `relative` ones of `FeatureNames` if `rest` is given, or if more than half of the
+    pressed sweeps have a baseline sweep before them in their session, else its `default`.
     """
+    names = names_of(sweeps.variables)
     pressed = sweeps["row"].values != 0
     known = has_baseline_before(sweeps)[pressed]
-    return RELATIVE if rest is not None or 2 * known.sum() > known.size else PAPER
+    return names.relative if rest is not None or 2 * known.sum() > known.size else names.default
 
 
 def features(
@@ -77,10 +74,11 @@ def available_features(
     The order is by quantity, then by interface, then by ascending frequency; only readings that
     were taken (`taken_of`). interfaces: those to use, in order; by default all. rest: baseline
     sweeps, if they are not among `sweeps` (see `log_baselines`). Raises InputError for a quantity
-    that is not one of QUANTITIES, for none, for one given twice, and for an interface that the
-    sweeps lack.
+    that is not one of QUANTITIES or needs other readings, for none, for one given twice, and for an
+    interface that the sweeps lack.
     """
     names = checked_quantities(quantities)
+    check_kind(names, kind_of(sweeps.variables))
     used = at_interfaces(sweeps, interfaces)
     baselines = None if rest is None else at_interfaces(rest, interfaces)
     count = used.sizes["sweep"]
@@ -98,11 +96,12 @@ def baseline_changes(
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
 ) -> NDArray[np.float64]:
-    """RELATIVE features of each sweep, shape (sweep, feature); NaN without a baseline.
+    """Changes from the baseline of each sweep, shape (sweep, feature); NaN without a baseline.
 
     Arguments: see `available_features`; raises InputError as it does.
     """
-    found, rows = available_features(sweeps, RELATIVE, interfaces=interfaces, rest=rest)
+    relative = names_of(sweeps.variables).relative
+    found, rows = available_features(sweeps, relative, interfaces=interfaces, rest=rest)
     changes = np.full((sweeps.sizes["sweep"], found.shape[1]), np.nan)
     changes[rows] = found
     return changes
@@ -140,17 +139,17 @@ def _features_of_block(
     sweeps: xr.Dataset, quantities: tuple[str, ...], rest: xr.Dataset | None
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """`available_features` of a block of sweeps, which contains whole sessions if needed."""
-    rows = np.arange(sweeps.sizes["sweep"])
+    rows, known = np.arange(sweeps.sizes["sweep"]), names_of(sweeps.variables)
     found = {name: _read(sweeps, name) for name in quantities if name in READ}
     if len(found) < len(quantities):
-        absolute = np.log(impedance(sweeps).astype(complex))
-        found |= _parts(absolute, ABSOLUTE)
+        absolute = np.log(complex_readings(sweeps).astype(complex))
+        found |= _parts(absolute, known.absolute)
     if needs_baseline(quantities):
         baselines = log_baselines(sweeps, rest)
         rows = baselines.rows
         found = {name: values[rows] for name, values in found.items()}
-        found |= _parts(absolute[rows] - baselines.recent, RELATIVE)
-        found |= _parts(baselines.opening, BASELINE)
+        found |= _parts(absolute[rows] - baselines.recent, known.relative)
+        found |= _parts(baselines.opening, known.baseline)
     taken = taken_of(sweeps)
     blocks = [_flat(found[name], taken) for name in quantities]
     return np.concatenate(blocks, axis=1), rows
@@ -237,6 +236,7 @@ def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
 
 
 def _parts(
-    logarithm: NDArray[np.complex128], names: tuple[str, str]
+    logarithm: NDArray[np.complex128], names: tuple[str, ...]
 ) -> dict[str, NDArray[np.float64]]:
-    return dict(zip(names, (np.real(logarithm), np.imag(logarithm)), strict=True))
+    """Real and imaginary parts by name; the real ones alone for one name."""
+    return dict(zip(names, (np.real(logarithm), np.imag(logarithm)), strict=False))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.sweeps.reading_quantities import kind_of
 from .features import in_blocks
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ def fingerprints_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
 
 
 def _fingerprints(sweeps: xr.Dataset) -> NDArray[np.uint64]:
-    readings = np.stack([sweeps[name].values for name in ("Rs", "X")], axis=1)
+    names = kind_of(sweeps.variables).sufficient
+    readings = np.stack([sweeps[name].values for name in names], axis=1)
     rows = np.ascontiguousarray(readings.reshape(len(readings), -1), dtype=np.float32)
     digests = b"".join(
         blake2b(row.tobytes(), digest_size=FINGERPRINT_BYTES).digest() for row in rows

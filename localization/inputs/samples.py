@@ -10,8 +10,8 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from .baselines import check_baselines
+from .feature_names import RELATIVE, names_beside
 from .features import (
-    RELATIVE,
     Quantities,
     at_interfaces,
     available_features,
@@ -175,7 +175,10 @@ def as_changes(samples: Samples) -> Samples:
     """The samples with changes from the baseline as features, NaN where there is none."""
     several, changes = samples.several, samples.changes
     assert changes is not None and several.changes is not None
-    features = {"quantities": RELATIVE, "features": changes.shape[1]}
+    own, problem = changes.shape[1], samples.problem
+    each = problem.features // len(problem.quantities)
+    relative = names_beside(problem.quantities).relative[: own // each]
+    features = {"quantities": relative, "features": own}
     known = np.isfinite(several.changes).all(axis=1)
     return replace(
         samples,

@@ -7,7 +7,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
 from ...simulator.sweeps import InputError
-from ..inputs.features import ABSOLUTE, BASELINE, READ, RELATIVE
+from ..inputs.feature_names import ABSOLUTE, BASELINE, READ, RELATIVE
 from ..inputs.samples import LocalizationProblem
 from .components import Components
 from .ecoc import ECOCClassifier

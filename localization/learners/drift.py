@@ -14,7 +14,8 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.pipeline import Pipeline
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ..inputs.features import ABSOLUTE, BASELINE, RELATIVE, in_blocks
+from ..inputs.feature_names import ABSOLUTE, BASELINE, RELATIVE
+from ..inputs.features import in_blocks
 from ..inputs.samples import LocalizationProblem
 
 DRIFT = 0.02

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
+from ..inputs.feature_names import NAMES
 from ..inputs.features import at_interfaces, taken_rows
 
 if TYPE_CHECKING:
@@ -24,6 +26,13 @@ def check_compatible(
 
     trained: what a model predicts, and from what. any_skin: the skin may be another one.
     """
+    kind = kind_of(sweeps.variables)
+    lacking = set(trained.quantities) - set(NAMES[kind.name].all)
+    if lacking:
+        raise InputError(
+            f"the model was trained on the features {', '.join(trained.quantities)}, and the "
+            f"sweeps hold the {kind.name}, which has no {min(lacking)}"
+        )
     for part in (sweeps,) if rest is None else (sweeps, rest):
         own = str(part.attrs.get("scene", ""))
         if own != trained.scene and not any_skin:

@@ -21,7 +21,7 @@ from ...simulator.scene.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ..evaluation.evaluation import cross_validate
-from ..inputs.features import PAPER
+from ..inputs.feature_names import PAPER
 from .simulated_experiment import SimulatedExperiment, with_pixels
 
 if TYPE_CHECKING:

@@ -67,7 +67,8 @@ class CommonDraws:
         """
         taken = reading.read if taken is None else taken
         each = zip(reading.interfaces, taken, strict=True)
-        noise = [self._noise(interface.name, len(f))[..., f] for interface, f in each]
+        own = slice(2 if reading.phases else 1)
+        noise = [self._noise(interface.name, len(f))[:, own, f] for interface, f in each]
         errors = np.concatenate([each.reshape(len(each), -1) for each in noise], axis=1)
         return self._draws.score(self._whitened(skin, reading, taken), errors)
 
@@ -108,8 +109,9 @@ def whitened_interface(
     With x and the errors of the session e in units of the noise, the covariance is I + ee', whose
     inverse root is I - (1 - 1/sqrt(1 + e'e)) ee'/(e'e).
     """
-    noise, kept = model.noise[:, interface][:, taken], numbers[..., taken]
-    accuracy = model.accuracy[:, interface][:, taken]
+    quantities = slice(2 if model.phases else 1)
+    noise, kept = model.noise[quantities, interface][:, taken], numbers[:, quantities][..., taken]
+    accuracy = model.accuracy[quantities, interface][:, taken]
     largest = accuracy.max(axis=-1, initial=0.0, keepdims=True)
     if not largest.any():
         return (kept / noise).reshape(len(kept), -1)

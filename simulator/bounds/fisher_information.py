@@ -97,7 +97,7 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
 
 def _deviation(model: ErrorModel) -> NDArray[np.float64]:
     """Standard deviation of each reading, infinite for none, shape (2, interface, frequency)."""
-    return np.where(model.read, model.noise, np.inf)
+    return np.where(model.values, model.noise, np.inf)
 
 
 def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds.touches.rasterization_errors import error_against_solver
-from ..fem.error_estimate import relative_difference
 from ..fem.safety_factors import SAMPLED
 from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import FoamState
 from ..measure.streams import CELLS, stream
 from ..models.reduced.indentation.indentation_draws import spreading
+from ..models.solution import reading_difference
 from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.scene import Scene
@@ -24,7 +24,7 @@ SAMPLE = 16
 
 
 def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float) -> float:
-    """Largest relative error of Rs and Cp by rasterizing touches on cells, for a sample of presses.
+    """Largest relative error of readings by rasterizing touches on cells, for a sample of presses.
 
     The skin is the scene's nominal one; creeping foam is compared at the end of a sweep. If a
     tension spreads presses, the error includes `lattice_error` and the safety factor SAMPLED.
@@ -43,7 +43,7 @@ def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float
 
 
 def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:
-    """Relative error of Rs and Cp by solving deflections on a lattice, for a sample of presses.
+    """Relative error of readings by solving deflections on a lattice, for a sample of presses.
 
     The reference is the membrane on triangles, rasterized on the same cells.
     """
@@ -52,7 +52,7 @@ def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:
     on_cells = _answers(scene, family, presses.batch)
     traced = cell_presses_by_triangles(scene, presses.touches, presses.placed, family.grid)
     exact = _answers(scene, family, traced)
-    return SAMPLED * float(relative_difference(on_cells, exact).max())
+    return SAMPLED * float(reading_difference(on_cells, exact, scene.reading.kind).max())
 
 
 def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:

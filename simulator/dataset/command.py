@@ -69,8 +69,9 @@ def dataset(
         f"relative error {attributes['audit_bound']:.1e}; {attributes['fallbacks']} solved in full"
     )
     if "cells_error" in attributes:
+        changed = " and ".join(plan.scene.reading.kind.with_errors)
         say(
-            f"{output}: rasterizing touches on cells changes Rs and Cp by up to "
+            f"{output}: rasterizing touches on cells changes {changed} by up to "
             f"{attributes['cells_error']:.1e}; a larger cells_per_pixel reduces it"
         )
     if "deflection_error" in attributes:

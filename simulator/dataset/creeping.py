@@ -78,10 +78,15 @@ def _repeated(batch: PressBatch, times: int) -> PressBatch:
 
 
 def check_creep(scene: Scene) -> None:
-    """Raises InputError if creeping foam is pressed by depth or would creep too far."""
+    """Raises InputError if creeping foam is read at nodes driven together, or creeps too far."""
     foam, drawn = scene.skin.foam, scene.dataset.press
     if not foam.in_time:
         return
+    if not scene.reading.one_to_one:
+        raise InputError(
+            f"{scene.name}: data sets of foam with `{foam.in_time[0]}` take no "
+            "`interface.driven_with`; leave out one of them"
+        )
     overlapping = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
     x = foam.strain_at(np.array(drawn.factor.high**overlapping))
     creep = Creep.of(foam)

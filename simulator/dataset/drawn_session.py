@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ..fem.error_estimate import relative_difference
 from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
-from ..measure.readout import Meter, displayed
+from ..measure.readout import Meter, shown_values
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..scene.scene import Scene
-from ..sweeps import ToleranceError, parallel_capacitance
+from ..sweeps import ToleranceError
 from .creeping import in_foam_states
 from .dataset_plan import Plan
 from .drawn_presses import Presses, session_presses
@@ -139,8 +139,8 @@ class DrawnSession:
     """A session: its number, skin, fixed errors of the meter, presses, displayed readings, audit.
 
     gain, turn: factor on |Z| and addition to the phase in rad, shape (interface,), of the reading
-    of the first press at the middle frequency; errors of other readings may differ. shown: Rs
-    [ohm], X [ohm], Cp [F], each of shape (press, interface, frequency).
+    of the first press at the middle frequency; errors of other readings may differ. shown:
+    quantities of the readings by name, each of shape (press, interface, frequency).
     """
 
     number: int
@@ -188,9 +188,7 @@ def _measured(
 
 
 def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:
-    values = {"Rs": Z.real, "X": Z.imag, "Cp": parallel_capacitance(Z, scene.frequencies)}
-    digits = scene.readout.display_digits
-    shown = {name: displayed(value, digits) for name, value in values.items()}
+    shown = shown_values(Z, scene.frequencies, scene.reading.kind, scene.readout)
     if scene.taken is None:
         return shown
     return {name: np.where(scene.taken, value, np.nan) for name, value in shown.items()}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.scene import Scene
-from ..sweeps.reading_quantities import DESCRIBED, IMPEDANCE
+from ..sweeps.reading_quantities import DESCRIBED
 from ..sweeps.schema import DIMENSIONS, LABELS
 from .dataset_plan import Plan, readings
 from .drawn_presses import MAX_TOUCHES
@@ -48,7 +48,7 @@ def variables(plan: Plan) -> list[ArraySpec]:
     return [
         *(
             ArraySpec(each.name, DIMENSIONS, quantity, each.meaning, each.units, labels)
-            for each in IMPEDANCE.quantities
+            for each in plan.scene.reading.kind.quantities
         ),
         *(
             ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)

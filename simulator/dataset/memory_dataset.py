@@ -26,13 +26,15 @@ def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
     with one_blas_thread():
         drawn = drawn_sessions(plan, family, range(plan.sessions))
     arrays = joined_sessions([values(session) for session in drawn], plan.sweeps)
+    kind = plan.scene.reading.kind
     sweeps = build(
-        arrays["Rs"] + 1j * arrays["X"],
+        kind.reading(arrays),
         plan.scene.frequencies,
         interface=[each.name for each in plan.scene.interfaces],
         press=arrays["press"].tolist(),
         **{name: arrays[name].tolist() for name in ("row", "column", "session")},
-        Cp=arrays["Cp"],
+        shown={name: arrays[name] for name in kind.names},
+        kind=kind,
         taken=plan.scene.taken,
         attributes={
             "scene": scene_text(plan.scene),

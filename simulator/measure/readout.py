@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from ..scene.meter import Readout
 from ..scene.reading_setup import ReadingSetup
 from ..scene.readout_errors import ReadoutErrors
-from ..sweeps import InputError, build, impedance, parallel_capacitance
-from ..sweeps.schema import taken_of
+from ..sweeps import InputError, build
+from ..sweeps.reading_quantities import ReadingKind, kind_of
+from ..sweeps.schema import complex_readings, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,24 +60,36 @@ def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
     return np.round(value / step) * step
 
 
+def shown_values(
+    reading: NDArray[np.complex128],
+    frequency: NDArray[np.float64],
+    kind: ReadingKind,
+    readout: Readout,
+) -> dict[str, NDArray[np.float64]]:
+    """Quantities of measured readings by name, as displayed. frequency: Hz."""
+    return {
+        name: displayed(value, readout.display_digits)
+        for name, value in kind.values(reading, frequency).items()
+    }
+
+
 def read_out(
     sweeps: xr.Dataset, readout: Readout, random: np.random.Generator, session: int = 0
 ) -> xr.Dataset:
     """Sweeps as measured by a meter in one session, without numerical errors."""
-    frequency = sweeps["frequency"].values
-    Z = Meter(readout, sweeps.sizes["interface"], random).measure(impedance(sweeps), frequency)
-    Rs, X, Cp = (
-        displayed(value, readout.display_digits)
-        for value in (Z.real, Z.imag, parallel_capacitance(Z, frequency))
-    )
+    frequency, kind = sweeps["frequency"].values, kind_of(sweeps.variables)
+    meter = Meter(readout, sweeps.sizes["interface"], random)
+    measured = meter.measure(complex_readings(sweeps), frequency)
+    shown = shown_values(measured, frequency, kind, readout)
     kept = ("interface", "press", "row", "column")
     labels: Any = {name: list(sweeps[name].values) for name in kept}
     return build(
-        Rs + 1j * X,
+        kind.reading(shown),
         frequency,
         **labels,
         session=[session] * sweeps.sizes["sweep"],
-        Cp=Cp,
+        shown=shown,
+        kind=kind,
         taken=taken_of(sweeps),
         attributes={**sweeps.attrs, "readout": readout.model_dump_json()},
     )
@@ -122,7 +135,8 @@ class ErrorModel:
     0 for values without a baseline, which have the errors of the session. reading: at which the
     errors are evaluated, shape (interface, frequency), with its frequency in Hz; both may be left
     out where the errors are the same for all readings. It is the reading of the unpressed skin
-    where errors must not depend on the press.
+    where errors must not depend on the press. phases: False where magnitudes alone are read; phases
+    then are no values.
     """
 
     readout: ReadoutErrors
@@ -131,6 +145,7 @@ class ErrorModel:
     against_rest: int = 0
     reading: NDArray[np.complex128] | None = None
     frequency: NDArray[np.float64] | None = None
+    phases: bool = True
 
     def __post_init__(self) -> None:
         """Raises InputError for a meter without noise."""
@@ -138,20 +153,25 @@ class ErrorModel:
         if self.reading is None and not self.readout.uniform:
             raise ValueError("`reading` must be given where errors depend on the reading")
 
+    @cached_property
+    def values(self) -> NDArray[np.bool_]:
+        """Mask of the values, of ln |Z| and of phases, shape (2, interface, frequency)."""
+        return np.stack([self.read, self.read & self.phases])
+
     @property
     def deviation(self) -> NDArray[np.float64]:
-        """Standard deviation of each value by the noise of readings, shape (2 * readings
-        taken,)."""
-        return self.noise[:, self.read].ravel()
+        """Standard deviation of each value by the noise of readings, shape (value,)."""
+        return self.noise[self.values]
 
     @cached_property
     def noise(self) -> NDArray[np.float64]:
         """Standard deviations of ln |Z| and phase by the noise of readings.
 
-        The shape is (2, interface, frequency).
+        The shape is (2, interface, frequency). Phases that are not read have infinite ones.
         """
         rest = 1 / self.against_rest if self.against_rest else 0.0
-        return self.readout.noise(*self._evaluated_at) * np.sqrt(1 / self.averaged + rest)
+        noise = self.readout.noise(*self._evaluated_at) * np.sqrt(1 / self.averaged + rest)
+        return noise if self.phases else np.stack([noise[0], np.full(noise[0].shape, np.inf)])
 
     @cached_property
     def accuracy(self) -> NDArray[np.float64]:
@@ -171,22 +191,23 @@ class ErrorModel:
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Covariance of all values, shape (2 * readings taken, 2 * readings taken)."""
+        """Covariance of all values, shape (value, value)."""
         C = np.diag(self.deviation**2)
         if self.against_rest:
             return C
-        interface = np.nonzero(self.read)[0]
-        shared = np.kron(np.eye(2), interface[:, None] == interface)
-        accuracy = self.accuracy[:, self.read].ravel()
+        quantity, interface, _ = np.nonzero(self.values)
+        both = np.stack([quantity, interface])
+        shared = (both[:, :, None] == both[:, None]).all(axis=0)
+        accuracy = self.accuracy[self.values]
         return C + accuracy[:, None] * accuracy * shared
 
     def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values of the readings taken, transformed to independent errors of deviation 1.
 
-        numbers: of all readings, see `observed`, shape (..., 2 * readings). Returns shape (..., 2
-        * readings taken).
+        numbers: of all readings, see `observed`, shape (..., 2 * readings). Returns shape (...,
+        value).
         """
-        numbers = numbers[..., np.tile(self.read.ravel(), 2)]
+        numbers = numbers[..., self.values.ravel()]
         factor = np.linalg.cholesky(self.covariance)
         flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
         return flat.T.reshape(numbers.shape).astype(np.float64)
@@ -221,4 +242,4 @@ def errors_of(
     read, readout = scene.reading if reading is None else reading, scene.readout
     require_noise(readout)
     at = None if readout.uniform or unpressed is None else unpressed()
-    return ErrorModel(readout, read.read, averaged, against_rest, at, read.frequency)
+    return ErrorModel(readout, read.read, averaged, against_rest, at, read.frequency, read.phases)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fem.error_estimate import reference_susceptance
+from ..fem.error_estimate import reference_susceptance, relative_difference
 from ..fem.safety_factors import UNIFORM
 from ..scene.reading_setup import ReadingSetup
 from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
@@ -111,6 +111,15 @@ def reference_capacitance(
     Z: ohm, shape (..., frequency). frequency: Hz.
     """
     return reference_susceptance(1 / Z) / (2 * np.pi * frequency)
+
+
+def reading_difference(
+    found: NDArray[np.complex128], truth: NDArray[np.complex128], kind: ReadingKind
+) -> NDArray[np.float64]:
+    """Relative differences of readings, shape (quantity, ...): of Rs and Cp, or of gains."""
+    if kind is IMPEDANCE:
+        return relative_difference(found, truth)
+    return np.abs(found / truth - 1)[None]
 
 
 class SolutionProgress:

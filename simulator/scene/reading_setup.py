@@ -78,10 +78,14 @@ class ReadingSetup:
     @property
     def kind(self) -> ReadingKind:
         """Kind of the readings."""
-        first = self.interfaces[0]
-        if first.reader != "gain":
+        if not self.gain:
             return IMPEDANCE
-        return MAGNITUDE if first.magnitude_only else GAIN
+        return GAIN if self.phases else MAGNITUDE
+
+    @property
+    def phases(self) -> bool:
+        """True if phases are read, not magnitudes alone."""
+        return not self.interfaces[0].magnitude_only
 
     @property
     def gain(self) -> bool:

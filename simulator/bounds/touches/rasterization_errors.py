@@ -8,15 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.error_estimate import relative_difference
 from ...fem.safety_factors import SAMPLED
 from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
 from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.mechanics.lattice.traced_deformation import as_press, traced
+from ...models.solution import reading_difference
 from ...models.solver import Solver
 from ...press.batch import PressBatch
 from ...press.press import Press
 from ...scene.scene import Scene
+from ...sweeps.reading_quantities import IMPEDANCE
 
 SAMPLE = 8
 """Largest number of compared touches; all have one size and similar depths."""
@@ -26,14 +27,16 @@ Impedances = Callable[[PressBatch], NDArray[np.complex128]]
 
 
 class RasterizationErrors(NamedTuple):
-    """Estimated largest relative errors of Rs and Cp: SAMPLED times those of a sample.
+    """Estimated largest relative errors of readings: SAMPLED times those of a sample.
 
     cells: of cells and lattice together, compared with the full model. deflection: of the lattice
-    alone, compared with the membrane on triangles, rasterized on the same cells.
+    alone, compared with the membrane on triangles, rasterized on the same cells. quantities: names
+    of those with these errors.
     """
 
     cells: float
     deflection: float
+    quantities: tuple[str, ...] = IMPEDANCE.with_errors
 
     def summary(self) -> dict[str, float]:
         """Content of a file, by the names that data sets use."""
@@ -46,8 +49,9 @@ class RasterizationErrors(NamedTuple):
     def sentence(self) -> str:
         """Line for the terminal."""
         return (
-            f"touches by depth are rasterized on cells: error of Rs and Cp up to {self.cells:.1e}, "
-            f"of which the lattice of the deflection causes up to {self.deflection:.1e}"
+            f"touches by depth are rasterized on cells: error of {' and '.join(self.quantities)} "
+            f"up to {self.cells:.1e}, of which the lattice of the deflection causes up to "
+            f"{self.deflection:.1e}"
         )
 
 
@@ -61,25 +65,26 @@ def rasterization_errors(
     """Errors of a sample of touches.
 
     own: the touches rasterized on the lattice's cells. impedances: function from presses of these
-    cells to ohm behind the leads. Raises InputError and ToleranceError as `Solver` does.
+    cells to readings. Raises InputError and ToleranceError as `Solver` does.
     """
     found = impedances(own)
     cells = error_against_solver(scene, map(as_press, each), found, RTOL)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
-    deflection = float(relative_difference(found, by_triangles).max())
-    return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection)
+    kind = scene.reading.kind
+    deflection = float(reading_difference(found, by_triangles, kind).max())
+    return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection, kind.with_errors)
 
 
 def error_against_solver(
     scene: Scene, presses: Iterable[Press], found: NDArray[np.complex128], rtol: float
 ) -> float:
-    """Largest relative error of Rs and Cp of given Z in ohm behind the leads, for some presses.
+    """Largest relative error of given readings, for some presses.
 
     The reference is the full model, which resolves every edge, at `rtol`. Raises as `Solver` does.
     """
     solver = Solver(scene, rtol)
     exact = np.stack([solver.solve(press).Z for press in presses])
-    return float(relative_difference(found, exact).max())
+    return float(reading_difference(found, exact, scene.reading.kind).max())
 
 
 def sample_indices(count: int) -> list[int]:

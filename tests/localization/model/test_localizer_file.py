@@ -5,7 +5,8 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 import skops.io
-from rcskin.localization.inputs.features import PAPER, features
+from rcskin.localization.inputs.feature_names import PAPER
+from rcskin.localization.inputs.features import features
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.model_fields import fields_of
 from rcskin.localization.model.training import train
