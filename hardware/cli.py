@@ -61,8 +61,8 @@ def serve(
     ] = None,
 ) -> None:
     """Serve a virtual meter on TCP until interrupted."""
+    from ..simulator.meters.accuracy_table import DERIVED_TABLE
     from .event_counter import counted_events
-    from .meter.accuracy_table import DERIVED_TABLE
     from .virtual import serving
 
     served = _served_skin(scene, recorded, interface, seed)

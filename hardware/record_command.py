@@ -77,10 +77,10 @@ def record(
     accuracy: Accuracy = None,
 ) -> None:
     """Record sweeps of a scene's presses. The same command continues a stopped recording."""
+    from ..simulator.meters.accuracy_table import DERIVED_TABLE, read_table
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
-    from .meter.accuracy_table import DERIVED_TABLE, read_table
     from .meter.instruments import open_meter
     from .meter.termination import orderly_termination
     from .record.recorder import RecordingTask

@@ -26,7 +26,7 @@ import pandas as pd
 import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.meter.accuracy_table import ReadingConditions
+from rcskin.simulator.meters.accuracy_table import ReadingConditions
 from rcskin.simulator.scene.scene_files import scene_text
 
 SCENE, PIXELS, FEW_PIXELS = "sheet-5x5-two-interfaces", 5, 3

@@ -98,7 +98,7 @@ def live(
 ) -> None:
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
-    from ..meter.accuracy_table import DERIVED_TABLE, read_table
+    from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
     from ..meter.instruments import open_meter
     from ..meter.termination import orderly_termination
     from ..record.sweep_checks import SweepLimits

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.meters.accuracy_table import AccuracyTable
 from ...simulator.sweeps import InputError
-from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ...simulator.meters.accuracy_table import (
+    RANGES,
+    AccuracyTable,
+    GeneratorLevel,
+    ReadingConditions,
+)
 from ...simulator.sweeps.meter_bands import METER_BANDS
-from .accuracy_table import RANGES, AccuracyTable, GeneratorLevel, ReadingConditions
 from .errors import GarbledError
 from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading

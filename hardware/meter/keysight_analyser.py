@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
+from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import METER_BANDS
-from .accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
 from .keysight_settings import NumbersSetting
 from .meter_reading import MeterReading

@@ -11,9 +11,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ...simulator.meters.accuracy_table import (
+    OUTPUT_RESISTANCE,
+    RANGES,
+    AccuracyTable,
+    ReadingConditions,
+)
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import METER_BANDS
-from .accuracy_table import OUTPUT_RESISTANCE, RANGES, AccuracyTable, ReadingConditions
 from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
 from .keysight_settings import (

@@ -19,7 +19,7 @@ from .reading_source import SettingValue
 from .setting import MeterProperty, Setting
 
 if TYPE_CHECKING:
-    from .accuracy_table import AccuracyTable, ReadingConditions
+    from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions
     from .meter_reading import MeterReading
 
 SEARCHES = 3

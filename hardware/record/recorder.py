@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ...simulator.meters.accuracy_table import AccuracyTable
 from ...simulator.sweeps import InputError
-from ..meter.accuracy_table import AccuracyTable
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions, full_scale
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
-from ..meter.accuracy_table import AccuracyTable, ReadingConditions, full_scale
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..meter.accuracy_table import AccuracyTable, ReadingConditions
+from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions
 
 if TYPE_CHECKING:
     from ...simulator.measure.specimen import Specimen

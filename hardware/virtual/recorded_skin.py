@@ -13,7 +13,7 @@ from ...simulator.sweeps.reading_subset import read_at
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..meter.accuracy_table import ReadingConditions
+    from ...simulator.meters.accuracy_table import ReadingConditions
 
 
 class RecordedSkin:

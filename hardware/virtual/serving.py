@@ -11,9 +11,9 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
-from ..meter.accuracy_table import DERIVED_TABLE, read_table
 from ..page.page_address import LOOPBACK
 from .control import ControlPort
 from .instrument import Instrument

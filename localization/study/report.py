@@ -110,12 +110,22 @@ def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
     f = with_values(table, {}).frequencies
     parts = {
         "sweep": f"{len(f)} frequencies, {f[0] / 1e3:.4g} to {f[-1] / 1e3:.4g} kHz",
-        "readout": f"noise {100 * readout['magnitude_noise']:.3g} % of |Z| and "
-        f"{np.degrees(readout['phase_noise']):.2g}°",
+        "readout": _noise(readout),
         "experiment": f"{experiment['repetitions']} presses of each pixel",
     }
     varied = {place[0] for axis in axes for place in axis.key.places}
     return "; ".join([table["name"], *(text for part, text in parts.items() if part not in varied)])
+
+
+def _noise(readout: Mapping[str, Any]) -> str:
+    if "spread" in readout:
+        return "noise as measured, by |Z| and frequency"
+    if "data_sheet" in readout:
+        return f"noise by the accuracy of {readout['data_sheet']['accuracy']['name']}"
+    return (
+        f"noise {100 * readout['magnitude_noise']:.3g} % of |Z| and "
+        f"{np.degrees(readout['phase_noise']):.2g}°"
+    )
 
 
 def _best(findings: xr.Dataset, key: Key) -> str:

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..measure.readout import flattened
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
 from ..report.terminal import table as in_columns
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
     from .estimates import FittedQuantity
     from .identifiability import Information
+    from .problem import FitSpec
     from .run import Calibration
 
 WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
@@ -104,15 +107,31 @@ def correlations(calibration: Calibration, console: Console) -> Table | str:
     return f"correlations of {len(_names(calibration))} parameters are in correlation.csv"
 
 
+def _noise(spec: FitSpec) -> str:
+    """Noise of |Z| and phase of the measured readings, with its range where it has one."""
+    noise = spec.readout.noise(*_readings(spec))
+    of_Z, of_phase = (
+        " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
+        for own, scale in zip(noise, (100, 1e3), strict=True)
+    )
+    return f"{of_Z} % of |Z|, {of_phase} mrad"
+
+
+def _readings(spec: FitSpec) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    """Z in ohm of all readings, shape (sweep, reading), and the frequency of each, Hz."""
+    read, f = spec.measurements.read, spec.measurements.scene.frequencies
+    Z = np.stack([each.Z[read] for each in spec.measurements.sweeps])
+    return Z, np.broadcast_to(f, read.shape)[read]
+
+
 def explanations(calibration: Calibration) -> list[str]:
     """Remarks on the fit, a line each."""
-    readout, spec = calibration.noise.readout, calibration.fit.spec
+    spec = calibration.fit.spec
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
         f"rms relative error of Z {100 * calibration.rms_error:.3g} %",
-        f"noise from {calibration.noise.source}: {100 * readout.magnitude_noise:.3g} % of |Z|, "
-        f"{1e3 * readout.phase_noise:.3g} mrad",
+        f"noise from {calibration.noise.source}: {_noise(spec)}",
     ]
     lines += _widening(calibration.information)
     if spec.touch_count:
@@ -140,6 +159,7 @@ def _widening(information: Information) -> list[str]:
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
     """All results, for JSON."""
     fit, noise = calibration.fit, calibration.noise
+    flat = flattened(noise.readout, *_readings(fit.spec))
     readings = zip(fit.spec.measurements.sweeps, calibration.strengths, strict=True)
     ideal = calibration.ideal
     return {
@@ -160,8 +180,8 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
         "chi_squared_per_freedom": calibration.chi_squared,
         "rms_relative_error": calibration.rms_error,
         "noise": {
-            "magnitude": noise.readout.magnitude_noise,
-            "phase_rad": noise.readout.phase_noise,
+            "magnitude": flat.magnitude_noise,
+            "phase_rad": flat.phase_noise,
             "source": noise.source,
             "degrees_of_freedom": None if fit.spec.tail is None else fit.spec.tail.freedom,
         },

@@ -18,7 +18,7 @@ from ..scene.extent import surface
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle
 from ..scene.scene import Scene
-from ..scene.skin import EARTH, Sheet, Skin
+from ..scene.skin import Sheet, Skin
 from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
@@ -45,13 +45,14 @@ def facts(scene: Scene) -> list[Fact]:
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     skin, pixels = scene.skin, scene.pixels
     yield "skin", _skin(skin)
-    yield from _sheets(skin)
+    for name, sheet in (("top sheet", skin.top), ("bottom sheet", skin.bottom)):
+        yield name, _sheet(sheet)
+    yield "foam", _foam(skin)
     yield "capacitance", _capacitance(scene)
-    for foil in scene.foils:
+    for foil in scene.contacts:
         yield "foil", _foil(foil, scene)
     for each in scene.interfaces:
-        low = EARTH if skin.one_conductor else _and(each.low)
-        yield "interface", f"{each.name}: {_and(each.high)} against {low}"
+        yield "interface", f"{each.name}: {_and(each.high)} against {_and(each.low)}"
     for each in describe_repeated(scene):
         yield "repeated", each
     for each in scene.interfaces:
@@ -67,24 +68,12 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "frequencies", _frequencies(scene)
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
-    if not skin.one_conductor:
-        yield from secondary_effects(scene)
+    yield from secondary_effects(scene)
     yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
-
-
-def _sheets(skin: Skin) -> Iterator[tuple[str, str]]:
-    """The sheets and the foam between them, or the one conductor."""
-    if skin.one_conductor:
-        yield "conductor", _sheet(skin.top)
-        yield "to earth", _foam(skin)
-        return
-    for name, sheet in (("top sheet", skin.top), ("bottom sheet", skin.bottom)):
-        yield name, _sheet(sheet)
-    yield "foam", _foam(skin)
 
 
 def one_sheet(scene: Scene, interface: Interface) -> bool:
@@ -202,8 +191,7 @@ def _press(scene: Scene) -> str:
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
-    times = f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
-    return f"adds {prefixed(press.capacitance, 'F')} to earth: {times}" if press.adds else times
+    return f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
 
 
 def _depths(scene: Scene) -> str:
@@ -246,22 +234,26 @@ def _noise(scene: Scene) -> str:
     if readout.exact:
         return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
     added = "" if readout.multisine is None else "in addition to that of the multisine, "
-    return (
-        f"{added}{100 * readout.magnitude_noise:.3g} % of |Z| and "
-        f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, "
+    sheet = readout.data_sheet
+    fixed = (
         f"{100 * readout.magnitude_accuracy:.3g} % and "
         f"{math.degrees(readout.phase_accuracy):.3g} degrees fixed for a session"
+        if sheet is None
+        else f"fixed for a session by the accuracy of {sheet.accuracy.name}, over root 3"
+    )
+    if readout.spread is not None:
+        return f"{added}measured spreads by |Z| and frequency in each reading, {fixed}"
+    if sheet is not None:
+        return f"{added}{fixed}; {sheet.noise:g} times as much in each reading"
+    return (
+        f"{added}{100 * readout.magnitude_noise:.3g} % of |Z| and "
+        f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, {fixed}"
     )
 
 
 def assumed(scene: Scene) -> list[str]:
     """Keys that the file does not set, with their defaults; missing tables by name."""
     unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
-    if scene.press.adds:
-        unused = ("press.capacitance_factor",)
-    if scene.skin.one_conductor:
-        of_earth = range(len(scene.foils), len(scene.contacts))
-        unused = (*unused, "skin.bottom.", *(f"contact[{n + 1}]." for n in of_earth))
     return [text for text in _unset(scene, "") if not text.startswith(unused)]
 
 

@@ -213,6 +213,25 @@ class ErrorModel:
         return flat.T.reshape(numbers.shape).astype(np.float64)
 
 
+def flattened(
+    readout: Readout, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+) -> Readout:
+    """Readout of four numbers: the root mean square of the errors over these readings.
+
+    reading: shape (..., frequency). frequency: Hz. A readout of four numbers stays as it is.
+    """
+    if readout.uniform:
+        return readout
+    names = "magnitude_accuracy", "phase_accuracy", "magnitude_noise", "phase_noise"
+    both = *readout.accuracy(reading, frequency), *readout.noise(reading, frequency)
+    numbers = {name: _rms(each) for name, each in zip(names, both, strict=True)}
+    return Readout(**numbers, display_digits=readout.display_digits)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def require_noise(readout: ReadoutErrors) -> None:
     """Raises InputError for a meter without noise."""
     if not readout.noisy:

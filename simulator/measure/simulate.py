@@ -16,7 +16,7 @@ from ..press.press import Press, check_press, label_of, press_on
 from ..scene.changed_readings import with_frequencies
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from ..sweeps import InputError, SweepTable, concatenate, tabled
+from ..sweeps import InputError, SweepTable, concatenate, impedance, tabled
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
 from .creeping_sweeps import solved_in_time
@@ -147,15 +147,25 @@ def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
 
 
 class ReadingError(NamedTuple):
-    """Standard deviation of one reading: of |Z|, as a fraction, and of the phase, rad."""
+    """Standard deviation of one reading: of |Z|, as a fraction, and of the phase, rad.
 
-    magnitude: float
-    phase: float
+    Each is one number, or has shape (frequency,).
+    """
+
+    magnitude: float | NDArray[np.float64]
+    phase: float | NDArray[np.float64]
 
 
-def reading_error(scene: Scene) -> ReadingError | None:
-    """Error of one reading by a scene's meter, with that of its session; None without noise."""
+def reading_error(scene: Scene, sweeps: xr.Dataset) -> ReadingError | None:
+    """Error of one reading by a scene's meter, with that of its session; None without noise.
+
+    Where it depends on the reading: the root mean square over those of the sweeps, by frequency.
+    """
     meter = scene.readout
+    if not meter.uniform:
+        Z, frequency = impedance(sweeps), sweeps["frequency"].values
+        square = meter.accuracy(Z, frequency) ** 2 + meter.noise(Z, frequency) ** 2
+        return ReadingError(*np.sqrt(np.nanmean(square, axis=(1, 2))))
     magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
     phase = math.hypot(meter.phase_accuracy, meter.phase_noise)
     return ReadingError(magnitude, phase) if magnitude > 0 and phase > 0 else None

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.experiment import own_presses
+from ..measure.readout import flattened
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.heterogeneous.materials import gauged
 from ..models.heterogeneous.mesh_choice import circuit_of
@@ -18,10 +19,14 @@ from ..models.parameters import Variation
 from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.greedy import reduce
 from ..models.reduced.reduced_model import Reduced
+from ..models.reduced.reduced_skin import ReducedSkin
+from ..press.batch import NOTHING, PressBatch
 from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
+from ..scene.frequency import laplace_variable
+from ..scene.meter import Readout
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import InputError
@@ -152,7 +157,7 @@ def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str,
             "phase_exponent": scene.skin.foam.phase_exponent,
         },
         "leads": scene.leads.model_dump() | {"unguarded": scene.leads.unguarded},
-        "readout": scene.readout.model_dump(),
+        "readout": _readout(scene, skin).model_dump(),
         "range": {
             "resistance": RESISTANCE,
             "apart": MAX_SHEET_RATIO,
@@ -171,6 +176,15 @@ def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str,
         "scene": _scene_tables(scene),
         **({"finger": _finger(scene)} if scene.surroundings else {}),
     }
+
+
+def _readout(scene: Scene, skin: ReducedSkin) -> Readout:
+    """The meter of a page, which has four numbers: their mean for the unpressed skin."""
+    frequency = scene.frequencies
+    if scene.readout.uniform:
+        return scene.readout
+    Z = skin.sweeps(PressBatch.of([NOTHING]), laplace_variable(frequency, skin.loss))
+    return flattened(scene.readout, scene.leads.at_meter(Z, frequency), frequency)
 
 
 def _finger(scene: Scene) -> dict[str, Any] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from .multisine.noise import multisine_deviation, smallest_deviation
 from .multisine.reader import Multisine
 from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
 from .readout_errors import spread_over
+from .readout_tables import DataSheet, SpreadTable
 from .validation import Number, Table, Whole, one_line, within
 
 METERS = Path(__file__).parents[1] / "meters"
@@ -86,8 +87,9 @@ class Readout(Table):
     """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
 
     Accuracy is the standard deviation of the error that is fixed during a session; noise is that of
-    the error of each single reading. multisine: the electronics of interfaces whose reader is
-    "multisine"; their noise is added.
+    the error of each single reading. data_sheet: both by |Z| and frequency, in place of the four
+    numbers. spread: noise as measured, in place of any other. multisine: the electronics of
+    interfaces whose reader is "multisine"; their noise is added.
     """
 
     magnitude_accuracy: Share = 0.0
@@ -95,29 +97,46 @@ class Readout(Table):
     magnitude_noise: Share = 0.0
     phase_noise: Phase = 0.0
     display_digits: Annotated[Whole, Field(ge=2, le=17)] = 6
+    data_sheet: DataSheet | None = None
+    spread: SpreadTable | None = None
     multisine: Multisine | None = None
 
+    @model_validator(mode="after")
+    def _stated_once(self) -> Self:
+        noise = ("magnitude_noise", "phase_noise")
+        both = {
+            "data_sheet": ("magnitude_accuracy", "phase_accuracy", *noise),
+            "spread": noise,
+        }
+        for table, numbers in both.items():
+            given = [name for name in numbers if getattr(self, name)]
+            if getattr(self, table) is not None and given:
+                raise ValueError(f"`{given[0]}` and `{table}` state the same error: leave one out")
+        return self
+
     @model_serializer(mode="wrap")
-    def _multisine_where_there_is_one(
-        self, everything: SerializerFunctionWrapHandler
-    ) -> dict[str, object]:
-        kept = everything(self)
-        return kept if self.multisine else {k: v for k, v in kept.items() if k != "multisine"}
+    def _without_absent_tables(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: own for key, own in dump(self).items() if own is not None}
 
     @property
     def uniform(self) -> bool:
         """True if the errors are the same for all readings and frequencies."""
-        return self.multisine is None
+        return self.data_sheet is None and self.spread is None and self.multisine is None
 
     @property
     def noisy(self) -> bool:
         """True if noise of magnitude and phase is > 0 for every reading."""
-        return self.multisine is not None or (self.magnitude_noise > 0 and self.phase_noise > 0)
+        return not self.uniform or (self.magnitude_noise > 0 and self.phase_noise > 0)
 
     @property
     def smallest_noise(self) -> float:
         """Smallest standard deviation of noise that a reading can have, of ln |Z| or phase."""
-        smallest = min(self.magnitude_noise, self.phase_noise)
+        if self.spread is not None:
+            smallest = self.spread.smallest_deviation
+        elif self.data_sheet is not None:
+            smallest = self.data_sheet.noise * self.data_sheet.smallest_deviation
+        else:
+            smallest = min(self.magnitude_noise, self.phase_noise)
         return (
             math.hypot(smallest, smallest_deviation(self.multisine)) if self.multisine else smallest
         )
@@ -126,21 +145,32 @@ class Readout(Table):
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Noise of each reading, see `ReadoutErrors`."""
-        own = spread_over((self.magnitude_noise, self.phase_noise), reading)
+        own = self._noise_without_multisine(reading, frequency)
         if self.multisine is None:
             return own
         return np.hypot(own, multisine_deviation(self.multisine, reading, frequency))
+
+    def _noise_without_multisine(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        if self.spread is not None:
+            return self.spread.deviations(reading, frequency)
+        if self.data_sheet is not None:
+            return self.data_sheet.noise * self.data_sheet.deviations(reading, frequency)
+        return spread_over((self.magnitude_noise, self.phase_noise), reading)
 
     def accuracy(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Fixed error of each reading in a session, see `ReadoutErrors`."""
+        if self.data_sheet is not None:
+            return self.data_sheet.deviations(reading, frequency)
         return spread_over((self.magnitude_accuracy, self.phase_accuracy), reading)
 
     @property
     def exact(self) -> bool:
         """True if the only error of readings is the rounding to the displayed digits."""
-        return self.multisine is None and not (
+        return self.uniform and not (
             self.magnitude_accuracy
             or self.phase_accuracy
             or self.magnitude_noise

@@ -10,7 +10,6 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
@@ -18,6 +17,7 @@ from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.tests.hardware.instrument_cases import hioki
 from typer.testing import CliRunner

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
@@ -15,6 +14,7 @@ from rcskin.hardware.virtual.hioki.meter_state import Settings
 from rcskin.hardware.virtual.hioki.reading_text import measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.scene.scene import Scene, interface_names
 from rcskin.simulator.sweeps import build
 

@@ -15,13 +15,13 @@ from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.live_meter import LiveMeter
-from rcskin.hardware.meter.accuracy_table import ReadingConditions, read_table
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
+from rcskin.simulator.meters.accuracy_table import ReadingConditions, read_table
 
 TALK = 0.008
 """s of a reading beside measuring: commands and their answers."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.measure.readout import Meter
+from rcskin.simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.press.press import check_press, parse_press
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build

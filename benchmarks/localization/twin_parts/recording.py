@@ -8,7 +8,6 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.hardware.meter.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import parse_step
@@ -20,6 +19,7 @@ from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.serving import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
+from rcskin.simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.sweeps import side_by_side
 from rich.console import Console
 

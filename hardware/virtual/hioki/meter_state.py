@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import IntFlag
 
-from ...meter.accuracy_table import (
+from ....simulator.meters.accuracy_table import (
     RANGES,
     AccuracyTable,
     GeneratorLevel,

@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from ...meter.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
+from ....simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
 from ..measurement import NORMAL, OVERFLOW, quantity
 from .keysight_corrections import CorrectionSpot
 

@@ -12,9 +12,9 @@ from rcskin.hardware.live.live_baseline import LiveBaseline
 from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
 from rcskin.hardware.live.session_log import SessionLog
-from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from typer.testing import CliRunner
 

@@ -145,7 +145,7 @@ def test_a_skin_that_has_no_answer_fails_inside_the_meter(
 
 
 def test_measuring_takes_its_time_by_speed_averaging_and_delay(make_instrument):
-    from rcskin.hardware.meter.accuracy_table import ReadingConditions
+    from rcskin.simulator.meters.accuracy_table import ReadingConditions
 
     seconds = [
         ReadingConditions(1e4, 5, speed).seconds for speed in ("FAST", "MEDIUM", "SLOW", "SLOW2")

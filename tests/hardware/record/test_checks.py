@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits
 from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCY = np.geomspace(1e3, 1e5, 9)

@@ -4,7 +4,6 @@ import asyncio
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.accuracy_table import read_table
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
 from rcskin.hardware.virtual.interpreter import answer
@@ -12,6 +11,7 @@ from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.press_routines import press_by_script
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.measure.specimen import Specimen
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.scene_files import load_scene

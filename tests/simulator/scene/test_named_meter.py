@@ -32,6 +32,6 @@ def test_a_scene_without_readout_reads_without_error():
 
 
 def test_another_meter_is_refused_with_those_there_are():
-    assert meter_names() == ["IM3523"]
-    with pytest.raises(InputError, match="`readout` must be a table or one of IM3523, got 'IM35'"):
+    assert meter_names() == ["3522-50-derived", "E4980A", "IM3523"]
+    with pytest.raises(InputError, match="one of 3522-50-derived, E4980A, IM3523, got .IM35."):
         scene_with('readout = "IM35"')

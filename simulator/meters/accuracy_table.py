@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import tomllib
-from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from ...simulator.sweeps import InputError, inputs
-from ...simulator.sweeps.reading_time import reading_time
+from ..sweeps import InputError, inputs
+from ..sweeps.reading_time import reading_time
 
 
 @dataclass(frozen=True)
@@ -67,10 +68,13 @@ class GeneratorLevel:
         }[self.level]
 
 
-DERIVED_TABLE = Path(__file__).with_name("accuracy-3522-50-derived.toml")
+ACCURACY_TABLES = Path(__file__).parent / "accuracy"
+DERIVED_TABLE = ACCURACY_TABLES / "3522-50-derived.toml"
 PROPORTIONAL_FROM = 1e3
 SMALLEST_RATIO = 1e-9
 RANGES = range(1, 11)
+
+Array = NDArray[np.float64]
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -79,11 +83,13 @@ Error = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 BandErrors = tuple[tuple[Error, Error], ...]
 
 
-class _AccuracyModel(BaseModel):
+class AccuracyModel(BaseModel):
+    """Base of the tables of an accuracy: no unknown keys, no changes."""
+
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class RangeErrors(_AccuracyModel):
+class RangeErrors(AccuracyModel):
     """Coefficients (A, B) of one range for each band. full_scale: ohm. Z: %. theta: degrees."""
 
     full_scale: Positive
@@ -91,22 +97,37 @@ class RangeErrors(_AccuracyModel):
     theta: BandErrors
 
 
-class ErrorFactors(_AccuracyModel):
+class SpeedFactors(AccuracyModel):
+    """Factors on the error by the speed of a reading."""
+
+    FAST: Positive
+    MEDIUM: Positive
+    SLOW: Positive
+    SLOW2: Positive
+
+    def at(self, speed: str) -> float:
+        """Factor at a speed, given by name."""
+        return {"FAST": self.FAST, "MEDIUM": self.MEDIUM, "SLOW": self.SLOW, "SLOW2": self.SLOW2}[
+            speed
+        ]
+
+
+class ErrorFactors(AccuracyModel):
     """Factors on the error. level: (from V, factor). cable_1m: factor at 0 Hz, rise per kHz."""
 
     level: tuple[tuple[Error, Positive], ...]
-    speed: dict[str, Positive]
+    speed: SpeedFactors
     cable_1m: tuple[Positive, Error]
 
 
-class RangeLimits(_AccuracyModel):
+class RangeLimits(AccuracyModel):
     """Limits (min, max) of |Z| over full scale: guaranteed accuracy, and display."""
 
     guaranteed: tuple[Error, Positive]
     displayed: tuple[Error, Positive]
 
 
-class AccuracyTable(_AccuracyModel):
+class AccuracyTable(AccuracyModel):
     """Accuracy table of a meter. band_starts, stop: Hz; a band ends at the start of the next."""
 
     name: str
@@ -115,6 +136,35 @@ class AccuracyTable(_AccuracyModel):
     range: tuple[RangeErrors, ...]
     coefficients: ErrorFactors
     span: RangeLimits
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        bands, edges = len(self.band_starts), [*self.band_starts, self.stop]
+        levels = list(self.coefficients.level)
+        problems = {
+            "band_starts": edges != sorted(set(edges)) or not bands,
+            "range": not self.range or any({len(r.Z), len(r.theta)} != {bands} for r in self.range),
+            "coefficients.level": levels != sorted(levels) or not levels,
+        }
+        for key, wrong in problems.items():
+            if wrong:
+                raise ValueError(
+                    f"`{key}` does not fit: band starts must ascend, every range must have one "
+                    "cell for each band, and levels must ascend"
+                )
+        if any(A <= 0 for row in self.range for A, _ in (*row.Z, *row.theta)):
+            raise ValueError("`range`: the first number of every cell must be > 0")
+        return self
+
+    @property
+    def smallest_bound(self) -> float:
+        """Smallest bound of all cells on |Z| (a fraction) or phase (rad), without factors."""
+        of_Z, of_theta = (min(A for row in cells for A, _ in row) for cells in self._all_cells)
+        return min(of_Z / 100, math.radians(of_theta))
+
+    @property
+    def _all_cells(self) -> tuple[list[BandErrors], list[BandErrors]]:
+        return [row.Z for row in self.range], [row.theta for row in self.range]
 
     def has_range(self, range_number: int) -> bool:
         """True if the table has this range. If not, `error_bounds` uses the nearest one."""
@@ -137,31 +187,58 @@ class AccuracyTable(_AccuracyModel):
 
         A range or band that the table lacks is replaced by the nearest one.
         """
-        band = max(0, bisect_right(self.band_starts, conditions.frequency) - 1)
-        scale = full_scale(conditions.range)
-        row = min(self.range, key=lambda r: abs(math.log(r.full_scale / scale)))
-        size = max(abs(Z) / scale, SMALLEST_RATIO)
-        over = abs((10 * size if scale >= PROPORTIONAL_FROM else 1 / size) - 1)
-        factor = self._factor(conditions)
-        of_Z, of_theta = (A + B * over for A, B in (row.Z[band], row.theta[band]))
-        return factor * of_Z / 100, factor * math.radians(of_theta)
+        size, frequency = np.array([abs(Z)]), np.array([conditions.frequency])
+        of_Z, of_theta = self._bounds(size, frequency, np.array([conditions.range]), conditions)
+        return float(of_Z[0]), float(of_theta[0])
+
+    def bounds(self, size: Array, frequency: Array, speed: str, level: float, cable: int) -> Array:
+        """Bounds of `error_bounds`, each in the range that fits the reading, shape (2, ...).
+
+        size: |Z| in ohm. frequency: Hz, along the last axis.
+        """
+        conditions = ReadingConditions(0.0, 0, speed, level=level, cable=cable)
+        return self._bounds(size, frequency, self._fitting_ranges(size), conditions)
 
     def fitting_range(self, Z: complex) -> int:
         """Number of the lowest range that guarantees |Z|; the highest range if none does."""
-        most = self.span.guaranteed[1]
-        return next((n for n in RANGES if abs(Z) <= most * full_scale(n)), RANGES[-1])
+        return int(self._fitting_ranges(np.array(abs(Z))))
 
-    def _factor(self, conditions: ReadingConditions) -> float:
+    def _fitting_ranges(self, size: Array) -> NDArray[np.int64]:
+        highest = self.span.guaranteed[1] * FULL_SCALES
+        return np.minimum(RANGES[0] + np.searchsorted(highest, size), RANGES[-1])
+
+    def _bounds(
+        self,
+        size: Array,
+        frequency: Array,
+        number: NDArray[np.int64],
+        conditions: ReadingConditions,
+    ) -> Array:
+        band = np.maximum(np.searchsorted(self.band_starts, frequency, side="right") - 1, 0)
+        scale = FULL_SCALES[number - RANGES[0]]
+        rows = np.log([row.full_scale for row in self.range])
+        row = np.abs(rows - np.log(scale)[..., None]).argmin(axis=-1)
+        ratio = np.maximum(size / scale, SMALLEST_RATIO)
+        over = np.abs(np.where(scale >= PROPORTIONAL_FROM, 10 * ratio, 1 / ratio) - 1)
+        A, B = np.moveaxis(np.array(self._all_cells)[:, row, band], -1, 0)
+        per_unit = np.array([1 / 100, math.pi / 180]).reshape(2, *(1,) * size.ndim)
+        return self._factor(frequency, conditions) * (A + B * over) * per_unit
+
+    def _factor(self, frequency: Array, conditions: ReadingConditions) -> Array:
         levels = self.coefficients.level
         level = next((k for volt, k in reversed(levels) if volt <= conditions.level), levels[0][1])
         at_0_Hz, rise = self.coefficients.cable_1m
-        cable = at_0_Hz + rise * conditions.frequency / 1e3 if conditions.cable else 1.0
-        return level * self.coefficients.speed[conditions.speed] * cable
+        cable = at_0_Hz + rise * frequency / 1e3 if conditions.cable else np.ones_like(frequency)
+        return level * self.coefficients.speed.at(conditions.speed) * cable
 
 
 def full_scale(range_number: int) -> float:
     """Full scale of a range in ohm, by its number: 1 is 100 mohm, 10 is 100 Mohm."""
     return 10.0 ** (range_number - 2)
+
+
+FULL_SCALES = np.array([full_scale(number) for number in RANGES])
+"""Full scales of all ranges, ohm."""
 
 
 def read_table(path: Path = DERIVED_TABLE) -> AccuracyTable:
@@ -172,24 +249,8 @@ def read_table(path: Path = DERIVED_TABLE) -> AccuracyTable:
         raise InputError(f"{path}: is no accuracy table in TOML: {error}") from error
     except ValidationError as error:
         first = error.errors()[0]
+        if first["type"] == "value_error":
+            raise InputError(f"{path}: {first['msg'].removeprefix('Value error, ')}") from error
         key = ".".join(map(str, first["loc"]))
         raise InputError(f"{path}: `{key}`: {first['msg']}, got {first['input']!r}") from error
-    _check_shape(table, path)
     return table
-
-
-def _check_shape(table: AccuracyTable, path: Path) -> None:
-    bands, edges = len(table.band_starts), [*table.band_starts, table.stop]
-    problems = {
-        "band_starts": edges != sorted(set(edges)) or not bands,
-        "range": not table.range or any({len(r.Z), len(r.theta)} != {bands} for r in table.range),
-        "coefficients.level": list(table.coefficients.level) != sorted(table.coefficients.level)
-        or not table.coefficients.level,
-        "coefficients.speed": set(table.coefficients.speed) != {"FAST", "MEDIUM", "SLOW", "SLOW2"},
-    }
-    for key, wrong in problems.items():
-        if wrong:
-            raise InputError(
-                f"{path}: `{key}` does not fit: band starts must ascend, every range must have one "
-                "cell for each band, and every speed and level must have its factor"
-            )

@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.meter.accuracy_table import (
+from rcskin.simulator.meters.accuracy_table import (
     DERIVED_TABLE,
     ReadingConditions,
     full_scale,
@@ -99,7 +99,8 @@ def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
         ("stop = 200e3", "stop = 10e3", "`band_starts` does not fit"),
         ("full_scale = 1e6", "full_scale = 'a'", "`range.0.full_scale`: Input should be"),
         ("[[0.7, 0.03], ", "[", "`range` does not fit"),
-        ("SLOW = 1.5", "SLO = 1.5", "`coefficients.speed` does not fit"),
+        ("[0.7, 0.03]", "[0.0, 0.03]", "`range`: the first number of every cell must be > 0"),
+        ("SLOW = 1.5", "SLO = 1.5", "`coefficients.speed.SLOW`: Field required"),
         ("[coefficients]", "[coefficients", "is no accuracy table"),
     ],
 )

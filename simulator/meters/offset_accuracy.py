@@ -1,0 +1,63 @@
+"""Accuracy of a meter as a basic accuracy with a short and an open offset, by frequency."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from .accuracy_table import AccuracyModel, Array, Error, Positive
+
+
+class OffsetBand(AccuracyModel):
+    """One band of frequencies, from `start` in Hz.
+
+    basic: %. short_offset: ohm. open_offset: S. short_corner, open_corner: Hz; an offset is
+    multiplied by 1 + sqrt(corner / frequency).
+    """
+
+    start: Positive
+    basic: Positive
+    short_offset: Error
+    open_offset: Error
+    short_corner: Error = 0.0
+    open_corner: Error = 0.0
+
+
+class OffsetAccuracy(AccuracyModel):
+    """Bounds basic + short_offset/|Z| + open_offset |Z| on |Z| (a fraction) and on phase (rad).
+
+    stop: end of the last band, Hz; beyond the bands, the nearest one holds.
+    """
+
+    name: str
+    stop: Positive
+    band: Annotated[tuple[OffsetBand, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        edges = [*(each.start for each in self.band), self.stop]
+        if edges != sorted(set(edges)):
+            raise ValueError(f"`band`: starts must ascend and end below `stop`, got {edges} Hz")
+        return self
+
+    @property
+    def smallest_bound(self) -> float:
+        """Smallest bound of all bands."""
+        return min(each.basic for each in self.band) / 100
+
+    def bounds(self, size: Array, frequency: Array) -> Array:
+        """Bounds on |Z| and phase, shape (2, ...); size: |Z| in ohm, frequency: Hz, last."""
+        starts = [each.start for each in self.band]
+        number = np.maximum(np.searchsorted(starts, frequency, side="right") - 1, 0)
+
+        def of(name: str) -> Array:
+            return np.array([getattr(each, name) for each in self.band])[number]
+
+        short, opened = (
+            of(f"{kind}_offset") * (1 + np.sqrt(of(f"{kind}_corner") / frequency))
+            for kind in ("short", "open")
+        )
+        bound = of("basic") / 100 + short / size + opened * size
+        return np.stack([bound, bound])

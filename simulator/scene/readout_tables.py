@@ -1,0 +1,142 @@
+"""Errors of a meter by its data sheet, or by a table of measured spreads."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from ..meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
+from ..meters.offset_accuracy import OffsetAccuracy
+from .keys.key_paths import OrText
+from .ranges import Frequency, Resistance
+from .validation import Number, Table, one_line, within
+
+Array = NDArray[np.float64]
+
+OF_UNIFORM = 1 / np.sqrt(3)
+"""Standard deviation over the bound of an error that is uniform between its bounds. Where nothing
+but bounds are known, this is the distribution to assume: JCGM 100:2008, 4.3.7."""
+
+
+def accuracy_names() -> list[str]:
+    """Names of the built-in accuracy tables."""
+    return sorted(path.stem for path in ACCURACY_TABLES.glob("*.toml"))
+
+
+def _accuracy(given: object) -> object:
+    if isinstance(given, str):
+        if given not in accuracy_names():
+            names = ", ".join(accuracy_names())
+            raise ValueError(f"must be a table or one of {names}, got {given!r}")
+        text = (ACCURACY_TABLES / f"{given}.toml").read_text(encoding="utf-8")
+        given = tomllib.loads(text)
+    if not isinstance(given, dict):
+        return given
+    kind = OffsetAccuracy if "band" in given else AccuracyTable
+    try:
+        return kind.model_validate(given)
+    except ValidationError as error:
+        raise ValueError(one_line(error, kind)) from error
+
+
+class DataSheet(Table):
+    """Accuracy as a maker states it: bounds on |Z| and phase that depend on |Z| and frequency.
+
+    An error is uniform between its bounds, so its standard deviation is the bound over root 3.
+    accuracy: name of a built-in accuracy, or a table of its own, by range or by offsets. speed,
+    level [V], cable [m]: of accuracies by range. noise: standard deviation of the noise of a
+    reading over that of the accuracy. A bound includes the noise, so 1 is its upper limit.
+    """
+
+    accuracy: Annotated[AccuracyTable | OffsetAccuracy, BeforeValidator(_accuracy), OrText("name")]
+    speed: Literal["FAST", "MEDIUM", "SLOW", "SLOW2"] = "MEDIUM"
+    level: Annotated[Number, within(1e-3, 100.0, "V", "no LCR meter has another level")] = 1.0
+    cable: Literal[0, 1] = 0
+    noise: Annotated[Number, within(1e-6, 1.0, "(relative)", "a bound includes noise")] = 1.0
+
+    @model_validator(mode="after")
+    def _known_conditions(self) -> Self:
+        defaults = {"speed": "MEDIUM", "level": 1.0, "cable": 0}
+        changed = [name for name, own in defaults.items() if getattr(self, name) != own]
+        if changed and isinstance(self.accuracy, OffsetAccuracy):
+            raise ValueError(
+                f"`{changed[0]}` is for accuracies by range; {self.accuracy.name} states one level "
+                "and one speed"
+            )
+        return self
+
+    def deviations(self, reading: NDArray[np.complex128], frequency: Array) -> Array:
+        """Standard deviations of ln |Z| and of phase by the accuracy, shape (2, ...)."""
+        size = np.abs(reading)
+        if isinstance(self.accuracy, OffsetAccuracy):
+            return OF_UNIFORM * self.accuracy.bounds(size, frequency)
+        bounds = self.accuracy.bounds(size, frequency, self.speed, self.level, self.cable)
+        return OF_UNIFORM * bounds
+
+    @property
+    def smallest_deviation(self) -> float:
+        """Lower limit of the deviations of all readings."""
+        factors = getattr(self.accuracy, "coefficients", None)
+        factor = min(factors.speed.at(self.speed), 1.0) if factors else 1.0
+        return float(OF_UNIFORM * factor * self.accuracy.smallest_bound)
+
+
+class SpreadTable(Table):
+    """Measured spreads of repeated readings, on a grid of impedances and frequencies.
+
+    impedance [ohm], frequency [Hz]: ascending. magnitude (share of |Z|), phase [rad]: a row for
+    each impedance, with a number for each frequency. Logarithms are interpolated linearly in the
+    logarithms of |Z| and frequency; beyond the grid, the nearest number holds.
+    """
+
+    impedance: Annotated[tuple[Resistance, ...], Field(min_length=1, max_length=1000)]
+    frequency: Annotated[tuple[Frequency, ...], Field(min_length=1, max_length=1000)]
+    magnitude: tuple[tuple[Number, ...], ...]
+    phase: tuple[tuple[Number, ...], ...]
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        shape = len(self.impedance), len(self.frequency)
+        for name in ("impedance", "frequency"):
+            nodes = getattr(self, name)
+            if not nodes[0] > 0 or list(nodes) != sorted(set(nodes)):
+                raise ValueError(f"`{name}` must ascend and be > 0, got {list(nodes)}")
+        for name in ("magnitude", "phase"):
+            rows = getattr(self, name)
+            if [len(row) for row in rows] != [shape[1]] * shape[0]:
+                raise ValueError(
+                    f"`{name}` must have {shape[0]} rows of {shape[1]} numbers, one row for each "
+                    "impedance and one number for each frequency"
+                )
+            if not all(0 < each <= 1 for row in rows for each in row):
+                raise ValueError(f"`{name}` must be > 0 and <= 1 throughout")
+        return self
+
+    def deviations(self, reading: NDArray[np.complex128], frequency: Array) -> Array:
+        """Standard deviations of ln |Z| and of phase, shape (2, ...)."""
+        row, up = _between(self.impedance, np.abs(reading))
+        column, right = _between(self.frequency, np.broadcast_to(frequency, reading.shape))
+        values = np.log(np.array([self.magnitude, self.phase]))
+        last_row, last_column = len(self.impedance) - 1, len(self.frequency) - 1
+        above, beyond = np.minimum(row + 1, last_row), np.minimum(column + 1, last_column)
+        low = (1 - right) * values[:, row, column] + right * values[:, row, beyond]
+        high = (1 - right) * values[:, above, column] + right * values[:, above, beyond]
+        return np.exp((1 - up) * low + up * high)
+
+    @property
+    def smallest_deviation(self) -> float:
+        """Smallest number of the table."""
+        return min(min(map(min, self.magnitude)), min(map(min, self.phase)))
+
+
+def _between(nodes: tuple[float, ...], x: Array) -> tuple[NDArray[np.int64], Array]:
+    """Index of the node below each x, and its share of the way to the next, in logarithms."""
+    if len(nodes) == 1:
+        return np.zeros(x.shape, dtype=np.int64), np.zeros(x.shape)
+    logarithm, at = np.log(nodes), np.log(np.clip(x, nodes[0], nodes[-1]))
+    number = np.clip(np.searchsorted(logarithm, at, side="right") - 1, 0, len(nodes) - 2)
+    return number, (at - logarithm[number]) / (logarithm[number + 1] - logarithm[number])
