@@ -46,9 +46,10 @@ def test_a_driver_keeps_to_the_conversation_of_the_manual(path):
     readings = [meter.read_at(1e3)]
     for _ in range(2):
         readings += meter.read_sweep([1e3, 2e3, 5e3])
-    meter.range = 1e5
-    with pytest.raises(FailedReadingError, match="overload"):
-        meter.read_at(1e5)
+    if path.stem != "E4990A":  # it sends no status
+        meter.range = 1e5
+        with pytest.raises(FailedReadingError, match="overload"):
+            meter.read_at(1e5)
     correct(meter, "open", "ALL")
     meter.release()
     assert (fake.turns, fake.said, fake.closed) == ([], None, True)
