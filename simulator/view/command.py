@@ -85,7 +85,7 @@ def view(
         with on_terminal() as progress:
             write_output(output, stage, what, animate, progress, note)
         shown = what if output.suffix not in ALL_FIELDS else "all fields"
-        report_written(f"{shown} of press {stage.press} at {_frequencies_text(stage)}", output)
+        report_written(f"{shown} of press {stage.press_text} at {_frequencies_text(stage)}", output)
     if interactive:
         _interact(stage, what, output)
 

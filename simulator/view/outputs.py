@@ -85,7 +85,7 @@ def write_output(
 
 def title(stage: ViewedPress) -> str:
     """Scene, press and interface in one line."""
-    press = str(stage.press) if stage.press.touches else ""
+    press = stage.press_text if stage.press.touches else ""
     if len(press) > MAX_PRESS_TEXT:
         press = f"{press[:MAX_PRESS_TEXT]}…"
     pressed = f"press {press}" if press else "unpressed"

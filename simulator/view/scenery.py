@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.heterogeneous.materials import position
+from ..press.press import label_of
 from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks
@@ -54,6 +55,11 @@ class ViewedPress:
     fields: SolutionFields
     wrapped: bool | None = None
     exaggeration: float | None = None
+
+    @property
+    def press_text(self) -> str:
+        """Text of the press, as the scene writes presses."""
+        return label_of(self.press, self.scene)
 
     def plain_skin(self) -> SkinSurface:
         """Surface, deflected only if that is requested."""

@@ -81,7 +81,7 @@ def test_the_knit_has_the_yarn_and_the_readings_of_its_paper():
     """0.5 Mohm, 1 Mohm at each end, 2 to 25.75 kHz in steps of 250 Hz, touches of 20 to 40 pF."""
     knit = load_scene("knit-36")
     skin = knit.skin
-    assert skin.top.sheet_resistance * skin.length / skin.width == pytest.approx(0.5e6, rel=1e-5)
+    assert skin.top.sheet_resistance * skin.length / skin.width == pytest.approx(0.5e6, rel=1e-4)
     assert [each.series_resistance for each in knit.interfaces] == [1e6, 1e6]
     np.testing.assert_allclose(knit.frequencies, 2e3 + 250 * np.arange(96), rtol=1e-12)
     drawn = knit.dataset.press.capacitance
