@@ -9,7 +9,9 @@ from itertools import repeat
 import numpy as np
 from numpy.typing import NDArray
 
+from ..press.press import PICOFARAD_DECIMALS
 from ..scene.scene import Scene
+from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED
 
 FACTOR_DECIMALS = 6
@@ -23,6 +25,8 @@ FINGER_DECIMALS = 16
 def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
     """Random factors on c under touches, rounded as in the texts of factors or depths."""
     drawn = scene.dataset.press
+    if scene.press.adds:
+        return _added_factors(scene, drawn.factor.at(chances))
     if scene.press.by_factor:
         return np.round(drawn.factor.at(chances), FACTOR_DECIMALS)
     if drawn.depth is not None:
@@ -30,6 +34,17 @@ def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.fl
     else:
         depth = scene.pressed_depths(drawn.factor.at(chances))
     return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
+
+
+def _picofarads(scene: Scene, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Capacitances that touches of pixels add, pF, as in their texts."""
+    own = per_pixel(scene.skin, scene.pixels)
+    return np.round(1e12 * own * (factor - 1), PICOFARAD_DECIMALS)
+
+
+def _added_factors(scene: Scene, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Factors of the capacitances in the texts of touches."""
+    return 1 + 1e-12 * _picofarads(scene, factor) / per_pixel(scene.skin, scene.pixels)
 
 
 def pixel_texts(
@@ -76,6 +91,8 @@ def _place(row: int, column: int) -> str:
 
 def written_strength(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
     """Strengths of touches as written in their texts, and the unit."""
+    if scene.press.adds:
+        return _picofarads(scene, factor), "pF"
     if scene.press.by_factor:
         return factor, ""
     return np.round(scene.pressed_depths(factor), DEPTH_DECIMALS), "m"

@@ -18,7 +18,7 @@ from ..scene.extent import surface
 from ..scene.maps import AnyMap
 from ..scene.planar import Circle
 from ..scene.scene import Scene
-from ..scene.skin import Sheet, Skin
+from ..scene.skin import EARTH, Sheet, Skin
 from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
@@ -45,14 +45,13 @@ def facts(scene: Scene) -> list[Fact]:
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     skin, pixels = scene.skin, scene.pixels
     yield "skin", _skin(skin)
-    for name, sheet in (("top sheet", skin.top), ("bottom sheet", skin.bottom)):
-        yield name, _sheet(sheet)
-    yield "foam", _foam(skin)
+    yield from _sheets(skin)
     yield "capacitance", _capacitance(scene)
-    for foil in scene.contacts:
+    for foil in scene.foils:
         yield "foil", _foil(foil, scene)
     for each in scene.interfaces:
-        yield "interface", f"{each.name}: {_and(each.high)} against {_and(each.low)}"
+        low = EARTH if skin.one_conductor else _and(each.low)
+        yield "interface", f"{each.name}: {_and(each.high)} against {low}"
     for each in describe_repeated(scene):
         yield "repeated", each
     for each in scene.interfaces:
@@ -68,12 +67,24 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "frequencies", _frequencies(scene)
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
-    yield from secondary_effects(scene)
+    if not skin.one_conductor:
+        yield from secondary_effects(scene)
     yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", _noise(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
+
+
+def _sheets(skin: Skin) -> Iterator[tuple[str, str]]:
+    """The sheets and the foam between them, or the one conductor."""
+    if skin.one_conductor:
+        yield "conductor", _sheet(skin.top)
+        yield "to earth", _foam(skin)
+        return
+    for name, sheet in (("top sheet", skin.top), ("bottom sheet", skin.bottom)):
+        yield name, _sheet(sheet)
+    yield "foam", _foam(skin)
 
 
 def one_sheet(scene: Scene, interface: Interface) -> bool:
@@ -191,7 +202,8 @@ def _press(scene: Scene) -> str:
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
-    return f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
+    times = f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
+    return f"adds {prefixed(press.capacitance, 'F')} to earth: {times}" if press.adds else times
 
 
 def _depths(scene: Scene) -> str:
@@ -254,6 +266,11 @@ def _noise(scene: Scene) -> str:
 def assumed(scene: Scene) -> list[str]:
     """Keys that the file does not set, with their defaults; missing tables by name."""
     unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
+    if scene.press.adds:
+        unused = ("press.capacitance_factor",)
+    if scene.skin.one_conductor:
+        of_earth = range(len(scene.foils), len(scene.contacts))
+        unused = (*unused, "skin.bottom.", *(f"contact[{n + 1}]." for n in of_earth))
     return [text for text in _unset(scene, "") if not text.startswith(unused)]
 
 

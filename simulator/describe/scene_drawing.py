@@ -63,7 +63,7 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
     mesh file.
     """
     path = checked_output(path, ENDINGS)
-    ribbons = [ribbon(foil, scene) for foil in scene.contacts]
+    ribbons = [ribbon(foil, scene) for foil in scene.foils]
     x, y = _frame(scene, ribbons)
     tall = float(np.clip((y[1] - y[0]) / (x[1] - x[0]), FLATTEST, TALLEST))
     with chart(path, WIDTH, WIDTH * tall + 0.5) as figure:
@@ -158,7 +158,7 @@ def _foils(axes: Axes, scene: Scene, ribbons: Sequence[Ribbon]) -> None:
     stacked: dict[tuple[int, int], int] = defaultdict(int)
     longest = max(scene.skin.sides)
     draw_foils(axes, scene, linewidth=4)
-    for foil, line in zip(scene.contacts, ribbons, strict=True):
+    for foil, line in zip(scene.foils, ribbons, strict=True):
         at, out = _named_at(line, NAME_AT * longest)
         place = round(MM * float(at[0])), round(MM * float(at[1]))
         if line.closed:

@@ -130,7 +130,8 @@ def one_field(scene: Scene) -> Circuit | None:
     pairs = {top: _partner(top, both.terminals, scene) for top in tops}
     if None in pairs.values() or 2 * len(tops) != len(both.terminals):
         return None
-    excitations = [_pair_excitation(excitation, tops, pairs) for excitation in both.excitations]
+    paired = _over_earth if scene.skin.one_conductor else _pair_excitation
+    excitations = [paired(excitation, tops, pairs) for excitation in both.excitations]
     if any(excitation is None for excitation in excitations):
         return None
     skin = scene.skin
@@ -206,13 +207,13 @@ def _partner(top: int, terminals: Sequence[Terminal], scene: Scene) -> int | Non
 def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
     """True if both have the same places, and contact resistances in the ratio of the sheet
     resistances."""
+    if not (len(top.contacts) == len(bottom.contacts) > 0 and _places(top) == _places(bottom)):
+        return False
+    if scene.skin.one_conductor:
+        return True
     ratio = scene.skin.bottom.sheet_resistance / scene.skin.top.sheet_resistance
-    return (
-        len(top.contacts) == len(bottom.contacts) > 0
-        and _places(top) == _places(bottom)
-        and math.isclose(
-            bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
-        )
+    return math.isclose(
+        bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
     )
 
 
@@ -230,6 +231,17 @@ def _pair_excitation(
     if not set(upper) <= set(tops) or {pairs[top] for top in upper} != set(lower):
         return None
     return Excitation(tuple(tops.index(top) for top in upper), ())
+
+
+def _over_earth(
+    excitation: Excitation, tops: list[int], pairs: dict[int, int | None]
+) -> Excitation | None:
+    """Excitation of one conductor; its terminals that are low have the potential of earth."""
+    high, low = (
+        tuple(tops.index(terminal) for terminal in side if terminal in pairs)
+        for side in (excitation.high, excitation.low)
+    )
+    return Excitation(high, low) if len(high) == len(excitation.high) else None
 
 
 def _in_series(top: Terminal, bottom: Terminal) -> tuple[Contact, ...]:

@@ -1,4 +1,4 @@
-"""The exact one-dimensional line: both sheets fed along one whole edge, nothing varies across it.
+"""The exact one-dimensional line: fed along a whole edge or two, nothing varies across it.
 
 A uniform segment of total resistance R and capacitance C, closed by an admittance Y_L, has the
 admittance Y = (Y_L + s C T) / (1 + Y_L R T) with T = tanh(q)/q, q² = s R C. This form of the chain
@@ -8,10 +8,12 @@ frequency.
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..fem.circuit import one_field
+from ..fem.circuit import Circuit, one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
@@ -19,9 +21,8 @@ from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .line_ports import LinePorts, film, segment, tanh_ratio
 from .uniform import equivalent_scene, require_uniform
-
-LEVELS_OF_FRACTION = 12
 
 
 class Line:
@@ -34,15 +35,22 @@ class Line:
         if circuit is None:
             raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")
         contacts = circuit.contacts
-        if len(contacts) != 1 or contacts[0].span != (0.0, 1.0):
-            raise InputError(f"{scene.name} is no line: it is not fed along one whole edge alone")
+        if not _at_ends(circuit):
+            raise InputError(
+                f"{scene.name} is no line: it is not fed along one whole edge, or two opposite ones"
+            )
         self.scene, self._contact = scene, contacts[0]
-        self._interfaces = len(circuit.excitations)
+        self._circuit = circuit
         skin = scene.skin
         along_x = self._contact.edge in ("left", "right")
         self._length, self._width = (
             (skin.length, skin.width) if along_x else (skin.width, skin.length)
         )
+
+    @property
+    def two_ended(self) -> bool:
+        """True if both ends have contacts."""
+        return len(self._circuit.terminals) == 2
 
     def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Z in ohm, shape (interface, frequency); frequency in Hz.
@@ -50,6 +58,8 @@ class Line:
         Raises InputError if the press varies across the line. Source: chain matrices of the
         RC line, with paper Eqs 1-2.
         """
+        if self.two_ended:
+            return self._between_two_ends(press, frequency)
         c, segments = self.profile(press)
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         sheets = self.scene.skin.both_sheets
@@ -59,8 +69,36 @@ class Line:
         ):
             T = tanh_ratio(s * R * C)
             Y = (Y + s * C * T) / (1 + Y * R * T)
-        film = self._contact.resistance / self._width
-        return np.tile(film + 1 / Y, (self._interfaces, 1)).astype(np.complex128)
+        contact = self._contact.resistance / self._width
+        interfaces = len(self._circuit.excitations)
+        return np.tile(contact + 1 / Y, (interfaces, 1)).astype(np.complex128)
+
+    def _between_two_ends(
+        self, press: Press, frequency: NDArray[np.float64]
+    ) -> NDArray[np.complex128]:
+        """Z of interfaces that drive the first end, the second, or both tied together."""
+        ports = self.ports(press, frequency)
+        return np.stack([ports.seen_from(on.high, on.low) for on in self._circuit.excitations])
+
+    def ports(self, press: Press, frequency: NDArray[np.float64]) -> LinePorts:
+        """Network between the end of the first contact, the far end, and the low terminal.
+
+        frequency: Hz. Raises InputError if the press varies across the line.
+        """
+        c, segments = self.profile(press)
+        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        sheets = self.scene.skin.both_sheets
+        line = [
+            segment(R, C, s)
+            for R, C in zip(
+                sheets * segments / self._width, c * segments * self._width, strict=True
+            )
+        ]
+        resistances = [
+            each.contacts[0].resistance / self._width for each in self._circuit.terminals
+        ]
+        films = [[film(R, s)] if R else [] for R in resistances]
+        return reduce(LinePorts.joined, [*films[0], *line, *(films[1] if films[1:] else [])])
 
     def profile(self, press: Press) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
@@ -81,19 +119,15 @@ class Line:
         return c[from_feed], np.diff(along)[from_feed]
 
 
-def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """tanh(q)/q for q² = z, accurate to rounding in the real and in the imaginary part.
-
-    Small z use Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z the definition.
-    """
-    small = np.abs(z) < 1
-    near, fraction = np.where(small, z, 0), np.zeros(z.shape, dtype=complex)
-    for level in range(LEVELS_OF_FRACTION, 0, -1):
-        fraction = near / (2 * level + 1 + fraction)
-    q = np.sqrt(np.where(small, 1, z))
-    ratio = (np.tanh(q) / q).astype(np.complex128)
-    ratio[small] = 1 / (1 + fraction[small])
-    return ratio
+def _at_ends(circuit: Circuit) -> bool:
+    """True if each terminal is one whole edge: a single one, or two opposite ones."""
+    contacts = circuit.contacts
+    if any(
+        len(each.contacts) != 1 or each.contacts[0].span != (0.0, 1.0) for each in circuit.terminals
+    ):
+        return False
+    edges = sorted(contact.edge for contact in contacts)
+    return len(edges) == 1 or edges in (["left", "right"], ["bottom", "top"])
 
 
 HALF_POWER = 1 / np.sqrt(2)

@@ -18,7 +18,8 @@ from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .line import Line, tanh_ratio
+from .line import Line
+from .line_ports import tanh_ratio
 from .parameters import all_values, by_sheets, leads_of, loss_of, own_values
 from .response import Response, at_meter
 
@@ -33,7 +34,10 @@ class LineModel:
 
     def __init__(self, scene: Scene) -> None:
         """Raises InputError, with the reason, if the scene is no line or has pixels across it."""
-        c, lengths = Line(scene).profile(Press())
+        line = Line(scene)
+        if line.two_ended:
+            raise InputError(f"{scene.name} has contacts at both ends: slopes need those at one")
+        c, lengths = line.profile(Press())
         skin, pixels, edge = scene.skin, scene.pixels, scene.contacts[0].edge
         along_x = edge in ("left", "right")
         across, width = (pixels.rows, skin.width) if along_x else (pixels.columns, skin.length)

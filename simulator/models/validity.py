@@ -31,9 +31,12 @@ def warnings(scene: Scene) -> list[str]:
     """One line for each limit of the model that the scene exceeds.
 
     A capacitance that is given directly is assumed to contain the fringe field, and the foam to be
-    as thick as one of ASSUMED_PERMITTIVITY.
+    as thick as one of ASSUMED_PERMITTIVITY. The capacitance of one conductor to earth is that of
+    its whole field: without a thickness there is no limit.
     """
     around = scene.surroundings
+    if scene.skin.one_conductor and scene.skin.foam.thickness is None:
+        return []
     checks = [
         _assumed(scene),
         None if around and around.thickness else _lateral(scene),
@@ -108,7 +111,7 @@ def earth_left_out(scene: Scene) -> str | None:
 
     The line states the effect of a body behind the skin and of a finger on it.
     """
-    if scene.surroundings is not None:
+    if scene.surroundings is not None or scene.skin.one_conductor:
         return None
     return (
         f"the scene has no [surroundings]: a metal body {1e3 * (NEARBY.distance or 0):g} mm behind "

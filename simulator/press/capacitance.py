@@ -54,6 +54,8 @@ def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
     c = np.full(
         (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.unpressed_capacitance_per_area
     )
+    if scene.press.adds:
+        return c * tile_map(scene, press, pixel_lines(scene, 0), pixel_lines(scene, 1))
     for touch in press.touches:
         if isinstance(touch, Touch):
             c[touch.row - 1, touch.column - 1] *= touch.factor
@@ -75,10 +77,17 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     for touch in press.touches:
         if isinstance(touch, Disc):
             covered = disc_fraction(touch.x, touch.y, touch.radius, x, y)
-            total *= mean_factor(covered, touch.factor)
+            total = _with_touch(scene, total, mean_factor(covered, touch.factor))
         else:
-            total *= patch(scene, touch).factors(x, y)
+            total = _with_touch(scene, total, patch(scene, touch).factors(x, y))
     return total
+
+
+def _with_touch(
+    scene: Scene, total: NDArray[np.float64], factors: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """c with one more touch: factors multiply, capacitances to earth add."""
+    return total + (factors - 1) if scene.press.adds else total * factors
 
 
 @lru_cache
@@ -169,7 +178,7 @@ def tile_map(
     """
     total = np.ones((len(y) - 1, len(x) - 1))
     for touch in press.touches:
-        total *= patch(scene, touch).factors(x, y)
+        total = _with_touch(scene, total, patch(scene, touch).factors(x, y))
     return total
 
 

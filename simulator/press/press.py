@@ -11,9 +11,10 @@ from ..scene.pixel_grid import Pressing
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Scene
 from ..scene.surroundings import NO_EARTH
+from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED, InputError
-from ..sweeps.press_text import WrittenStrength, WrittenTouch, parse_touches
-from .finger import finger_of
+from ..sweeps.press_text import FREE_TOUCH, WrittenStrength, WrittenTouch, parse_touches
+from .finger import finger_of, touched_area
 from .pixels import pixels_with_skin
 from .touch import (
     AnyTouch,
@@ -30,6 +31,8 @@ from .touch import (
     touch_at,
 )
 
+PICOFARAD_DECIMALS = 6
+"""Decimals of capacitances that touches add, in pF."""
 ORDER = (Touch, Rectangle, Disc, Polygon)
 
 
@@ -112,8 +115,35 @@ def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Pre
 
 def _touch(written: WrittenTouch, default: Strength, scene: Scene | None) -> AnyTouch:
     place = _place(written)
+    if scene is not None and scene.press.adds:
+        return touch_at(place, added_factor(scene, place, written, default))
     strength = default if written.strength is None else _parsed_strength(written.strength)
     return touch_at(place, strength, finger_of(place, written.finger, scene))
+
+
+def added_factor(scene: Scene, place: Place, written: WrittenTouch, default: Strength) -> Strength:
+    """Factor of a touch of a scene with `press.adds`. default: that of a touch without its own.
+
+    Raises InputError for a factor with a capacitance.
+    """
+    strength, finger = written.strength, written.finger
+    if strength is not None and finger is None:
+        return _parsed_strength(strength)
+    if strength is not None and finger != FREE_TOUCH:
+        raise InputError(
+            f"a touch adds a capacitance to earth in {scene.name}: {place.where} takes one such as "
+            ":30pF, or a factor, got both"
+        )
+    if not isinstance(finger, float):
+        return default
+    return 1 + finger / capacitance_of(scene, place)
+
+
+def capacitance_of(scene: Scene, place: Place) -> float:
+    """Capacitance of a place without a touch, F."""
+    if isinstance(place, Touch):
+        return per_pixel(scene.skin, scene.pixels)
+    return scene.skin.foam.unpressed_capacitance_per_area * touched_area(scene, place)
 
 
 def order(touch: AnyTouch) -> tuple:
@@ -194,10 +224,25 @@ def press_on(scene: Scene, text: str) -> Press:
 def label_of(press: Press, scene: Scene) -> str:
     """Text of the press that `press_on` reads as the same press.
 
-    It is that of `Press`, but a rod is named if touches of the scene are fingers by default.
+    It is that of `Press`, but a rod is named if touches of the scene are fingers by default, and
+    touches that add a capacitance to earth are written by it.
     """
+    if scene.press.adds:
+        return "+".join(_added(touch, scene) for touch in press.touches) or UNPRESSED
     rod = rod_text(scene)
     return "+".join(f"{t}{'' if t.finger else rod}" for t in press.touches) or UNPRESSED
+
+
+def _added(touch: AnyTouch, scene: Scene) -> str:
+    rise = pressed_factor(scene, touch) - 1
+    if rise < 0:
+        return str(touch)
+    return f"{touch.where}:{in_picofarad(rise * capacitance_of(scene, place_of(touch)))!r}pF"
+
+
+def in_picofarad(capacitance: float) -> float:
+    """A capacitance in F in pF, as in the text of a press."""
+    return round(1e12 * capacitance, PICOFARAD_DECIMALS)
 
 
 def rod_text(scene: Scene) -> str:

@@ -87,7 +87,7 @@ def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -
     the top sheet; on a mesh, where both lie on the edge itself, they lie within them.
     """
     named, meshed = set[str](), scene.skin.mesh is not None
-    for foil in scene.contacts:
+    for foil in scene.foils:
         sheet, gap = foil.electrode, foil_offset(foil.electrode, max(scene.skin.sides))
         wide = linewidth * (2 if meshed and sheet == "top" else 1)
         label = "_" if sheet in named else f"foil on the {sheet} sheet"

@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from .form.outline import Outline
+from .keys.key_paths import OrText
 from .meter import ascending
 from .ranges import FilmResistance, Frequency, Overlap
 from .readers import (
@@ -212,6 +213,7 @@ class Contact(Table):
 class Interface(Table):
     """One way of connecting the meter or another reader; contacts in neither list float.
 
+    low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
     frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
     "impedance", that between high and low, as a meter reads it; "multisine", the same at all
     frequencies at once, by the electronics of readout.multisine; "gain", the complex gain V / V_s
@@ -225,7 +227,7 @@ class Interface(Table):
 
     name: Name
     high: Annotated[tuple[str, ...], Field(min_length=1)]
-    low: Annotated[tuple[str, ...], Field(min_length=1)]
+    low: Annotated[tuple[str, ...], Field(min_length=1), OrText('`"earth"`')]
     frequencies: (
         Annotated[tuple[Frequency, ...], Field(min_length=1), AfterValidator(ascending)] | None
     ) = None

@@ -6,11 +6,12 @@ from typing import Annotated, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness
+from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness, TouchCapacitance
 from .skin import Name
+from .touch_capacitance import Added
 from .validation import Number, Table, Whole
 
-PRESSED_BY = ("capacitance_factor", "depth", "force")
+PRESSED_BY = ("capacitance_factor", "depth", "force", "capacitance")
 
 
 class Pixels(Table):
@@ -46,7 +47,8 @@ class Pressing(Table):
     [m] or force [N]: the pixel is pressed mechanically by a rigid flat applicator of its shape.
     finger: the finger of an earthed person, or of a floating one (150 pF to earth), or a
     capacitance to earth [F]; default a rod without capacitance to earth. A finger needs
-    [surroundings].
+    [surroundings]. adds = "capacitance to earth": a touch does not press; it adds `capacitance`
+    [F] to that of a skin of one conductor (`skin.bottom = "earth"`), with the spread factor_spread.
     """
 
     capacitance_factor: CapacitanceFactor = 2.0
@@ -54,6 +56,8 @@ class Pressing(Table):
     depth: Thickness | None = None
     force: Force | None = None
     finger: AnyFinger | None = None
+    adds: Added | None = None
+    capacitance: TouchCapacitance | None = None
 
     @property
     def by_factor(self) -> bool:
@@ -66,9 +70,16 @@ class Pressing(Table):
         given = [name for name in named if getattr(self, name) is not None]
         if len(given) > 1:
             raise ValueError(f"takes one of {', '.join(PRESSED_BY)}, got {' and '.join(given)}")
+        if (self.adds is None) != (self.capacitance is None):
+            raise ValueError('takes adds = "capacitance to earth" and capacitance in F together')
+        if self.adds and self.finger is not None:
+            raise ValueError("takes adds or finger, got both")
         return self
 
     @model_serializer(mode="wrap")
     def _what_was_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
         kept = everything(self)
-        return kept if self.by_factor else {k: v for k, v in kept.items() if k != PRESSED_BY[0]}
+        unused = () if self.by_factor and not self.adds else (PRESSED_BY[0],)
+        if not self.adds:
+            unused = (*unused, "adds", "capacitance")
+        return {k: v for k, v in kept.items() if k not in unused}

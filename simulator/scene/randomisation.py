@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from .draw_distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
 from .foam_in_time import AMBIENT, ambient_factors
@@ -63,7 +63,8 @@ class DrawnPress(Table):
     pixels; the capacitance of a cell rises in proportion to its covered part, or by the mean over
     the cell where a tension spreads the press. finger: capacitance of a touch to earth, uniform
     over the touch; default that of the scene's `press.finger`. without_press: fraction of touches
-    by a finger without pressure.
+    by a finger without pressure. capacitance: that to earth which a touch adds in a scene with
+    `press.adds`, in place of factor; default `press.capacitance`.
     """
 
     touches: Annotated[
@@ -78,6 +79,12 @@ class DrawnPress(Table):
     depth: Length | None = None
     finger: Finger | None = None
     without_press: Annotated[Number, Field(ge=0, le=1)] | None = None
+    capacitance: Finger | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_unused(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
+        unused = "capacitance" if self.capacitance is None else "factor"
+        return {key: value for key, value in everything(self).items() if key != unused}
 
     @property
     def cells(self) -> int:

@@ -86,9 +86,18 @@ Inductance = Annotated[
     Number, within(0.0, MAX_INDUCTANCE, "H", "leads have microhenries, large coils have 1 H")
 ]
 Capacitance = Annotated[Number, within(0.0, 10.0, "F", "leads have picofarads")]
+MAX_FACTOR = 1e6
 CapacitanceFactor = Annotated[
     Number,
-    within(1e-6, 1e6, "times the unpressed value", "foam cannot be compressed or expanded further"),
+    within(
+        1e-6,
+        MAX_FACTOR,
+        "times the unpressed value",
+        "foam cannot be compressed or expanded further",
+    ),
+]
+TouchCapacitance = Annotated[
+    Number, within(0.0, 1e-6, "F", "a finger has picofarads, a hand on a film has nanofarads")
 ]
 Force = Annotated[Number, within(1e-9, 1e6, "N", "from a mote of dust to a locomotive's weight")]
 Stress = Annotated[Number, within(1e-3, 1e13, "Pa", "diamond has 1e12 Pa")]

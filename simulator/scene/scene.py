@@ -8,7 +8,14 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+    model_validator,
+)
 
 from ..sweeps import InputError
 from .contacts import (
@@ -26,12 +33,14 @@ from .foam_mechanics import Mechanics
 from .keys.changing import put
 from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .multisine.scene_tones import scene_reader
+from .one_conductor import with_earth, without_earth
 from .pixel_grid import Pixels, Pressing
 from .randomisation import Randomisation
 from .reading_setup import ReadingSetup
 from .readings_short_form import Readings, expanded_readings
 from .skin import Name, Skin
 from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
+from .touch_capacitance import with_drawn_factor, with_factor
 from .validation import Table, one_line
 from .wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
 
@@ -91,6 +100,16 @@ class Scene(Table):
         own = list(given.get("interface", []))
         return given | {"interface": [*own, *expanded_readings(readings, contacts)]}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _earth_has_contacts(cls, given: Any) -> Any:
+        return with_earth(given) if isinstance(given, dict) else given
+
+    @model_serializer(mode="wrap")
+    def _earth_as_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
+        kept = everything(self)
+        return without_earth(kept) if self.skin.one_conductor else kept
+
     @property
     def frequencies(self) -> np.ndarray:
         """Hz, ascending, shape (frequency,)."""
@@ -100,6 +119,13 @@ class Scene(Table):
     def taken(self) -> NDArray[np.bool_] | None:
         """Mask of the readings, or None if all are taken, see `contacts.taken`."""
         return taken(self.interfaces, self.frequencies)
+
+    @property
+    def foils(self) -> tuple[Contact, ...]:
+        """Contacts of the scene file, without those of earth."""
+        if not self.skin.one_conductor:
+            return self.contacts
+        return tuple(each for each in self.contacts if each.electrode == "top")
 
     @property
     def reading(self) -> ReadingSetup:
@@ -276,6 +302,20 @@ class Scene(Table):
     def _in_its_ambient(self) -> Self:
         object.__setattr__(self, "skin", in_ambient(self.skin, self.experiment))
         self.dataset.session.check_ambient(self.skin.foam)
+        return self
+
+    @model_validator(mode="after")
+    def _touches_add_capacitance(self) -> Self:
+        drawn = self.dataset.press
+        if self.press.adds is None:
+            if drawn.capacitance is not None:
+                raise ValueError("`dataset.press.capacitance` needs `press.adds`")
+            return self
+        press = with_factor(self.press, self.skin, self.pixels)
+        drawn = with_drawn_factor(drawn, press, self.skin, self.pixels)
+        dataset = self.dataset.model_copy(update={"press": drawn})
+        object.__setattr__(self, "press", press)
+        object.__setattr__(self, "dataset", dataset)
         return self
 
     @model_validator(mode="after")

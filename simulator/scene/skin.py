@@ -6,9 +6,16 @@ the corner x = y = 0.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    WrapSerializer,
+    model_validator,
+)
 
 from .foam import Foam
 from .form.mesh_data import MeshData, read_along
@@ -58,11 +65,44 @@ class Sheet(Table):
     map: Map | None = None
 
 
+EARTH: Literal["earth"] = "earth"
+"""Text in place of the table `skin.bottom`, and of the list `low` of an interface."""
+EARTH_RESISTANCE = 1e-6
+"""Sheet resistance of earth, ohm/sq: that of 1 cm of copper, the smallest of all sheets."""
+
+
+class Earth(Sheet):
+    """Earth in place of the bottom sheet; one field of such a skin has the top sheet's resistance.
+
+    Two fields are solved with EARTH_RESISTANCE, which is none beside that of the top sheet.
+    """
+
+    sheet_resistance: SheetResistance = EARTH_RESISTANCE
+
+
+def _sheet_or_earth(given: object) -> object:
+    if isinstance(given, str):
+        if given != EARTH:
+            raise ValueError(f"must be a table or {EARTH!r}, got {given!r}")
+        return Earth()
+    return given
+
+
+def _written(sheet: Sheet, everything: SerializerFunctionWrapHandler) -> Any:
+    return EARTH if isinstance(sheet, Earth) else everything(sheet)
+
+
+BottomSheet = Annotated[
+    Sheet, BeforeValidator(_sheet_or_earth), WrapSerializer(_written), OrText('`"earth"`')
+]
+
+
 class Skin(Table):
     """Two electrode sheets around a foam; length and width are those before stretching.
 
     The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or
-    a mesh, the grid of pixels lies on the rectangle of length and width.
+    a mesh, the grid of pixels lies on the rectangle of length and width. bottom = "earth": a skin
+    of one conductor, the top sheet; foam.capacitance_per_area is its capacitance to earth.
     """
 
     length: Length
@@ -70,7 +110,7 @@ class Skin(Table):
     outline: Outline | None = None
     mesh: AnyMesh = None
     top: Sheet
-    bottom: Sheet
+    bottom: BottomSheet
     foam: Foam
     stretch: Stretch | None = None
     shape: Shape | None = None
@@ -87,8 +127,13 @@ class Skin(Table):
 
     @property
     def both_sheets(self) -> float:
-        """Resistance of both sheets in series, ohm/sq."""
-        return sum(self.sheet_resistances)
+        """Resistance of both sheets in series, ohm/sq; earth has none."""
+        return self.top.sheet_resistance if self.one_conductor else sum(self.sheet_resistances)
+
+    @property
+    def one_conductor(self) -> bool:
+        """True if the bottom sheet is earth."""
+        return isinstance(self.bottom, Earth)
 
     def depth(self, frequency: float, factor: float = 1.0) -> float:
         """Penetration depth of the field from a foil at a frequency in Hz, m.

@@ -64,7 +64,7 @@ def foils(
     of a skin that a file describes.
     """
     drawn: list[Foil] = []
-    for contact in scene.contacts:
+    for contact in scene.foils:
         near, far = (skin.size * offset for offset in BAND[contact.electrode])
         if mesh:
             ends, out = mesh.foil(contact.name)

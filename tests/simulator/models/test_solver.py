@@ -29,12 +29,12 @@ def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
         (
             {f"{sheet}-left": {"span": (0.0, 0.5)} for sheet in ("top", "bottom")},
             "none",
-            "not fed along one whole edge alone",
+            "not fed along one whole edge, or two opposite ones",
         ),
         (
-            {f"{sheet}-{edge}": {} for edge in ("left", "right") for sheet in ("top", "bottom")},
+            {f"{sheet}-{edge}": {} for edge in ("left", "top") for sheet in ("top", "bottom")},
             "none",
-            "not fed along one whole edge alone",
+            "not fed along one whole edge, or two opposite ones",
         ),
     ],
 )
