@@ -74,8 +74,8 @@ def serve(
             f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
             err=True,
         )
-    if meter.note:
-        say(f"rcskin: note: {meter.note}", err=True)
+    for note in serving.notes(meter, served):
+        say(f"rcskin: note: {note}", err=True)
     page_options = _page_options(served, page, page_port)
     with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
         meter.report_failure = partial(meter.report, "failed readings")

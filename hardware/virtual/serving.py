@@ -124,6 +124,21 @@ def instrument(
     return meter
 
 
+def notes(meter: Instrument, served: ServedSkin) -> list[str]:
+    """What a user must know of a served meter: how it differs from the real one."""
+    from ...simulator.scene.meter import meter_names
+
+    found = [meter.note] if meter.note else []
+    scene = served.scene
+    if scene is not None and meter.model in meter_names() and not scene.readout.exact:
+        if scene.readout != scene.with_({"readout": meter.model}).readout:
+            found.append(
+                f"readings err as the readout of {scene.name} states; "
+                f'readout = "{meter.model}" in the scene takes the data sheet of this meter'
+            )
+    return found
+
+
 def routines(
     served: ServedSkin, script: Path | None, random: float | None, seed: int
 ) -> tuple[Routine, ...]:

@@ -10,6 +10,8 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
 from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
+from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.hardware.virtual.serving import ServedSkin, notes
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken
@@ -165,6 +167,22 @@ def test_a_free_running_meter_reads_on(make_instrument):
         "+1.00000E+04,-1.59155E+05,+0",
         "+1.00000E+04,-1.59155E+04,+0",
     ]
+
+
+@pytest.mark.parametrize(
+    ("model", "readout", "noted"),
+    [
+        ("E4980A", "IM3523", 'readout = "E4980A"'),
+        ("E4980A", "E4980A", None),
+        ("4284A", "IM3523", "GP-IB only"),
+        ("IM3523", "IM3523", None),
+        ("E4990A", "IM3523", None),
+    ],
+)
+def test_what_differs_from_the_real_meter_is_noted(make_instrument, scene, model, readout, noted):
+    served = ServedSkin({}, exact_readout, 2, 2, 1e3, scene.with_({"readout": readout}))
+    found = notes(make_instrument(kind=VIRTUAL_MODELS[model]), served)
+    assert (not found) if noted is None else noted in found[0]
 
 
 def test_another_model_is_refused():
