@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import logging
+import signal
+import time
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError, impedance
-from rcskin.tests.hardware.instrument_cases import CASES, E4980A
+from rcskin.tests.hardware.instrument_cases import CASES, E4980A, E4990A
 
 OTHERS = [case for case in CASES if case.model != "IM3523"]
 
@@ -118,3 +120,20 @@ def test_a_sweep_of_hundreds_of_frequencies_comes_whole(meter, pillow):
     readings = meter.read_sweep(frequencies)
     exact = [pillow.impedance("none", f) for f in frequencies]
     np.testing.assert_allclose([complex(r.Rs, r.X) for r in readings], exact, rtol=2e-3)
+
+
+@pytest.mark.parametrize("case", [E4980A, E4990A], indirect=True, ids=lambda case: case.model)
+def test_a_recording_that_is_ended_leaves_it_as_found(start_rig, ports, instrument, case, tmp_path):
+    instrument.pace = 0.5
+    order = tmp_path / "order.txt"
+    order.write_text("none\n" * 1000)
+    where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "run.nc"]
+    process = start_rig("record", "pillow", *where, "--unattended", "--averaging", "2")
+    while not (tmp_path / "run.nc.sweeps" / "000001.json").exists():
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.01)
+    time.sleep(0.2)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=60)
+    assert "Traceback" not in err and process.returncode == 128 + signal.SIGTERM
+    assert instrument.settings == case.found()
