@@ -23,6 +23,7 @@ from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
+from .gain_reader import describe_converter, describe_gains
 from .multisine_reader import describe_multisine
 from .secondary_effects import secondary_effects
 
@@ -70,6 +71,8 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     if not skin.one_conductor:
         yield from secondary_effects(scene)
     yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
+    if scene.reading.gain:
+        yield from (("gain", each) for each in describe_gains(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", _noise(scene)
@@ -220,7 +223,7 @@ def _frequencies(scene: Scene) -> str:
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
     text = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
     outside = outside_band(VIRTUAL_MODEL, f)
-    if not outside:
+    if not outside or scene.reading.gain:
         return text
     others = [model for model in METER_BANDS if not outside_band(model, f)]
     return f"{text}; {outside}" + (f" ({' and '.join(others)} can read all)" if others else "")
@@ -243,9 +246,14 @@ def _cut_off(scene: Scene, interface: Interface) -> str:
 
 def _noise(scene: Scene) -> str:
     readout = scene.readout
+    if readout.exact and scene.reading.gain:
+        return "none: readings are exact; [readout.converter] gives them noise in volts or bits"
     if readout.exact:
         return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
     added = "" if readout.multisine is None else "in addition to that of the multisine, "
+    if readout.converter is not None:
+        added = f"{describe_converter(readout.converter)}; in addition to it "
+    size = "|V / V_s|" if scene.reading.gain else "|Z|"
     sheet = readout.data_sheet
     fixed = (
         f"{100 * readout.magnitude_accuracy:.3g} % and "
@@ -258,7 +266,7 @@ def _noise(scene: Scene) -> str:
     if sheet is not None:
         return f"{added}{fixed}; {sheet.noise:g} times as much in each reading"
     return (
-        f"{added}{100 * readout.magnitude_noise:.3g} % of |Z| and "
+        f"{added}{100 * readout.magnitude_noise:.3g} % of {size} and "
         f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, {fixed}"
     )
 

@@ -41,7 +41,9 @@ def warn_of_earth(name: str, scene: Scene) -> None:
 def note_if_noise_free(name: str, scene: Scene) -> None:
     """Prints a note if the meter of a scene reads without error."""
     if scene.readout.exact:
-        note(
-            f"{name}: the readout is free of noise because [readout] sets no errors; "
-            'readout = "IM3523", above the first table, sets those of such a meter'
+        given = (
+            "[readout.converter] sets noise in volts or bits"
+            if scene.reading.gain
+            else 'readout = "IM3523", above the first table, sets those of such a meter'
         )
+        note(f"{name}: the readout is free of noise because [readout] sets no errors; {given}")

@@ -81,7 +81,7 @@ def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
 
 
 def max_foil_distance(
-    skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface]
+    skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface | Source]
 ) -> float:
     """The largest distance of a point of the skin from its nearest driven foil, m.
 

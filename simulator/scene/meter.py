@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from .converter import Converter
 from .foam_in_time import Celsius, Humid
 from .keys.key_paths import OrTable, OrText
 from .multisine.noise import multisine_deviation, smallest_deviation
@@ -89,7 +90,8 @@ class Readout(Table):
     Accuracy is the standard deviation of the error that is fixed during a session; noise is that of
     the error of each single reading. data_sheet: both by |Z| and frequency, in place of the four
     numbers. spread: noise as measured, in place of any other. multisine: the electronics of
-    interfaces whose reader is "multisine"; their noise is added.
+    interfaces whose reader is "multisine"; converter: source and converter of interfaces whose
+    reader is "gain"; their noise is added.
     """
 
     magnitude_accuracy: Share = 0.0
@@ -100,6 +102,7 @@ class Readout(Table):
     data_sheet: DataSheet | None = None
     spread: SpreadTable | None = None
     multisine: Multisine | None = None
+    converter: Converter | None = None
 
     @model_validator(mode="after")
     def _stated_once(self) -> Self:
@@ -121,7 +124,8 @@ class Readout(Table):
     @property
     def uniform(self) -> bool:
         """True if the errors are the same for all readings and frequencies."""
-        return self.data_sheet is None and self.spread is None and self.multisine is None
+        tables = self.data_sheet, self.spread, self.multisine, self.converter
+        return all(table is None for table in tables)
 
     @property
     def noisy(self) -> bool:
@@ -137,20 +141,22 @@ class Readout(Table):
             smallest = self.data_sheet.noise * self.data_sheet.smallest_deviation
         else:
             smallest = min(self.magnitude_noise, self.phase_noise)
-        return (
-            math.hypot(smallest, smallest_deviation(self.multisine)) if self.multisine else smallest
-        )
+        added = [smallest_deviation(self.multisine)] if self.multisine else []
+        added += [self.converter.smallest_deviation] if self.converter else []
+        return math.hypot(smallest, *added)
 
     def noise(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Noise of each reading, see `ReadoutErrors`."""
-        own = self._noise_without_multisine(reading, frequency)
-        if self.multisine is None:
-            return own
-        return np.hypot(own, multisine_deviation(self.multisine, reading, frequency))
+        own = self._noise_without_electronics(reading, frequency)
+        if self.multisine is not None:
+            own = np.hypot(own, multisine_deviation(self.multisine, reading, frequency))
+        if self.converter is not None:
+            own = np.hypot(own, self.converter.deviation(reading))
+        return own
 
-    def _noise_without_multisine(
+    def _noise_without_electronics(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         if self.spread is not None:

@@ -27,6 +27,7 @@ from .contacts import (
     max_foil_distance,
     taken,
 )
+from .converter import check_readout
 from .design_goals import Design
 from .foam_in_time import in_ambient
 from .foam_mechanics import Mechanics
@@ -36,6 +37,7 @@ from .multisine.scene_tones import scene_reader
 from .one_conductor import with_earth, without_earth
 from .pixel_grid import Pixels, Pressing
 from .randomisation import Randomisation
+from .readers import sources_of_others
 from .reading_setup import ReadingSetup
 from .readings_short_form import Readings, expanded_readings
 from .skin import Name, Skin
@@ -241,9 +243,12 @@ class Scene(Table):
     def reach(self, *interfaces: Interface) -> float:
         """Largest distance of a point of the skin from its nearest foil driven by interfaces, m.
 
-        By default all interfaces of the scene count.
+        By default all interfaces of the scene count. Sources that are on at the same time drive
+        foils as well.
         """
-        return max_foil_distance(self.skin, self.contacts, interfaces or self.interfaces)
+        chosen = interfaces or self.interfaces
+        others = [one for each in chosen for one in sources_of_others(each, self.interfaces)]
+        return max_foil_distance(self.skin, self.contacts, [*chosen, *others])
 
     @property
     def driven_by_touch(self) -> list[DrivenByTouch]:
@@ -334,6 +339,7 @@ class Scene(Table):
     def _contacts_and_interfaces_agree(self) -> Self:
         check_wiring(self.contacts, self.interfaces, self.skin)
         check_frequencies(self.interfaces, self.sweep.frequencies)
+        check_readout(self.interfaces, self.readout)
         self.skin.check_depth(max(self.sweep.frequencies))
         return self
 

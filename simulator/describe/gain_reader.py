@@ -1,0 +1,60 @@
+"""Facts about the readers of gains of a scene, with the unpressed skin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..models.solver import Solver
+from ..press.press import Press
+from ..scene.contacts import Interface
+from ..scene.converter import Converter
+from ..scene.readers import Load, Source
+from ..scene.scene import Scene
+from ..sweeps.errors import ToleranceError
+from ..sweeps.units import prefixed
+
+RTOL = 1e-3
+
+
+def describe_gains(scene: Scene) -> Iterator[str]:
+    """A sentence on the reader of each interface, then one on gains of the unpressed skin."""
+    what = "complex gain" if scene.reading.phases else "magnitude of the gain"
+    for each in scene.interfaces:
+        assert each.series_resistance is not None
+        yield (
+            f"{each.name}: reads the {what}, driven through "
+            f"{prefixed(each.series_resistance, 'ohm')}; {_input(each.load)}{_together(each)}"
+        )
+    try:
+        gain = np.abs(Solver(scene, RTOL).solve(Press()).Z)
+    except ToleranceError as error:
+        yield f"of the unpressed skin: not found, {error}"
+        return
+    ends = f"{prefixed(scene.frequencies[0], 'Hz')} and {prefixed(scene.frequencies[-1], 'Hz')}"
+    for each, own in zip(scene.interfaces, gain, strict=True):
+        yield f"{each.name}: unpressed {own[0]:.3g} and {own[-1]:.3g} at {ends}"
+
+
+def describe_converter(converter: Converter) -> str:
+    """Noise of a converter in words."""
+    share = 100 * converter.smallest_deviation
+    return (
+        f"{prefixed(converter.component_noise, 'V')} of each component of a node's voltage, "
+        f"{share:.3g} % of a gain of 1 and {10 * share:.3g} % of one of 0.1"
+    )
+
+
+def _input(load: Load | None) -> str:
+    parts = [] if load is None or load.resistance is None else [prefixed(load.resistance, "ohm")]
+    parts += [prefixed(load.capacitance, "F")] if load is not None and load.capacitance else []
+    return f"the input has {' in parallel with '.join(parts)}" if parts else "the input is no load"
+
+
+def _together(interface: Interface) -> str:
+    others = [
+        "+".join(other.high) if isinstance(other, Source) else other
+        for other in interface.driven_with
+    ]
+    return f"; the source of {' and '.join(others)} is on at the same time" if others else ""
