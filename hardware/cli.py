@@ -10,11 +10,13 @@ import typer
 
 from ..simulator.requests.options import complete_scene
 from ..simulator.safe_text import say
-from .options import Accuracy, Baud, ControlAddress, Interfaces, Resource, Timeout
+from .options import Accuracy, Baud, ControlAddress, Interfaces, ReaderFile, Resource, Timeout
 from .record.recording_output import gather
 from .record_command import record
 
 if TYPE_CHECKING:
+    from .virtual.instrument import Instrument
+    from .virtual.meter_server import Ports
     from .virtual.serving import PageOptions, ServedSkin
 
 CONTROL = "127.0.0.1:3501"
@@ -53,6 +55,7 @@ def serve(
     model: Annotated[
         str, typer.Option(help="Model to imitate: IM3523, E4980A, E4980AL, 4284A or E4990A.")
     ] = "IM3523",
+    reader: ReaderFile = None,
     page: Annotated[
         bool, typer.Option("--page", help="Serve a page that presses the skin.")
     ] = False,
@@ -60,34 +63,26 @@ def serve(
         int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
 ) -> None:
-    """Serve a virtual meter on TCP until interrupted."""
-    from ..simulator.meters.accuracy_table import DERIVED_TABLE
+    """Serve a virtual meter, or reader of lines, on TCP until interrupted."""
     from .event_counter import counted_events
+    from .reader.line_format import read_line_format
     from .virtual import serving
 
     served = _served_skin(scene, recorded, interface, seed)
     press_routines = serving.routines(served, script, random, seed)
-    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE, model)
-    if len(served.skins) > 1:
-        say(
-            f"rcskin: note: connected to interface {meter.interface} of "
-            f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
-            err=True,
-        )
-    for note in serving.notes(meter, served):
-        say(f"rcskin: note: {note}", err=True)
+    if reader is None:
+        device = _virtual_meter(served, pace, accuracy, model)
+    else:
+        device = serving.reader(served, read_line_format(reader), pace)
     page_options = _page_options(served, page, page_port)
-    with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as meter.report:
-        meter.report_failure = partial(meter.report, "failed readings")
-        serving.serve(
-            meter,
-            press_routines,
-            lambda ports: say(f"{ports.resource}  control 127.0.0.1:{ports.control}"),
-            host,
-            port,
-            control_port,
-            page_options,
-        )
+
+    def on_listening(ports: Ports) -> None:
+        resource = ports.line_resource if reader else ports.resource
+        say(f"{resource}  control 127.0.0.1:{ports.control}")
+
+    with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as device.report:
+        device.report_failure = partial(device.report, "failed readings")
+        serving.serve(device, press_routines, on_listening, host, port, control_port, page_options)
 
 
 app.command(epilog=f"Example: rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc")(record)
@@ -113,6 +108,17 @@ def identify(
         say("no VISA resource found; name the meter's TCP socket", err=True)
     if not any(answer.identity for _, answer in answers):
         raise typer.Exit(1)
+
+
+@app.command("new-reader", epilog="Example: rcskin meter new-reader reader.toml")
+def new_reader(
+    output: Annotated[Path, typer.Argument(help="READER.toml, a new file to edit.")],
+) -> None:
+    """Start a description of a reader's lines: a commented file with every key."""
+    from .reader.line_format import write_new_format
+
+    write_new_format(output)
+    say(f"{output}: edit it, then give it to record or live by --reader")
 
 
 @app.command(epilog=f"Example: rcskin meter correct open --resource {VIRTUAL}")
@@ -175,7 +181,8 @@ def misbehave(
     kind: Annotated[
         str,
         typer.Argument(
-            help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck."
+            help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck; of "
+            "a reader: restart, miscount, repeat, interleave, endless, nan."
         ),
     ],
     times: Annotated[int, typer.Option(help="Number of faults.")] = 1,
@@ -205,6 +212,25 @@ def _served_skin(
     served = serving.simulated(requested, interfaces, seed)
     note_if_noise_free(requested.name, requested)
     return served
+
+
+def _virtual_meter(
+    served: ServedSkin, pace: float, accuracy: Path | None, model: str
+) -> Instrument:
+    """Virtual meter of a skin, with notes on what it does not do."""
+    from ..simulator.meters.accuracy_table import DERIVED_TABLE
+    from .virtual import serving
+
+    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE, model)
+    if len(served.skins) > 1:
+        say(
+            f"rcskin: note: connected to interface {meter.interface} of "
+            f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
+            err=True,
+        )
+    for note in serving.notes(meter, served):
+        say(f"rcskin: note: {note}", err=True)
+    return meter
 
 
 def _page_options(served: ServedSkin, page: bool, port: int | None) -> PageOptions | None:

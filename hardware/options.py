@@ -9,6 +9,18 @@ import typer
 
 Interfaces = Annotated[list[str] | None, typer.Option("--interface", help="Interface; repeatable.")]
 Resource = Annotated[str, typer.Option(help="VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET.")]
+Source = Annotated[
+    str,
+    typer.Option(
+        "--resource",
+        help="VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET, or serial:PORT or "
+        "tcp:HOST:PORT with --reader.",
+    ),
+]
+ReaderFile = Annotated[
+    Path | None,
+    typer.Option("--reader", help="Description (TOML) of lines of JSON or CSV at the resource."),
+]
 ControlAddress = Annotated[
     str,
     typer.Option(

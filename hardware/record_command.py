@@ -16,8 +16,9 @@ from .options import (
     Baud,
     Drift,
     Interfaces,
-    Resource,
+    ReaderFile,
     Settle,
+    Source,
     SwitchName,
     SwitchWith,
     Timeout,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 def record(
     scene: SceneName,
-    resource: Resource,
+    resource: Source,
     output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
     repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,
     order: Annotated[Path | None, typer.Option(help="File with one press per line.")] = None,
@@ -75,38 +76,50 @@ def record(
     timeout: Timeout = 5.0,
     baud: Baud = 9600,
     accuracy: Accuracy = None,
+    reader: ReaderFile = None,
 ) -> None:
     """Record sweeps of a scene's presses. The same command continues a stopped recording."""
-    from ..simulator.meters.accuracy_table import DERIVED_TABLE, read_table
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
     from ..simulator.scene.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
-    from .meter.instruments import open_meter
+    from .event_counter import EventCounter
     from .meter.termination import orderly_termination
     from .record.recorder import RecordingTask
     from .record.recorder import record as record_task
     from .record.recording_journal import RecordingJournal
+    from .record.source_options import SourceOptions, source_setup
     from .record.sweep_checks import SweepLimits
     from .switch.switch_options import switch_from_options
 
     checked_output(output)
     requested = requested_scene(scene)
     interfaces = checked_interfaces(interface, requested)
-    if not (interface or switch or switch_with):
+    options = SourceOptions(resource, timeout, baud, accuracy, reader)
+    if not (interface or switch or switch_with or options.is_reader):
         _check_one_interface(requested)
-    table = read_table(accuracy or DERIVED_TABLE)
     steps = _steps(order, requested, repetitions)
     settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
     several = len(interfaces) > 1
+    header = header_of(requested, interfaces, steps, settings, session)
+    faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
+    source = source_setup(options, header.by_interface, report=faults, settings=settings)
     screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
     task = RecordingTask(
-        header_of(requested, interfaces, steps, settings, session),
+        header,
         output,
-        lambda: open_meter(resource, timeout, baud),
-        table,
-        SweepLimits(repeatability=repeatability, drift=drift, two_terminal=requested.two_terminal),
+        source.connect,
+        source.table,
+        SweepLimits(
+            repeatability=repeatability,
+            drift=drift,
+            two_terminal=requested.two_terminal and source.checks_laws,
+        ),
         same_mounting,
-        switch_from_options(switch, switch_with, settle, interfaces, ask),
+        source.switch_or(
+            lambda: switch_from_options(switch, switch_with, settle, interfaces, ask),
+            any((switch, switch_with, settle is not None)),
+        ),
+        conditions=source.conditions,
     )
     warn_of_earth(scene, requested)
     journal = RecordingJournal(output)
@@ -114,6 +127,7 @@ def record(
         checked_output(output)
         with screen:
             header, entries = record_task(replace(task, report=report), operator)
+            faults.close()
         sweeps = finish(journal, header, dict(enumerate(entries)))
         say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *summary_remarks(entries)]))
 

@@ -15,8 +15,9 @@ from ..options import (
     Accuracy,
     Baud,
     Drift,
-    Resource,
+    ReaderFile,
     Settle,
+    Source,
     SwitchName,
     SwitchWith,
     Timeout,
@@ -34,7 +35,7 @@ MAX_BASELINES = 1000
 
 def live(
     model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
-    resource: Resource,
+    resource: Source,
     interface: Annotated[
         str | None, typer.Option(help="Connected interface; default: the model's.")
     ] = None,
@@ -61,6 +62,7 @@ def live(
     timeout: Timeout = 2.0,
     baud: Baud = 9600,
     accuracy: Accuracy = None,
+    reader: ReaderFile = None,
     force: Annotated[
         bool, typer.Option("--anyway", help="Accept unpressed sweeps of another skin.")
     ] = False,
@@ -98,9 +100,10 @@ def live(
 ) -> None:
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
-    from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
-    from ..meter.instruments import open_meter
+    from ...simulator.sweeps import InputError
+    from ..event_counter import EventCounter
     from ..meter.termination import orderly_termination
+    from ..record.source_options import SourceOptions, source_setup
     from ..record.sweep_checks import SweepLimits
     from ..switch.switch_options import switch_from_options
     from .live_localizer import localizer_of
@@ -113,15 +116,25 @@ def live(
     touching = TouchDynamics(touch_lasts, touch_every, touch_speed) if filtered else None
     localizer = localizer_of(model, touching, adaptive, certain, within)
     _check_interface(localizer.model, interface)
+    options = SourceOptions(resource, timeout, baud, accuracy, reader)
+    if options.is_reader and adaptive:
+        raise InputError("--adaptive chooses readings, and a reader of lines sends whole sweeps")
+    shown: list[SessionDisplay] = []
+    faults = EventCounter(lambda text: shown[0].note(text))
+    source = source_setup(options, _frequencies(localizer.model), follows=True, report=faults)
     connect = partial(
         LiveMeter,
         localizer,
-        lambda: open_meter(resource, timeout, baud),
-        read_table(accuracy or DERIVED_TABLE),
-        SweepLimits(drift=drift, two_terminal=localizer.scene.two_terminal),
+        source.connect,
+        source.table,
+        SweepLimits(drift=drift, two_terminal=localizer.scene.two_terminal and source.checks_laws),
         patience,
-        switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
+        source.switch_or(
+            lambda: switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
+            any((switch, switch_with, settle is not None)),
+        ),
         journal=journal,
+        conditions=source.conditions,
     )
     baseline = _baseline(localizer, rest, rest_file, force)
     kept = SessionLog(journal)
@@ -130,10 +143,17 @@ def live(
         with orderly_termination() as report, journal.lock() if journal else nullcontext():
             link = connect(report=report)
             with paged as others, _session_display(localizer, plain, others) as (show, key):
+                shown.append(show)
                 _run(LiveSession(localizer, link, baseline, show, kept, key), sweeps)
     finally:
         if kept.summary:
             say(kept.summary, err=True)
+
+
+def _frequencies(model: Model) -> dict[str, tuple[float, ...]]:
+    """Frequencies of every interface of a model, Hz."""
+    own = model.own_frequencies
+    return {name: tuple(own.get(name, model.frequencies)) for name in model.interfaces}
 
 
 def _check_options(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.meters.accuracy_table import AccuracyTable
 from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
@@ -25,7 +24,7 @@ from ..record.measured_sweep import (
     now,
 )
 from ..record.recording_journal import RecordingHeader, RecordingJournal
-from ..record.sweep_checks import SweepChecker, SweepLimits
+from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
 from .timed_switch import TimedSwitch
@@ -48,18 +47,23 @@ class LiveMeter:
         self,
         localizer: LiveLocalizer,
         connect: Callable[[], ReadingSource],
-        table: AccuracyTable,
+        table: ErrorTable,
         limits: SweepLimits,
         patience: float,
         switch: Switch | None = None,
         report: Callable[[str], None] = lambda text: None,
         clock: Callable[[], float] = time.perf_counter,
         journal: RecordingJournal | None = None,
+        conditions: ConditionsOf | None = None,
     ) -> None:
-        """report, journal: arguments of `ManagedMeter`. clock: times the turns, s."""
+        """report, journal: arguments of `ManagedMeter`. clock: times the turns, s.
+
+        conditions: of a reading; None: those of the meter that answers.
+        """
         if not 0 < patience <= 1e6:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
+        self._conditions = conditions
         self._station, self._patience = (
             ManagedMeter(connect, report=report, journal=journal),
             patience,
@@ -183,7 +187,7 @@ class LiveMeter:
             self._table,
             settings,
             self._limits,
-            instrument_of(meter.identity.text).conditions,
+            self._conditions or instrument_of(meter.identity.text).conditions,
             model.own_frequencies,
         )
 

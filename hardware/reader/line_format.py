@@ -10,10 +10,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from ...simulator.sweeps import InputError, inputs
+from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Text = Annotated[str, Field(max_length=100, pattern=r"^[ -~]*$")]
+NEW_READER = Path(__file__).with_name("new-reader.toml")
 REPEATED_COLUMN = re.compile(r"(?P<name>.+)\[(?P<length>\d{1,5})\]")
 PARTS = ({"real", "imaginary"}, {"magnitude", "phase"}, {"magnitude"})
 """Parts of a reading that a line may hold."""
@@ -150,6 +151,15 @@ def read_line_format(path: Path) -> LineFormat:
         raise InputError(f"{path}: is no description of a reader in TOML: {error}") from error
     except ValidationError as error:
         raise InputError(f"{path}: {_first_fault(error)}") from error
+
+
+def write_new_format(path: Path) -> None:
+    """Write a commented file with every key, to edit.
+
+    Raises InputError for another ending than .toml, a missing folder, a protected file.
+    """
+    with whole_file(checked_output(path, (".toml",))) as unfinished:
+        unfinished.write_text(NEW_READER.read_text(encoding="utf-8"), encoding="utf-8")
 
 
 def _first_fault(error: ValidationError) -> str:

@@ -42,11 +42,13 @@ class SweepAssembly:
     _readings: dict[tuple[str, int], complex] | None = field(default=None, init=False)
     _latest: LineContent | None = field(default=None, init=False)
     _text: str = field(default="", init=False)
+    _unread: int = field(default=0, init=False)
     _known: dict[Place, int] = field(default_factory=dict, init=False)
 
     def feed(self, text: str | None) -> dict[str, NDArray[np.complex128]] | None:
         """Take a line, None if it was too long. Returns the sweep that it completes, or None."""
         if text is None:
+            self._unread += 1
             self._discard(TOO_LONG, "a line never ended")
             return None
         if self._is_comment(text):
@@ -59,6 +61,7 @@ class SweepAssembly:
         try:
             content = parse_line(text, self.line_format)
         except LineError as fault:
+            self._unread += 1
             self._discard(fault.kind, str(fault))
             return None
         return self._take(content, text)
@@ -70,6 +73,7 @@ class SweepAssembly:
             if self._is_repeated(before, content, repeated):
                 return None
             self._check_order(before, content)
+        self._unread = 0
         if self._begins(before, content):
             self._readings = {}
         if self._readings is None:
@@ -106,7 +110,7 @@ class SweepAssembly:
             went = f"from {before.count} to {content.count}"
             if step < 0:
                 self._restarted(f"its count went back {went}")
-            elif step > 1:
+            elif step > 1 + self._unread:
                 self._discard(LOST, f"the count jumped {went}")
         if content.sweep is not None and before.sweep is not None:
             went = f"from {before.sweep} to {content.sweep}"
@@ -195,4 +199,4 @@ class SweepAssembly:
     def _discard(self, kind: str, why: str) -> None:
         lost = self._readings is not None
         self._readings = None
-        self.note(kind, f"{why}; the sweep was discarded" if lost else why)
+        self.note(kind, f"{why}; the sweep was discarded and is read again" if lost else why)

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ...simulator.meters.accuracy_table import AccuracyTable
 from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
@@ -31,7 +30,7 @@ from .recording_journal import (
     differences,
     warn_if_clock_set_back,
 )
-from .sweep_checks import SweepChecker, SweepLimits
+from .sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
 
 ETA_STEPS = 12
 """Number of latest steps that the estimate of the time left uses."""
@@ -46,17 +45,18 @@ class RecordingTask:
     header: with the fields that are known before the meter is connected; an empty session becomes
     the start time. same_mounting: True if the user said that the skin was not mounted anew. switch:
     connects the meter to one of the interfaces; None if there is one. report: reports settings that
-    could not be restored.
+    could not be restored. conditions: of a reading; None: those of the meter that answers.
     """
 
     header: RecordingHeader
     output: Path
     connect: Callable[[], ReadingSource]
-    table: AccuracyTable
+    table: ErrorTable
     limits: SweepLimits = SweepLimits()
     same_mounting: bool = False
     switch: Switch | None = None
     report: Callable[[str], None] = lambda text: None
+    conditions: ConditionsOf | None = None
 
     @cached_property
     def order(self) -> list[PressStep]:
@@ -86,7 +86,7 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
             task.table,
             header.settings,
             task.limits,
-            instrument_of(header.meter).conditions,
+            task.conditions or instrument_of(header.meter).conditions,
             header.of_each,
         )
         run = RecordingRun(task, station, operator, judge, entries)

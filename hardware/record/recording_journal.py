@@ -56,6 +56,11 @@ class RecordingHeader:
     accuracy: str = ""
     of_each: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
+    @property
+    def by_interface(self) -> dict[str, tuple[float, ...]]:
+        """Frequencies of every interface, Hz, by name."""
+        return {name: self.of_each.get(name, self.frequencies) for name in self.interfaces}
+
 
 @dataclass(frozen=True)
 class JournalEntry:

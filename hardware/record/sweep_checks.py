@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions, full_scale
+from ...simulator.meters.accuracy_table import ReadingConditions, full_scale
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
 from .measured_sweep import InterfaceTrace, MeasuredSweep
@@ -17,7 +17,24 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CP_TOLERANCE = 1e-3
-ConditionsOf = Callable[[Mapping[str, Any], float, complex, AccuracyTable], ReadingConditions]
+ConditionsOf = Callable[[Mapping[str, Any], float, complex, Any], ReadingConditions]
+
+
+class ErrorTable(Protocol):
+    """Bounds on errors of readings: an accuracy table of a meter, or what a reader states."""
+
+    @property
+    def name(self) -> str:
+        """Name of the table."""
+        ...
+
+    def has_range(self, range_number: int) -> bool:
+        """True if the bounds of this range are known."""
+        ...
+
+    def error_bounds(self, Z: complex, conditions: ReadingConditions) -> tuple[float, float]:
+        """Bounds on the errors of |Z| (a fraction) and of the phase (rad)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -48,7 +65,7 @@ class SweepChecker:
     """
 
     frequency: NDArray[np.float64]
-    table: AccuracyTable
+    table: ErrorTable
     settings: Mapping[str, Any]
     limits: SweepLimits
     conditions: ConditionsOf

@@ -18,8 +18,17 @@ KINDS = {
     "forget": "lose all settings, as after a power cut",
     "slow": "have the switch turn late",
     "stuck": "have the switch stay where it is",
+    "restart": "restart a reader in the middle of a sweep",
+    "miscount": "have the count of a reader's lines jump",
+    "repeat": "send a line of a reader twice",
+    "interleave": "send a line of a reader again after the next one",
+    "endless": "send a line without an end",
+    "nan": "send a number that is not finite",
 }
+GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
 ON_ANSWERS = ("drop", "late", "silent", "garbage", "half")
+ON_LINES = (*ON_ANSWERS, "restart", "miscount", "repeat", "interleave", "endless", "nan")
+"""Faults of a reader's lines."""
 
 
 @dataclass

@@ -13,12 +13,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..meter.meter_identity import VIRTUAL_SERIAL
+from .faults import GARBAGE, ON_ANSWERS, Fault
+from .interpreter import answer
 from .language.meter_command import MeterCommand
-from .language.parser import LanguageError
+from .language.parser import SYNTAX_ERROR, CommandError, LanguageError
 from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
 from .virtual_device import VirtualDevice
 
 if TYPE_CHECKING:
+    from .clients import Client
     from .measurement import Skin
 
 
@@ -118,6 +121,17 @@ class Instrument(VirtualDevice, ABC):
         """Answer of a command as it is sent."""
         return said
 
+    async def serve(self, client: Client) -> None:
+        """Answer each line of a client."""
+        async for line in client.lines():
+            if line is None:
+                self.refuse(CommandError("line", SYNTAX_ERROR))
+                continue
+            said = await answer(self, line)
+            if said:
+                fault = self.faults.take(*ON_ANSWERS)
+                await client.say(await _spoilt(f"{said}{self.line_end}".encode("ascii"), fault))
+
     async def settle(self) -> None:
         """Finish the running measurement, if there is one, and keep its results."""
         pending = self.pending
@@ -161,3 +175,15 @@ class Instrument(VirtualDevice, ABC):
             self.report_failure(f"press {press}: no reading: {failure} ({type(failure).__name__})")
             self.fail()
             return NO_RESULT
+
+
+async def _spoilt(said: bytes, fault: Fault | None) -> bytes:
+    """Answer with a fault, if there is one."""
+    if fault is None:
+        return said
+    if fault.kind == "late":
+        await asyncio.sleep(fault.seconds)
+    if fault.kind == "drop":
+        raise ConnectionAbortedError("the fault `drop` closes the connection")
+    instead = {"silent": b"", "garbage": GARBAGE, "half": said[: len(said) // 2]}
+    return instead.get(fault.kind, said)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import inspect
+from typing import TYPE_CHECKING
 
-from .instrument import Instrument
 from .language.parser import UNDEFINED_HEADER, CommandError, ExecutionError, Message, messages
+
+if TYPE_CHECKING:
+    from .instrument import Instrument
 
 
 async def answer(meter: Instrument, line: str) -> str:

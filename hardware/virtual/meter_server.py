@@ -1,4 +1,4 @@
-"""Virtual meter on TCP: one port for the meter's language, one control port."""
+"""Virtual meter or reader on TCP: one port for its language or lines, one control port."""
 
 from __future__ import annotations
 
@@ -10,14 +10,9 @@ from dataclasses import dataclass
 
 from ..page.page_address import LOOPBACK
 from ..tokens import stored_token
-from .clients import Client, Clients, open_port
+from .clients import Clients, open_port
 from .control import ControlPort
-from .faults import ON_ANSWERS, Fault
-from .instrument import Instrument
-from .interpreter import answer
-from .language.parser import SYNTAX_ERROR, CommandError
-
-GARBAGE = b"\xff\x00\x9c,,;;\x07\xe9\r\n"
+from .virtual_device import VirtualDevice
 
 
 @dataclass(frozen=True)
@@ -33,10 +28,15 @@ class Ports:
         """The meter's VISA resource."""
         return f"TCPIP0::{self.host}::{self.meter}::SOCKET"
 
+    @property
+    def line_resource(self) -> str:
+        """Resource of a virtual reader, which sends lines."""
+        return f"tcp:{self.host}:{self.meter}"
+
 
 @asynccontextmanager
 async def open_ports(
-    instrument: Instrument, control: ControlPort, host: str, port: int, control_port: int
+    device: VirtualDevice, control: ControlPort, host: str, port: int, control_port: int
 ) -> AsyncIterator[Ports]:
     """Open both ports while the block runs. Port 0 takes any free port.
 
@@ -44,12 +44,9 @@ async def open_ports(
     while it listens. Raises InputError if a port is not available.
     """
 
-    async def serve(client: Client) -> None:
-        await _serve_client(instrument, client)
-
     async with AsyncExitStack() as stack:
-        report = instrument.report
-        meter = await open_port(stack, Clients(serve, "meter's port", report), host, port)
+        report = device.report
+        meter = await open_port(stack, Clients(device.serve, "meter's port", report), host, port)
         steering = Clients(control.serve, "control port", report)
         steered = await open_port(stack, steering, LOOPBACK, control_port)
         try:
@@ -64,7 +61,7 @@ async def open_ports(
 
 @contextmanager
 def run_in_thread(
-    instrument: Instrument,
+    device: VirtualDevice,
     control: ControlPort | None = None,
     host: str = LOOPBACK,
     port: int = 0,
@@ -73,7 +70,7 @@ def run_in_thread(
     """Run the virtual meter in a thread while the block runs. Raises the errors of `open_ports`."""
     loop, stack = asyncio.new_event_loop(), AsyncExitStack()
     entered = stack.enter_async_context(
-        open_ports(instrument, control or ControlPort(instrument), host, port, control_port)
+        open_ports(device, control or ControlPort(device), host, port, control_port)
     )
     thread = threading.Thread(target=loop.run_forever, name="virtual meter", daemon=True)
     thread.start()
@@ -84,31 +81,7 @@ def run_in_thread(
         loop.call_soon_threadsafe(loop.stop)
         thread.join()
         loop.close()
-        instrument.worker.shutdown()
-
-
-async def _serve_client(instrument: Instrument, client: Client) -> None:
-    async for line in client.lines():
-        if line is None:
-            instrument.refuse(CommandError("line", SYNTAX_ERROR))
-            continue
-        said = await answer(instrument, line)
-        if said:
-            fault = instrument.faults.take(*ON_ANSWERS)
-            await client.say(
-                await _apply_fault(f"{said}{instrument.line_end}".encode("ascii"), fault)
-            )
-
-
-async def _apply_fault(said: bytes, fault: Fault | None) -> bytes:
-    if fault is None:
-        return said
-    if fault.kind == "late":
-        await asyncio.sleep(fault.seconds)
-    if fault.kind == "drop":
-        raise ConnectionAbortedError("the fault `drop` closes the connection")
-    instead = {"silent": b"", "garbage": GARBAGE, "half": said[: len(said) // 2]}
-    return instead.get(fault.kind, said)
+        device.worker.shutdown()
 
 
 async def _shut_down(stack: AsyncExitStack) -> None:

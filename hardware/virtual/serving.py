@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
     from ..page.page_address import PageAddress
     from ..page.page_document import PageDocument
+    from ..reader.line_format import LineFormat
     from .measurement import Skin
+    from .reader.virtual_reader import VirtualReader
+    from .virtual_device import VirtualDevice
 
 
 @dataclass(frozen=True)
@@ -106,8 +109,7 @@ def instrument(
     pace: factor on measuring times; 1: as a real meter, 0: none. model: that it imitates. Raises
     InputError for another pace or model, or if the model lacks a frequency of the served scene.
     """
-    if not 0 <= pace <= 100:
-        raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
+    _check_pace(pace)
     meter = virtual_model(model)(
         MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
         pace=pace,
@@ -139,6 +141,36 @@ def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     return found
 
 
+def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> VirtualReader:
+    """Virtual reader that sends lines of this format, with filled caches.
+
+    Raises InputError for another pace, for a recorded skin, or if the format does not fit it.
+    """
+    from .reader.virtual_reader import VirtualReader
+
+    _check_pace(pace)
+    if served.scene is None:
+        raise InputError("a virtual reader needs --scene: recorded sweeps have no lines in time")
+    own = served.scene.reading.own
+    whole = tuple(served.scene.frequencies.tolist())
+    made = VirtualReader(
+        line_format=line_format,
+        readout=served.readout,
+        frequencies={name: tuple(own.get(name, whole)) for name in served.skins},
+        pace=pace,
+        press=served.skin.check(UNPRESSED),
+        skins=served.skins,
+        interface=next(iter(served.skins)),
+    )
+    made.worker.submit(served.skin.impedance, made.press, served.frequency).result()
+    return made
+
+
+def _check_pace(pace: float) -> None:
+    if not 0 <= pace <= 100:
+        raise InputError(f"`pace` must be in [0, 100], got {pace:g}")
+
+
 def routines(
     served: ServedSkin, script: Path | None, random: float | None, seed: int
 ) -> tuple[Routine, ...]:
@@ -165,7 +197,7 @@ class PageOptions:
 
 
 def serve(
-    meter: Instrument,
+    meter: VirtualDevice,
     press_routines: tuple[Routine, ...],
     on_listening: Callable[[Ports], None],
     host: str = LOOPBACK,

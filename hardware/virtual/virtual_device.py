@@ -14,6 +14,7 @@ from .faults import Faults
 from .worker import Worker
 
 if TYPE_CHECKING:
+    from .clients import Client
     from .measurement import Skin
 
 
@@ -48,6 +49,10 @@ class VirtualDevice(ABC):
     @abstractmethod
     def shown_reading(self) -> dict[str, Any] | None:
         """The latest reading, for a page; None if there is none."""
+
+    @abstractmethod
+    async def serve(self, client: Client) -> None:
+        """Serve one client until it leaves."""
 
     @abstractmethod
     def connect(self, interface: str) -> None:

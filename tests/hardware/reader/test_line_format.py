@@ -1,10 +1,16 @@
 """Descriptions of readers: which are refused, and in which words."""
 
+import re
 import runpy
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.reader.line_format import read_line_format
+from rcskin.hardware.reader.line_format import (
+    LineFormat,
+    ReaderInterface,
+    read_line_format,
+    write_new_format,
+)
 from rcskin.simulator.sweeps import InputError
 
 _files = runpy.run_path(str(Path(__file__).with_name("reader_files.py")))
@@ -17,6 +23,15 @@ def test_the_descriptions_of_these_tests_are_sound(tmp_path, text):
     path.write_text(text)
     found = read_line_format(path)
     assert [each.name for each in found.interface] == ["left", "bottom"]
+
+
+def test_a_new_file_is_sound_and_names_every_key(tmp_path):
+    path = tmp_path / "reader.toml"
+    write_new_format(path)
+    assert read_line_format(path).lines == "readings"
+    known = {*LineFormat.model_fields, *ReaderInterface.model_fields} - {"separator", "comment"}
+    text = path.read_text()
+    assert {key for key in known if not re.search(rf"\b{key} = |\b{key}\b", text)} == set()
 
 
 REFUSED = [

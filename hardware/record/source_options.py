@@ -1,0 +1,140 @@
+"""Source of readings of a command, from its options: a meter, or a reader of lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
+from ...simulator.sweeps import InputError
+from ..meter.instruments import open_meter
+from ..meter.reading_source import ReadingSource
+from ..reader.line_format import LineFormat, read_line_format
+from ..reader.line_port import check_line_resource, is_line_resource
+from ..reader.reader_driver import ReaderTerminals, Report, open_reader, ordered_frequencies
+from ..reader.reader_errors import ReaderErrors
+from ..switch.switch import Switch
+from .sweep_checks import ConditionsOf, ErrorTable
+
+FILE_NEEDED = (
+    "needs --reader FILE.toml, which describes the lines that it sends; `rcskin meter new-reader "
+    "FILE.toml` writes a commented one"
+)
+
+
+@dataclass(frozen=True)
+class SourceSetup:
+    """Source of readings that is opened later. connect: opens it.
+
+    table, conditions: bounds on its errors; conditions None: those of the meter that answers.
+    checks_laws: True if the bounds are known, so that laws of passive skins can be checked.
+    terminals: the interfaces of a reader, which need no switch; None for a meter.
+    """
+
+    connect: Callable[[], ReadingSource]
+    table: ErrorTable
+    conditions: ConditionsOf | None = None
+    checks_laws: bool = True
+    terminals: ReaderTerminals | None = None
+
+    def switch_or(self, make: Callable[[], Switch | None], given: bool) -> Switch | None:
+        """The reader's terminals, or else the switch that `make` returns.
+
+        given: True if an option names a switch. Raises InputError if a reader gets one.
+        """
+        if self.terminals is None:
+            return make()
+        if given:
+            raise InputError(
+                "a reader sends the readings of all its terminals; leave --switch, --switch-with "
+                "and --settle out"
+            )
+        return self.terminals
+
+
+@dataclass(frozen=True)
+class SourceOptions:
+    """Options of a command that name the source. accuracy: table of a meter. reader: file."""
+
+    resource: str
+    timeout: float
+    baud: int
+    accuracy: Path | None
+    reader: Path | None
+
+    @property
+    def is_reader(self) -> bool:
+        """True if the resource is a reader of lines."""
+        return is_line_resource(self.resource)
+
+
+def source_setup(
+    options: SourceOptions,
+    frequencies: Mapping[str, Sequence[float]],
+    follows: bool = False,
+    report: Report = lambda kind, text: None,
+    settings: Mapping[str, Any] | None = None,
+) -> SourceSetup:
+    """Source of these options. Raises InputError.
+
+    frequencies: Hz, by interface. follows, report: see `ReaderDriver`. settings: requested settings
+    of a meter.
+    """
+    if not options.is_reader:
+        if options.reader:
+            raise InputError(
+                f"--reader describes lines of serial:PORT or tcp:HOST:PORT, and the resource is "
+                f"{options.resource!r}"
+            )
+        return SourceSetup(
+            lambda: open_meter(options.resource, options.timeout, options.baud),
+            read_table(options.accuracy or DERIVED_TABLE),
+        )
+    if settings:
+        raise InputError(
+            f"a reader of lines has no setting {', '.join(f'`{name}`' for name in settings)}; set "
+            "the device itself, and leave the option out"
+        )
+    return _reader_setup(options, _line_format(options), frequencies, follows, report)
+
+
+def _line_format(options: SourceOptions) -> LineFormat:
+    check_line_resource(options.resource)
+    if options.reader is None:
+        raise InputError(f"{options.resource}: a reader of lines {FILE_NEEDED}")
+    if options.accuracy is not None:
+        raise InputError(
+            "--accuracy is a table of a meter; a reader's file states `error` and `phase_error`"
+        )
+    return read_line_format(options.reader)
+
+
+def _reader_setup(
+    options: SourceOptions,
+    line_format: LineFormat,
+    frequencies: Mapping[str, Sequence[float]],
+    follows: bool,
+    report: Report,
+) -> SourceSetup:
+    try:
+        terminals = ReaderTerminals(list(ordered_frequencies(line_format, frequencies)))
+    except InputError as error:
+        raise InputError(f"{options.reader}: {error}") from error
+    errors = ReaderErrors(line_format)
+    return SourceSetup(
+        lambda: open_reader(
+            options.resource,
+            line_format,
+            frequencies,
+            terminals,
+            options.timeout,
+            follows,
+            report,
+        ),
+        errors,
+        errors.conditions,
+        errors.known,
+        terminals,
+    )

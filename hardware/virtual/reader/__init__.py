@@ -1,0 +1,1 @@
+"""The virtual reader: sends lines of a simulated skin, as a microcontroller does."""

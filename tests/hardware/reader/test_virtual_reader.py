@@ -1,0 +1,247 @@
+"""The virtual reader, the recorder and live sessions: lines over a socket, and their faults."""
+
+import json
+import runpy
+import socket
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcskin.hardware.live.live_baseline import LiveBaseline
+from rcskin.hardware.live.live_meter import LiveMeter
+from rcskin.hardware.live.live_session import LiveSession
+from rcskin.hardware.live.session_log import SessionLog
+from rcskin.hardware.reader.line_format import LineFormat
+from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
+from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.recorder import RecordingTask, record
+from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.source_options import SourceOptions, source_setup
+from rcskin.hardware.record.sweep_checks import SweepLimits
+from rcskin.hardware.record_command import header_of
+from rcskin.hardware.virtual import serving
+from rcskin.hardware.virtual.faults import ON_LINES, Fault
+from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.sweeps import InputError, impedance, inputs
+
+HERE = Path(__file__).parent
+_files = runpy.run_path(str(HERE / "reader_files.py"))
+_live = runpy.run_path(str(HERE.parent / "live" / "live_rig.py"))
+COUNTED, ARRAYS = _files["COUNTED"], _files["ARRAYS"]
+READING = "a line for each reading"
+FORMATS = {READING: COUNTED, "a line for each sweep": ARRAYS}
+INTERFACES = ("left", "bottom")
+
+
+@pytest.fixture
+def quilt():
+    """A scene with two interfaces."""
+    return load_scene(str(HERE.parent / "scenes" / "quilt.toml"))
+
+
+@pytest.fixture
+def described(tmp_path):
+    """A function that writes a reader's file."""
+
+    def described(text, *lines):
+        path = tmp_path / "reader.toml"
+        head, mark, tables = text.partition("[[interface]]")
+        path.write_text("\n".join([head, *lines, mark + tables]))
+        return path
+
+    return described
+
+
+@contextmanager
+def served(scene, skins, text, **more):
+    """The virtual reader of these skins, and its ports."""
+    skin = serving.ServedSkin(skins, exact_readout, *scene.pixels.shape, 1e3, scene)
+    line_format = LineFormat.model_validate({**inputs.tables(text), **more})
+    device = serving.reader(skin, line_format)
+    with run_in_thread(device) as ports:
+        yield device, ports
+
+
+class Quiet:
+    """Shows nothing but keeps the remarks."""
+
+    def __init__(self):
+        self.remarks = []
+
+    def begin(self, title, baseline): ...
+    def turn(self, interface): ...
+    def reading(self, frequency, reading): ...
+    def end(self, remarks):
+        self.remarks += remarks
+
+
+def recorded(scene, ports, path, tmp_path, **more):
+    """A recording through the command's own set-up: sweeps, what was noted, and what was shown."""
+    notes, show = [], Quiet()
+    header = header_of(scene, INTERFACES, standard_order(*scene.pixels.shape, 1)[:4])
+    options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)
+    source = source_setup(
+        options, header.by_interface, report=lambda kind, text: notes.append(kind)
+    )
+    task = RecordingTask(
+        header,
+        tmp_path / "run.nc",
+        source.connect,
+        source.table,
+        SweepLimits(two_terminal=source.checks_laws),
+        switch=source.terminals,
+        conditions=source.conditions,
+    )
+    press = press_virtual_skin(f"127.0.0.1:{ports.control}")
+    operator = MachineOperator(press, show, retries=3, pause=0)
+    for name, value in more.items():
+        setattr(operator, name, value)
+    return recording_dataset(*record(task, operator)), notes, show
+
+
+def exact(scene, skins, presses):
+    """Z in ohm of every press, shape (sweep, interface, frequency)."""
+    f = scene.frequencies.tolist()
+    return [[[skins[n].impedance(p, each) for each in f] for n in INTERFACES] for p in presses]
+
+
+def test_its_lines_hold_the_skin_as_a_person_reads_them(quilt, rig_skins):
+    with served(quilt, rig_skins, COUNTED) as (_, ports):
+        with socket.create_connection(("127.0.0.1", ports.meter), timeout=5) as line:
+            lines = [text.rstrip("\n") for text, _ in zip(line.makefile(), range(8), strict=False)]
+    assert lines[0] == "# rcskin virtual reader"
+    rows = [line.split(",") for line in lines[1:]]
+    assert [int(row[0]) for row in rows] == list(range(7))
+    frequencies = quilt.frequencies.tolist()
+    for row, label, name in ((rows[0], "A", "left"), (rows[len(frequencies)], "B", "bottom")):
+        Z = rig_skins[name].impedance("none", frequencies[0])
+        assert row[2] == label and float(row[3]) == frequencies[0]
+        assert complex(float(row[4]), float(row[5])) == pytest.approx(Z, rel=1e-8)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_recording_holds_every_press_at_all_terminals(
+    quilt, rig_skins, described, tmp_path, name
+):
+    path = described(FORMATS[name])
+    with served(quilt, rig_skins, FORMATS[name]) as (_, ports):
+        sweeps, notes, show = recorded(quilt, ports, path, tmp_path)
+    presses = [str(each) for each in sweeps["press"].values]
+    np.testing.assert_allclose(impedance(sweeps), exact(quilt, rig_skins, presses), rtol=1e-7)
+    assert (notes, show.remarks, sweeps.attrs["model"]) == ([], [], "virtual meter")
+    assert json.loads(sweeps.attrs["settings"])["rate"]
+
+
+@pytest.mark.parametrize("kind", ON_LINES)
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_fault_never_becomes_a_wrong_sweep(quilt, rig_skins, described, tmp_path, name, kind):
+    """The fault hits two sweeps on end, in the middle of a recording."""
+    path = described(FORMATS[name])
+    with served(quilt, rig_skins, FORMATS[name]) as (device, ports):
+        pressed, by = [], press_virtual_skin(f"127.0.0.1:{ports.control}")
+
+        def press(step):
+            by(step)
+            pressed.append(step)
+            if len(pressed) == 2:
+                times = {"drop": 1, "restart": 2}.get(kind, 24 if name == READING else 4)
+                device.faults.add(Fault(kind, times=times, seconds=0.002))
+
+        sweeps, notes, show = recorded(quilt, ports, path, tmp_path, press_skin=press)
+        assert device.faults.waiting == []
+    presses = [str(each) for each in sweeps["press"].values]
+    np.testing.assert_allclose(impedance(sweeps), exact(quilt, rig_skins, presses), rtol=1e-7)
+    if name == READING and kind not in ("late", "silent", "half"):  # which may fall between two
+        assert notes or show.remarks
+
+
+def test_a_live_session_reads_lines(described, press_control):
+    localizer = _live["Pixels"]()
+    text = COUNTED.replace("rate = 2000", "rate = 1000")
+    path = described(text)
+    with served(localizer.scene, _live["SKINS"], text) as (_, ports):
+        press = press_control(ports)
+        frequencies = dict.fromkeys(INTERFACES, localizer.frequencies)
+        options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)
+        source = source_setup(options, frequencies, follows=True)
+        meter = LiveMeter(
+            localizer,
+            source.connect,
+            source.table,
+            SweepLimits(two_terminal=source.checks_laws),
+            5.0,
+            source.terminals,
+            conditions=source.conditions,
+        )
+        display = Witness({1: press("1,2"), 3: press("2,3")})
+        session = LiveSession(localizer, meter, LiveBaseline(2), display, SessionLog())
+        try:
+            session.run(5)
+        finally:
+            meter.release()
+    assert (display.labels[2], display.labels[4]) == ("pixel 1,2", "pixel 2,3")
+    assert session.failed == 0
+
+
+class Witness:
+    """Keeps the answers, and does `then[n]` after the n-th."""
+
+    def __init__(self, then):
+        self.labels, self.then = [], then
+
+    def reading(self, frequency, reading): ...
+    def no_answer(self, why): ...
+    def note(self, text): ...
+    def answer(self, moment):
+        self.labels.append(moment.answer.label)
+        self.then.get(len(self.labels), lambda: None)()
+
+
+@pytest.fixture
+def press_control():
+    """A function that gives a function that presses through the control port."""
+    from rcskin.hardware.control_client import send_request
+
+    def at(ports):
+        return lambda where: (
+            lambda: send_request(f"127.0.0.1:{ports.control}", "press", press=where)
+        )
+
+    return at
+
+
+TCP = "tcp:127.0.0.1:9"
+REFUSED = {
+    "no file": ((TCP,), "needs --reader FILE.toml"),
+    "no port": (("tcp:host", "--reader", "reader.toml"), "must be tcp:HOST:PORT"),
+    "a meter": (
+        ("TCPIP0::1.1.1.1::1::SOCKET", "--interface", "left", "--reader", "reader.toml"),
+        "describes lines of",
+    ),
+    "a setting": ((TCP, "--reader", "reader.toml", "--speed", "FAST"), "no setting `speed`"),
+    "a switch": ((TCP, "--reader", "reader.toml", "--switch", "s.toml"), "all its terminals"),
+    "a table": ((TCP, "--reader", "reader.toml", "--accuracy", "a.toml"), "a table of a meter"),
+    "an interface": ((TCP, "--reader", "other.toml"), "other.toml: the reader's file lacks"),
+    "an absent file": ((TCP, "--reader", "absent.toml"), "absent.toml"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_options_that_do_not_fit_a_reader_are_refused(command, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "reader.toml").write_text(COUNTED)
+    (tmp_path / "other.toml").write_text(COUNTED.replace('name = "bottom"', 'name = "top"'))
+    given, message = REFUSED[name]
+    result = command("record", "quilt", "--resource", *given, "-o", tmp_path / "run.nc", input="")
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)
+
+
+def test_the_virtual_reader_refuses_what_it_cannot_send(quilt, rig_skins):
+    listed = ARRAYS.replace('frequency = "khz"\nfrequency_scale = 1e3', "frequencies = [5.0, 7.0]")
+    with pytest.raises(InputError, match="must be those of the scene"):
+        with served(quilt, rig_skins, listed):
+            pass
