@@ -10,6 +10,7 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.interpreter import answer
 from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
 from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
+from rcskin.hardware.virtual.keysight.keysight_instrument import KeysightInstrument
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.hardware.virtual.serving import ServedSkin, notes
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
@@ -17,7 +18,7 @@ from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken
 
 SCRIPTS = sorted(CONVERSATIONS.rglob("*.txt"))
-KEYSIGHT = [model for model in VIRTUAL_MODELS if not model.startswith("IM")]
+KEYSIGHT = [model for model, kind in VIRTUAL_MODELS.items() if issubclass(kind, KeysightInstrument)]
 ERROR, LINE_END = ":SYST:ERR?", b"\n"
 NO_ERROR = '+0,"No error"'
 
