@@ -42,6 +42,7 @@ OF_ONE = [
     ("IM3523", {"kind": "status", "status": 9}, FailedReadingError, "status 9: sampling error"),
     ("IM3523", {"kind": "status", "status": 14}, FailedReadingError, "status 14: contact error"),
     ("E4980A", {"kind": "status"}, FailedReadingError, "status 1: overload: check the leads"),
+    ("E4990A", {"kind": "status"}, FailedReadingError, "which stand for no reading"),
 ]
 
 
