@@ -88,9 +88,12 @@ class Fit:
 
     @property
     def rms_error(self) -> float:
-        """Rms error of Z relative to |Z|, without the meter's fixed errors."""
+        """Rms error of Z or gain relative to its magnitude, without the meter's fixed errors."""
         measured = np.stack([reading.Z for reading in self.spec.measurements.sweeps])
-        error = np.abs(self.problem.fitted(self.u) / measured - 1)
+        fitted = self.problem.fitted(self.u)
+        if self.spec.measurements.parts == 1:
+            fitted = np.abs(fitted)
+        error = np.abs(fitted / measured - 1)
         return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
 
 

@@ -52,7 +52,10 @@ def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
     explained = stated and fit.chi_squared < EXPLAINED * freedom
     if correlation < STRUCTURED or explained:
         return []
-    trials = [*_losses(fit), *(_element(fit, each) for each in ELEMENTS)]
+    elements = () if fit.spec.measurements.scene.reading.gain else ELEMENTS
+    trials = [*_losses(fit), *(_element(fit, each) for each in elements)]
+    if not trials:
+        return []
     left = {text: trial.chi_squared / fit.chi_squared for text, trial in trials}
     shares = (
         f"{text} leaves {100 * share:.0f} %" for text, share in sorted(left.items(), key=_share)

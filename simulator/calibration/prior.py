@@ -116,6 +116,8 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
     """Wide priors: spreads far larger than sessions have."""
     omega = 2 * np.pi * measured.scene.frequencies
     size = np.abs([reading.Z for reading in measured.sweeps])
+    if measured.scene.reading.gain:
+        size = np.stack([np.full(size.shape[1:], _series_resistance(measured.scene))])
     lowest = np.where(measured.read, size, np.inf).min(axis=(0, 1))
     highest = np.where(measured.read, size, 0.0).max(axis=(0, 1))
     deviations = {
@@ -130,6 +132,11 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
         "stray_capacitance": float((1 / highest / omega).min()),
     }
     return {name: SessionSpread(0.0, deviation) for name, deviation in deviations.items()}
+
+
+def _series_resistance(scene: Scene) -> float:
+    """Mean resistance between a source and its node, ohm."""
+    return float(np.mean([each.series_resistance or 0.0 for each in scene.interfaces]))
 
 
 MIN_FREEDOM = 10
@@ -169,6 +176,7 @@ def noise_of(measured: Measurements) -> Noise:
         return Noise(with_noise(readout, FIRST_GUESS, FIRST_GUESS), "a guess", guessed=True)
     squares = sum((each.averaged - 1) * _squares(each.deviation) for each in repeated)
     magnitude, phase = np.sqrt(squares / freedom)
+    phase = phase if measured.parts == 2 else magnitude
     sweeps = sum(each.averaged for each in repeated)
     source = f"{sweeps} sweeps of the unpressed skin"
     return Noise(with_noise(readout, float(magnitude), float(phase)), source, freedom)

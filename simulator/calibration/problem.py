@@ -83,7 +83,7 @@ class FitSpec:
         """
         Z = np.stack([reading.Z for reading in self.measurements.sweeps])
         both = self.readout.accuracy(Z, self.measurements.scene.frequencies)
-        flat = both.reshape(2, len(Z), -1)
+        flat = both.reshape(2, len(Z), -1)[: self.measurements.parts]
         return {half: spread for half, spread in enumerate(flat) if spread.max() > 0}
 
     @cached_property
@@ -275,14 +275,15 @@ class LeastSquaresProblem:
 def deviation_of(spec: FitSpec, reading: SessionSweep) -> NDArray[np.float64]:
     """Standard deviation of each number of a sweep by the noise, shape (2 * Z.size,).
 
-    The noise is that of the measured Z. Infinite where nothing was read or the meter's range is
-    unknown: such a number has no weight.
+    The noise is that of the measured Z. Infinite where nothing was read, for phases that are not
+    known, or where the meter's range is unknown: such a number has no weight.
     """
     used, f = spec.measurements.read & reading.known, spec.measurements.scene.frequencies
     own = ErrorModel(
         spec.readout, np.ones_like(used), reading.averaged, reading=reading.Z, frequency=f
     ).deviation
-    return np.where(np.tile(used.ravel(), 2), own, np.inf)
+    known = np.stack([used, used & (spec.measurements.parts == 2)])
+    return np.where(known.ravel(), own, np.inf)
 
 
 def difference(Z: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:

@@ -123,7 +123,8 @@ def calibrate(
     gained = misfit_trials(fit, info.freedom, noise, progress) if options.trials else []
     left_over = tuple([*tail_remarks(fit), *gained])
     names = fit.spec.names
-    beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
+    lossy = "phase_exponent" in names and not data.scene.reading.gain
+    beaten = lossy and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
         values=fit.values,
         intervals=bounds,
