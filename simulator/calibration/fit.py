@@ -221,8 +221,9 @@ def certificate_limit(spec: FitSpec) -> float:
 def largest_certificate(fit: Fit) -> float:
     """Largest certified error of the model over the first CERTIFIED_PRESSES presses."""
     problem, values = fit.problem, fit.values
+    share = fit.spec.share_of_rises(fit.u)
     return max(
-        problem.model.certificate(cells, problem.rises(fit.u, k), values)
+        problem.model.certificate(cells, share * problem.rises(fit.u, k), values)
         for k, (cells, _) in enumerate(problem.cells[:CERTIFIED_PRESSES])
     )
 

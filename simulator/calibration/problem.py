@@ -9,6 +9,7 @@ residuals whitened by the covariance of `ErrorModel` over a session.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -64,6 +65,15 @@ class FitSpec:
         for k, (name, prior) in enumerate(self.fitted.items()):
             u[k] = (values[name] - prior.center) / prior.deviation
         return u
+
+    @property
+    def absolute_touches(self) -> bool:
+        """True if a touch adds a capacitance that does not change with that of the skin."""
+        return self.measurements.scene.press.adds is not None
+
+    def share_of_rises(self, u: NDArray[np.float64]) -> float:
+        """Rises over those that the same touches make in the scene as it is stated."""
+        return math.exp(-self.values(u)["capacitance"]) if self.absolute_touches else 1.0
 
     @property
     def touch_count(self) -> int:
@@ -220,13 +230,18 @@ class LeastSquaresProblem:
         """Residuals and derivatives of one group of sweeps, over their standard deviations."""
         spec, readings = self.spec, [self.spec.measurements.sweeps[k] for k in group]
         cells = np.stack([self.cells[k][0] for k in group])
-        rises = np.stack([self.rises(u, int(k)) for k in group])
+        share = spec.share_of_rises(u)
+        rises = share * np.stack([self.rises(u, int(k)) for k in group])
         response = self.model.respond_together(cells, rises, spec.values(u))
+        by_parameter = dict(response.by_parameter)
+        if spec.absolute_touches:
+            by_rises = (response.by_cell * rises[:, None, None]).sum(axis=-1)
+            by_parameter["capacitance"] = by_parameter["capacitance"] - by_rises
         parameters = [
-            prior.deviation * observed_slope(response.Z, response.by_parameter[name])
+            prior.deviation * observed_slope(response.Z, by_parameter[name])
             for name, prior in spec.fitted.items()
         ]
-        spreads = np.array([spec.spreads[k] for k in group])
+        spreads = share * np.array([spec.spreads[k] for k in group])
         touches = [
             spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
             for touch, spread in enumerate(spreads.T)
