@@ -27,8 +27,8 @@ from ..scene.readout_errors import ReadoutErrors
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
-from ..sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ..sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
+from ..sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ..sweeps.schema import complex_readings, taken_of
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ NEAR_EDGE = 3.0
 class SessionSweep:
     """Sweep of one press in one session, or the mean of all baseline sweeps of a session.
 
-    Z: ohm, or gain, shape (interface, frequency), 1 where nothing was read. fixed: number of the meter's
+    Z: ohm, or gain, shape (interface, frequency), 1 where nothing was read. fixed: number of the
     fixed error of the session that each reading has, same shape; UNKNOWN_RANGE where it is not
     known, and the reading is then not used. averaged: number of averaged sweeps. deviation: sample
     standard deviation of `observed` over these, shape (2 * Z.size,), None for a single one.

@@ -108,13 +108,15 @@ def correlations(calibration: Calibration, console: Console) -> Table | str:
 
 
 def _noise(spec: FitSpec) -> str:
-    """Noise of |Z| and phase of the measured readings, with its range where it has one."""
+    """Noise of magnitude and phase of the measured readings, with its range where it has one."""
     noise = spec.readout.noise(*_readings(spec))
-    of_Z, of_phase = (
+    found = (
         " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
         for own, scale in zip(noise, (100, 1e3), strict=True)
     )
-    return f"{of_Z} % of |Z|, {of_phase} mrad"
+    magnitude = "|V / V_s|" if spec.measurements.scene.reading.gain else "|Z|"
+    units = (f"% of {magnitude}", "mrad")[: spec.measurements.parts]
+    return ", ".join(f"{each} {unit}" for each, unit in zip(found, units, strict=False))
 
 
 def _readings(spec: FitSpec) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
@@ -127,10 +129,11 @@ def _readings(spec: FitSpec) -> tuple[NDArray[np.complex128], NDArray[np.float64
 def explanations(calibration: Calibration) -> list[str]:
     """Remarks on the fit, a line each."""
     spec = calibration.fit.spec
+    readings = "gains" if spec.measurements.scene.reading.gain else "Z"
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
-        f"rms relative error of Z {100 * calibration.rms_error:.3g} %",
+        f"rms relative error of {readings} {100 * calibration.rms_error:.3g} %",
         f"noise from {calibration.noise.source}: {_noise(spec)}",
     ]
     lines += _widening(calibration.information)

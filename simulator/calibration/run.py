@@ -17,6 +17,7 @@ from ..models.effects import effects_of
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths
 from ..models.parameters import own_values, scene_with
+from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..progress import ProgressCallback, silent
 from ..safe_text import Tabular
@@ -109,8 +110,9 @@ def calibrate(
     tolerance.
     """
     scene = forces_as_depths(scene)
-    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
-    scene = with_effects(scene, options.also)
+    also = (*options.also, *(name for name in options.fit if name in READER))
+    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *also)
+    scene = with_effects(scene, also)
     folded(scene, "a calibration")
     data = measurements_of(scene, sweeps, options.band, options.session)
     job = _CalibrationRun(data, options, unknown_effects, model, progress)

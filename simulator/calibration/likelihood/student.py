@@ -66,9 +66,7 @@ class StudentT:
         )
 
 
-def likeliest(
-    squares: NDArray[np.float64], freedom: float, parts: int = 2
-) -> StudentT | None:
+def likeliest(squares: NDArray[np.float64], freedom: float, parts: int = 2) -> StudentT | None:
     """The likeliest t distribution of residuals; None where normal errors explain them as well.
 
     squares: r'r of each reading over the noise, shape (reading,). freedom: of the residuals.
