@@ -19,8 +19,9 @@ from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
+from .fit_spec import FitSpec
 from .initial_values import initial_values
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ROUNDS = 10

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..models.line_slopes import LineModel
 from ..scene.scene import Scene
+from .fit_spec import FitSpec
 from .measurements import Measurements
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 SHARES = (0.03, 0.1, 0.3, 1.0)
 """Shares of the largest measured resistance that may be the skin's and not the leads'."""

@@ -16,8 +16,9 @@ from ..models.parameters import loss_of
 from ..progress import ProgressCallback, silent
 from ..sweeps.units import prefixed
 from .fit import EXPLAINED, Fit, solve_from
+from .fit_spec import FitSpec
 from .prior import Noise, Prior, effect_prior
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 from .residual_correlation import neighbour_correlation
 from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
 from .surroundings_trials import trial_remarks

@@ -26,6 +26,7 @@ from .centered_model import CenteredModel, Model, centered_model, checked_model,
 from .estimates import HEADER, FittedQuantity, intervals, quantile, quantities, weakly_identified
 from .fit import Fit, best_fit, certificate_limit, model_tolerance
 from .fit_options import Options, candidates
+from .fit_spec import FitSpec
 from .identifiability import Information, information, with_all_unknown
 from .initial_values import capacitance_offset
 from .likelihood.distributions import Distributions
@@ -34,7 +35,6 @@ from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
 from .physics_trials import misfit_trials
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
-from .problem import FitSpec
 from .robust import robust_fit, tail_remarks
 from .sheet_intervals import MISMATCH
 from .surroundings_trials import with_effects

@@ -17,8 +17,9 @@ from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
 from .centered_model import CenteredModel, centered_model
 from .fit import EXPLAINED, Fit, certificate_limit, solve_from
+from .fit_spec import FitSpec
 from .prior import Prior, effect_prior
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 BODY = 8e-3
 """m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.explanations import explanations
 from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
-from rcskin.simulator.calibration.report import explanations
 from rcskin.simulator.calibration.residual_chart import residuals
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate
