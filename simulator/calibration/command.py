@@ -67,7 +67,8 @@ def calibrate(
         list[str] | None,
         typer.Option(
             help="Fit body (its distance), rim, finger or leak (of the foam) too, although the "
-            "scene does not state it; may be repeated."
+            "scene does not state it; or series_resistance, load_capacitance or load_conductance "
+            "of readers of gains; may be repeated."
         ),
     ] = None,
     robust: Annotated[
