@@ -102,7 +102,9 @@ def record(
     several = len(interfaces) > 1
     header = header_of(requested, interfaces, steps, settings, session)
     faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
-    source = source_setup(options, header.by_interface, report=faults, settings=settings)
+    source = source_setup(
+        options, header.by_interface, report=faults, settings=settings, kind=requested.reading.kind
+    )
     screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
     task = RecordingTask(
         header,

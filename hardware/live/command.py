@@ -121,7 +121,13 @@ def live(
         raise InputError("--adaptive chooses readings, and a reader of lines sends whole sweeps")
     shown: list[SessionDisplay] = []
     faults = EventCounter(lambda text: shown[0].note(text))
-    source = source_setup(options, _frequencies(localizer.model), follows=True, report=faults)
+    source = source_setup(
+        options,
+        _frequencies(localizer.model),
+        follows=True,
+        report=faults,
+        kind=localizer.scene.reading.kind,
+    )
     connect = partial(
         LiveMeter,
         localizer,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
 from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
@@ -106,15 +107,17 @@ def read_baselines(
     ):
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
     ordered = unpressed.transpose("sweep", "interface", "frequency")
-    values = np.stack([ordered[name].values for name in ("Cp", "Rs", "X")], axis=2)
+    kind = kind_of(ordered.variables)
+    Z = kind.reading({name: ordered[name].values for name in kind.sufficient})
+    Cp = ordered["Cp"].values if kind is IMPEDANCE else np.zeros(Z.shape)
     return [
         MeasuredSweep(
             tuple(
-                _trace(values_there[:, read], name)
-                for name, values_there, read in zip(model.interfaces, each, taken, strict=True)
+                _trace(C[read], z[read], name, kind.name)
+                for name, C, z, read in zip(model.interfaces, *each, taken, strict=True)
             )
         )
-        for each in values
+        for each in zip(Cp, Z, strict=True)
     ]
 
 
@@ -125,10 +128,12 @@ def _measured_readings(sweeps: xr.Dataset) -> NDArray[np.bool_]:
     return every if own is None else own
 
 
-def _trace(values: NDArray[np.float64], interface: str) -> InterfaceTrace:
-    """values: Cp, Rs and X, shape (3, frequency)."""
-    Cp, Rs, X = (tuple(each) for each in values.tolist())
-    return InterfaceTrace(Cp, Rs, X, (0,) * len(Cp), interface)
+def _trace(
+    Cp: NDArray[np.float64], Z: NDArray[np.complex128], interface: str, kind: str
+) -> InterfaceTrace:
+    """Trace of readings of a kind. Cp: F, Z: ohm or gains, shapes (frequency,)."""
+    Rs, X = (tuple(each.tolist()) for each in (Z.real, Z.imag))
+    return InterfaceTrace(tuple(Cp.tolist()), Rs, X, (0,) * len(Rs), interface, kind=kind)
 
 
 @dataclass

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .errors import FailedReadingError
 
 PLACEHOLDER = 1e30
@@ -53,12 +54,17 @@ BY_CODE = {status.code: status for status in ReadingStatus}
 
 @dataclass(frozen=True)
 class MeterReading:
-    """Cp [F], Rs [ohm] and X [ohm] of one measurement; status: normal, or a flag on the numbers."""
+    """Cp [F], Rs [ohm] and X [ohm] of one measurement; status: normal, or a flag on the numbers.
+
+    kind: name of a `ReadingKind`. A gain has its real and imaginary parts in Rs and X; its Cp has
+    no meaning.
+    """
 
     Cp: float
     Rs: float
     X: float
     status: ReadingStatus = ReadingStatus.NORMAL
+    kind: str = IMPEDANCE.name
 
 
 def parse_reading(text: str) -> MeterReading:

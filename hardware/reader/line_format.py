@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
+from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Text = Annotated[str, Field(max_length=100, pattern=r"^[ -~]*$")]
@@ -122,6 +123,14 @@ class LineFormat(ReadingFields):
         common = {part: getattr(self, part) for part in ReadingFields.model_fields}
         own = interface.own_fields if interface else {}
         return {part: name for part, name in {**common, **own}.items() if name}
+
+    @property
+    def kind(self) -> ReadingKind:
+        """Kind of the readings that the lines hold."""
+        if self.quantity == "impedance":
+            return IMPEDANCE
+        first = self.interface[0] if self.interface else None
+        return MAGNITUDE if set(self.fields_of(first)) == {"magnitude"} else GAIN
 
     @property
     def counters(self) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.sweeps import InputError, parallel_capacitance
+from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
 from ..meter.errors import GarbledError, MeterError, NoAnswerError
 from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
 from ..meter.meter_reading import MeterReading
@@ -25,6 +26,8 @@ VIRTUAL_READER = "# rcskin virtual reader"
 """First line of the virtual reader, which marks its sweeps as simulated."""
 TRIES = 4
 """Sweeps that may be discarded, in time, before a sweep fails."""
+SLOW_FACTOR = 3
+"""Factor on the time of a sweep of a device that is slower than described, but has no fault."""
 START_INTERVAL = 1.0
 """Seconds between two start commands: a device may answer one as if it had restarted."""
 Sweep = Mapping[str, NDArray[np.complex128]]
@@ -54,7 +57,8 @@ class ReaderDriver:
 
     frequencies: Hz, by interface. terminals: selects the interface. timeout: longest silence beyond
     the time of a line, s. follows: True if a sweep may begin where the one before ended, as in a
-    live session; otherwise it begins after the request. report: takes the faults of lines.
+    live session; otherwise it begins after the request. report: takes the faults of lines. kind: of
+    the readings that are used; None: as sent.
     """
 
     sweeps = True
@@ -69,9 +73,11 @@ class ReaderDriver:
         timeout: float,
         follows: bool = False,
         report: Report = lambda kind, text: None,
+        kind: ReadingKind | None = None,
     ) -> None:
         self._port, self._format, self._timeout = port, line_format, timeout
         self._report, self._follows, self._terminals = report, follows, terminals
+        self._kind = kind or line_format.kind
         self._frequencies = ordered_frequencies(line_format, frequencies)
         self._notes: Counter[str] = Counter()
         self._examples: dict[str, str] = {}
@@ -136,7 +142,10 @@ class ReaderDriver:
         assert name is not None
         if name not in self._waiting:
             self._waiting = dict(self._next_sweep())
-        return _readings(self._waiting.pop(name), self._frequencies[name])
+        Z = self._waiting.pop(name)
+        return _readings(
+            np.abs(Z) + 0j if self._kind is MAGNITUDE else Z, self._frequencies[name], self._kind
+        )
 
     def snapshot(self) -> dict[str, SettingValue]:
         """The description of the lines, as text by key."""
@@ -183,8 +192,8 @@ class ReaderDriver:
         else:
             self._assembly = self._new_assembly()
         self._notes.clear()
-        deadline = time.monotonic() + self._timeout + TRIES * self._sweep_seconds
-        while time.monotonic() < deadline:
+        span, since = self._timeout + TRIES * self._sweep_seconds, time.monotonic()
+        while time.monotonic() < since + span * (1 if self._notes else SLOW_FACTOR):
             line = self._next_line(time.monotonic() + self._line_seconds)
             measured_since, before = before, line.ended
             if measured_since < begun:
@@ -265,6 +274,7 @@ def open_reader(
     timeout: float = 5.0,
     follows: bool = False,
     report: Report = lambda kind, text: None,
+    kind: ReadingKind | None = None,
 ) -> ReaderDriver:
     """Reader at `serial:PORT` or `tcp:HOST:PORT`, started; arguments as of ReaderDriver.
 
@@ -275,7 +285,7 @@ def open_reader(
     selecting = terminals or ReaderTerminals(list(frequencies))
     ordered_frequencies(line_format, frequencies)
     port = open_line_port(resource, line_format.baud, timeout)
-    reader = ReaderDriver(port, line_format, frequencies, selecting, timeout, follows, report)
+    reader = ReaderDriver(port, line_format, frequencies, selecting, timeout, follows, report, kind)
     try:
         reader.start()
     except BaseException:
@@ -286,8 +296,11 @@ def open_reader(
     return reader
 
 
-def _readings(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> list[MeterReading]:
+def _readings(
+    Z: NDArray[np.complex128], frequency: NDArray[np.float64], kind: ReadingKind
+) -> list[MeterReading]:
     Cp = parallel_capacitance(Z, frequency)
     return [
-        MeterReading(float(c), float(z.real), float(z.imag)) for c, z in zip(Cp, Z, strict=True)
+        MeterReading(float(c), float(z.real), float(z.imag), kind=kind.name)
+        for c, z in zip(Cp, Z, strict=True)
     ]

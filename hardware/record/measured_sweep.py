@@ -13,6 +13,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import outside_band
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..meter.meter_reading import BY_CODE, MeterReading
 from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch
@@ -33,7 +34,7 @@ Turn = Callable[[str], None]
 class InterfaceTrace:
     """Readings [F, ohm, ohm] and status codes at one interface, one per frequency.
 
-    begun, ended: ISO 8601, empty if unknown.
+    begun, ended: ISO 8601, empty if unknown. kind: see `MeterReading`.
     """
 
     Cp: tuple[float, ...]
@@ -43,10 +44,11 @@ class InterfaceTrace:
     interface: str = ""
     begun: str = ""
     ended: str = ""
+    kind: str = IMPEDANCE.name
 
     @property
     def Z(self) -> NDArray[np.complex128]:
-        """Rs + jX in ohm, shape (frequency,)."""
+        """Rs + jX in ohm, or the complex gain, shape (frequency,)."""
         return np.array(self.Rs) + 1j * np.array(self.X)
 
 
@@ -207,6 +209,7 @@ def _trace_of(
         interface,
         begun,
         ended,
+        readings[0].kind,
     )
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import build
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, KINDS
 from ...simulator.sweeps.schema import SESSIONS
 from ..meter.meter_identity import sweep_origin
 from .measured_sweep import MeasuredSweep, flagged_readings, trace_times
@@ -73,14 +74,16 @@ def sweep_dataset(
     of_each: frequencies of interfaces with their own, by name. more: arguments of `build`.
     """
     taken = measured_mask(interfaces, frequencies, of_each)
+    kind = next(each for each in KINDS if each.name == sweeps[0].traces[0].kind)
     Z = [scatter_readings([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
     Cp = [scatter_readings([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
     return build(
         np.stack(Z),
         np.array(frequencies),
         interface=list(interfaces),
-        Cp=np.stack(Cp),
+        Cp=np.stack(Cp) if kind is IMPEDANCE else None,
         taken=taken if of_each else None,
+        kind=kind,
         **more,
     )
 

@@ -18,6 +18,7 @@ from ...simulator.sweeps import InputError, inputs, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.output_files import locked
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
@@ -127,7 +128,11 @@ class RecordingJournal:
 
     def keep(self, number: int, entry: JournalEntry) -> None:
         """Write a finished sweep."""
-        _write(self._path(number), asdict(entry))
+        content = asdict(entry)
+        for trace in content["sweep"]["traces"]:
+            if trace["kind"] == IMPEDANCE.name:
+                del trace["kind"]
+        _write(self._path(number), content)
 
     def entries(self, header: RecordingHeader) -> dict[int, JournalEntry]:
         """Finished sweeps by number, which is their place in the order if there is one.
@@ -235,7 +240,7 @@ def _entry(content: dict[str, Any], path: Path, expected: tuple[str, ...]) -> Jo
     _check_keys(content, JournalEntry, path)
     _check_keys(content["sweep"], MeasuredSweep, path)
     for trace in content["sweep"]["traces"]:
-        _check_keys(trace, InterfaceTrace, path)
+        _check_keys({"kind": IMPEDANCE.name, **trace}, InterfaceTrace, path)
     if expected and content["press"] != expected[0]:
         raise InputError(
             f"{path}: holds press {content['press']}, but the order has {expected[0]} here"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -9,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading, ReadingStatus
 from .measured_sweep import InterfaceTrace, MeasuredSweep
@@ -27,7 +30,7 @@ LEVELS = "▁▂▃▄▅▆▇█"
 
 
 class RecordingScreen:
-    """Live table of Rs and Cp on a terminal while the block runs, and a line per sweep.
+    """Live table of readings on a terminal while the block runs, and a line per sweep.
 
     In a pipe it prints only faults of sweeps, or with `plain` a line per sweep. several: True if
     sweeps have several interfaces, which are then named.
@@ -98,9 +101,12 @@ class RecordingScreen:
         self._console.print(f"{self._title}: {text}", highlight=False, markup=False, soft_wrap=True)
 
     def _changes(self) -> dict[str, NDArray[np.float64]]:
-        """Change of Rs and Cp against the unpressed skin, %; empty without an unpressed sweep."""
+        """Change against the unpressed skin, %; empty without an unpressed sweep."""
         if self._rest is None:
             return {}
+        if self._of_gains:
+            gains = [abs(complex(reading.Rs, reading.X)) for _, reading in self._readings]
+            return {"gain": percent_change(gains, [abs(value) for value in self._rest.Z])}
         Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
         return {
             "Rs": percent_change(Rs, self._rest.Rs),
@@ -118,22 +124,35 @@ class RecordingScreen:
         ]
         return "; against the unpressed skin " + ", ".join(changes) if changes else ""
 
+    @property
+    def _of_gains(self) -> bool:
+        """True if the readings are gains."""
+        return any(reading.kind != IMPEDANCE.name for _, reading in self._readings)
+
     def _table(self) -> Table:
         from rich.table import Column, Table
 
         changes = self._changes()
-        names = ["f (kHz)", "Rs (kohm)", "Cp (pF)", *(f"{name} (% change)" for name in changes)]
+        values = ["gain", "phase (deg)"] if self._of_gains else ["Rs (kohm)", "Cp (pF)"]
+        names = ["f (kHz)", *values, *(f"{name} (% change)" for name in changes)]
         right = [Column(name, justify="right") for name in names]
         table = Table(*right, "", title=self._title, box=None)
         for place, (frequency, reading) in list(enumerate(self._readings))[-MAX_ROWS:]:
             table.add_row(
                 f"{frequency / 1e3:.5g}",
-                f"{reading.Rs / 1e3:.6g}",
-                f"{reading.Cp * 1e12:.6g}",
+                *_value_texts(reading),
                 *(f"{change[place]:+.2f}" for change in changes.values()),
                 "" if reading.status is ReadingStatus.NORMAL else reading.status.meaning,
             )
         return table
+
+
+def _value_texts(reading: MeterReading) -> tuple[str, str]:
+    """Rs in kohm and Cp in pF, or magnitude and phase in degrees of a gain."""
+    if reading.kind == IMPEDANCE.name:
+        return f"{reading.Rs / 1e3:.6g}", f"{reading.Cp * 1e12:.6g}"
+    gain = complex(reading.Rs, reading.X)
+    return f"{abs(gain):.6g}", f"{math.degrees(cmath.phase(gain)):.4g}"
 
 
 def sparkline(values: NDArray[np.float64]) -> str:

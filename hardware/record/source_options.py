@@ -9,6 +9,7 @@ from typing import Any
 
 from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from ..meter.instruments import open_meter
 from ..meter.reading_source import ReadingSource
 from ..reader.line_format import LineFormat, read_line_format
@@ -76,17 +77,23 @@ def source_setup(
     follows: bool = False,
     report: Report = lambda kind, text: None,
     settings: Mapping[str, Any] | None = None,
+    kind: ReadingKind = IMPEDANCE,
 ) -> SourceSetup:
     """Source of these options. Raises InputError.
 
     frequencies: Hz, by interface. follows, report: see `ReaderDriver`. settings: requested settings
-    of a meter.
+    of a meter. kind: of the readings that the scene has.
     """
     if not options.is_reader:
         if options.reader:
             raise InputError(
                 f"--reader describes lines of serial:PORT or tcp:HOST:PORT, and the resource is "
                 f"{options.resource!r}"
+            )
+        if kind is not IMPEDANCE:
+            raise InputError(
+                f"the scene reads the {kind.name}, and a meter reads impedances; take a reader at "
+                "serial:PORT or tcp:HOST:PORT with --reader"
             )
         return SourceSetup(
             lambda: open_meter(options.resource, options.timeout, options.baud),
@@ -97,7 +104,13 @@ def source_setup(
             f"a reader of lines has no setting {', '.join(f'`{name}`' for name in settings)}; set "
             "the device itself, and leave the option out"
         )
-    return _reader_setup(options, _line_format(options), frequencies, follows, report)
+    line_format = _line_format(options)
+    if line_format.kind is not kind and (line_format.kind, kind) != (GAIN, MAGNITUDE):
+        raise InputError(
+            f"{options.reader}: describes lines of the {line_format.kind.name}, and the scene "
+            f"reads the {kind.name}; change `quantity`, `phase`, or the scene's `reader`"
+        )
+    return _reader_setup(options, line_format, frequencies, follows, report, kind)
 
 
 def _line_format(options: SourceOptions) -> LineFormat:
@@ -117,6 +130,7 @@ def _reader_setup(
     frequencies: Mapping[str, Sequence[float]],
     follows: bool,
     report: Report,
+    kind: ReadingKind,
 ) -> SourceSetup:
     try:
         terminals = ReaderTerminals(list(ordered_frequencies(line_format, frequencies)))
@@ -132,6 +146,7 @@ def _reader_setup(
             options.timeout,
             follows,
             report,
+            kind,
         ),
         errors,
         errors.conditions,

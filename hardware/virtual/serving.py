@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..page.page_address import LOOPBACK
 from .control import ControlPort
 from .instrument import Instrument
@@ -110,6 +111,10 @@ def instrument(
     InputError for another pace or model, or if the model lacks a frequency of the served scene.
     """
     _check_pace(pace)
+    if served.scene is not None and served.scene.reading.gain:
+        raise InputError(
+            f"{served.scene.name}: reads gains, and a meter reads impedances; serve it by --reader"
+        )
     meter = virtual_model(model)(
         MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
         pace=pace,
@@ -151,6 +156,11 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
     _check_pace(pace)
     if served.scene is None:
         raise InputError("a virtual reader needs --scene: recorded sweeps have no lines in time")
+    if (line_format.kind is IMPEDANCE) == served.scene.reading.gain:
+        raise InputError(
+            f"{served.scene.name}: reads the {served.scene.reading.kind.name}, and the reader's "
+            f"file describes the {line_format.kind.name}; change one of them"
+        )
     own = served.scene.reading.own
     whole = tuple(served.scene.frequencies.tolist())
     made = VirtualReader(

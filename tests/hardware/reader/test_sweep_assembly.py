@@ -230,3 +230,33 @@ def test_bytes_are_cut_into_lines_however_they_come():
             lines += cutter.feed(sent[k : k + step], float(k))
         assert [line.text for line in lines] == ["one", "two", "thr?ee", None, "four"]
         assert all(line.begun <= line.ended for line in lines)
+
+
+GAIN = """
+name = "node"
+format = "json"
+quantity = "gain"
+frequency = "f"
+magnitude = "m"
+rate = 10
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "line", "expected"),
+    [
+        ('unit = "share"', '{"f": 1000, "m": 0.25}', 0.25),
+        ('unit = "V"\namplitude = 2.0', '{"f": 1000, "m": 0.5}', 0.25),
+        ('unit = "bit"\nscale = 0.001\namplitude = 2.0', '{"f": 1000, "m": 500}', 0.25),
+        ('unit = "share"\nphase = "p"', '{"f": 1000, "m": 0.25, "p": -90}', -0.25j),
+        ('unit = "V"\namplitude = 1.0\nrange = [0.0, 3.2]', '{"f": 1000, "m": 3.3}', None),
+        ('unit = "share"', '{"f": 1000, "m": -0.25}', None),
+        ('unit = "share"', '{"f": 1000, "m": 0}', None),
+    ],
+)
+def test_gains_follow_from_volts_bits_and_shares(keys, line, expected):
+    found, notes = assembled(f"{GAIN}{keys}\n", [line], {"node": (1e3,)})
+    if expected is None:
+        assert (found, notes) == ([], ["readings out of range"])
+    else:
+        np.testing.assert_allclose(found[0]["node"], [expected], atol=1e-12)

@@ -25,7 +25,7 @@ from rcskin.hardware.virtual.faults import ON_LINES, Fault
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps import InputError, impedance, inputs
+from rcskin.simulator.sweeps import InputError, impedance, inputs, read
 
 HERE = Path(__file__).parent
 _files = runpy.run_path(str(HERE / "reader_files.py"))
@@ -245,3 +245,74 @@ def test_the_virtual_reader_refuses_what_it_cannot_send(quilt, rig_skins):
     with pytest.raises(InputError, match="must be those of the scene"):
         with served(quilt, rig_skins, listed):
             pass
+
+
+GAINS = """
+name = "knit board"
+format = "csv"
+columns = ["n", "f", "a", "b"]
+count = "n"
+frequency = "f"
+quantity = "gain"
+unit = "bit"
+scale = 1e-4
+amplitude = 2.0
+rate = 2000
+[[interface]]
+name = "left"
+magnitude = "a"
+[[interface]]
+name = "right"
+magnitude = "b"
+"""
+"""Two magnitudes in a line, in bits of 0.1 mV of a source of 2 V."""
+
+
+class Bends:
+    """A skin whose gain falls at a press."""
+
+    def check(self, press):
+        return press
+
+    def hold(self, press, now):
+        return press
+
+    def momentary(self, press, at):
+        return press
+
+    def impedance(self, press, frequency):
+        """V / V_s."""
+        return complex(0.9, -0.1) * (1 if press == "none" else 0.8) / (1 + frequency / 1e5)
+
+
+def test_gains_are_recorded_as_such(command, described, tmp_path):
+    """Bits become gains; phases that the scene does not read are not stored."""
+    scene = load_scene("knit-36")
+    path, order = described(GAINS), tmp_path / "order.txt"
+    order.write_text("none\nnone\n1,5\n")
+    skins = {"left": Bends(), "right": Bends()}
+    with served(scene, skins, GAINS) as (_, ports):
+        where = ["--resource", ports.line_resource, "--reader", path, "--order", order]
+        control = f"127.0.0.1:{ports.control}"
+        result = command("record", "knit-36", *where, "--control", control, "-o", tmp_path / "a.nc")
+    assert result.exception is None, result.output
+    sweeps = read(tmp_path / "a.nc")
+    assert set(sweeps.data_vars) == {"gain"}
+    f = sweeps["frequency"].values
+    expected = [[abs(Bends().impedance(press, f))] * 2 for press in ("none", "none", "1,5")]
+    np.testing.assert_allclose(sweeps["gain"].values, expected, atol=0.51e-4 / 2)
+
+
+@pytest.mark.parametrize(
+    ("scene", "text", "message"),
+    [
+        ("quilt", GAINS, "describes lines of the magnitude of the gain, and the scene reads the"),
+        ("knit-36", COUNTED, "describes lines of the impedance, and the scene reads the magnitude"),
+    ],
+)
+def test_a_reader_of_another_quantity_is_refused(
+    command, described, tmp_path, scene, text, message
+):
+    given = ["--resource", TCP, "--reader", described(text), "-o", tmp_path / "run.nc"]
+    result = command("record", scene, *given, input="")
+    assert isinstance(result.exception, InputError) and message in str(result.exception)
