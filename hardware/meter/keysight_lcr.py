@@ -160,21 +160,16 @@ class KeysightLcrMeter(KeysightMeter):
         self.page = MEASUREMENT_PAGE
 
     def read_at(self, frequency: float) -> MeterReading:
-        """Reading at a frequency in Hz, in two exchanges.
-
-        The page is read back, because the trigger starts a list sweep on another one.
-        """
+        """Reading at a frequency in Hz, in two exchanges."""
         self._show(MEASUREMENT_PAGE)
         self.frequency = frequency
 
         def parsed(answer: str) -> tuple[MeterReading, float]:
-            values, reported, page = answer.split(";")
-            R, X, status, *bin_number = values.split(",")
-            if len(bin_number) > 1 or not page.startswith(MEASUREMENT_PAGE):
-                raise ValueError(answer)
+            values, _, reported = answer.rpartition(";")
+            R, X, status, *_ = values.split(",")
             return parse_point(R, X, status, frequency), float(reported)
 
-        query = f"*TRG;{type(self).frequency.query};:DISPlay:PAGE?"
+        query = f"*TRG;{type(self).frequency.query}"
         reading, reported = self.talk.query_checked(query, parsed, self.max_seconds)
         self.check_frequencies([frequency], [reported])
         return reading

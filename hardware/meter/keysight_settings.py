@@ -25,10 +25,7 @@ class AmplitudeFormat:
         number, _, unit = str(value).partition(" ")
         if unit not in self.limits:
             return None
-        try:
-            text = NumberFormat(unit, 0, self.limits[unit], 4).write(float(number))
-        except ValueError:
-            return None
+        text = NumberFormat(unit, 0, self.limits[unit], 4).write(float(number))
         return text and f"{self.commands[unit]} {text}"
 
     def read(self, text: str) -> str:

@@ -23,7 +23,8 @@ from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
-from .gain_reader import describe_converter, describe_gains
+from .gain_reader import describe_gains
+from .meter_noise import noise_in_words, unused_by_tables
 from .multisine_reader import describe_multisine
 from .secondary_effects import secondary_effects
 
@@ -75,7 +76,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
         yield from (("gain", each) for each in describe_gains(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
-    yield "noise", _noise(scene)
+    yield "noise", noise_in_words(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 
 
@@ -226,7 +227,7 @@ def _frequencies(scene: Scene) -> str:
     if not outside or scene.reading.gain:
         return text
     others = [model for model in METER_BANDS if not outside_band(model, f)]
-    return f"{text}; {outside}" + (f" (all can be read by {', '.join(others)})" if others else "")
+    return f"{text}; {outside}" + (f" ({' and '.join(others)} can read all)" if others else "")
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
@@ -244,33 +245,6 @@ def _cut_off(scene: Scene, interface: Interface) -> str:
     return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {reach}"
 
 
-def _noise(scene: Scene) -> str:
-    readout = scene.readout
-    if readout.exact and scene.reading.gain:
-        return "none: readings are exact; [readout.converter] gives them noise in volts or bits"
-    if readout.exact:
-        return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
-    added = "" if readout.multisine is None else "in addition to that of the multisine, "
-    if readout.converter is not None:
-        added = f"{describe_converter(readout.converter)}; in addition to it "
-    size = "|V / V_s|" if scene.reading.gain else "|Z|"
-    sheet = readout.data_sheet
-    fixed = (
-        f"{100 * readout.magnitude_accuracy:.3g} % and "
-        f"{math.degrees(readout.phase_accuracy):.3g} degrees fixed for a session"
-        if sheet is None
-        else f"fixed for a session by the accuracy of {sheet.accuracy.name}, over root 3"
-    )
-    if readout.spread is not None:
-        return f"{added}measured spreads by |Z| and frequency in each reading, {fixed}"
-    if sheet is not None:
-        return f"{added}{fixed}; {sheet.noise:g} times as much in each reading"
-    return (
-        f"{added}{100 * readout.magnitude_noise:.3g} % of {size} and "
-        f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, {fixed}"
-    )
-
-
 def assumed(scene: Scene) -> list[str]:
     """Keys that the file does not set, with their defaults; missing tables by name."""
     unused = () if scene.press.by_factor else ("press.capacitance_factor", "press.factor_spread")
@@ -279,6 +253,7 @@ def assumed(scene: Scene) -> list[str]:
     if scene.skin.one_conductor:
         of_earth = range(len(scene.foils), len(scene.contacts))
         unused = (*unused, "skin.bottom.", *(f"contact[{n + 1}]." for n in of_earth))
+    unused = (*unused, *unused_by_tables(scene.readout))
     return [text for text in _unset(scene, "") if not text.startswith(unused)]
 
 

@@ -343,16 +343,6 @@ class Scene(Table):
         self.skin.check_depth(max(self.sweep.frequencies))
         return self
 
-    @model_validator(mode="after")
-    def _errors_are_of_what_is_read(self) -> Self:
-        tables = [each for each in ("data_sheet", "spread") if getattr(self.readout, each)]
-        if tables and any(each.reader == "gain" for each in self.interfaces):
-            raise ValueError(
-                f"`readout.{tables[0]}` states errors of impedances, but readers of gains take "
-                "magnitude_noise and phase_noise"
-            )
-        return self
-
 
 def interface_names(scene: Scene) -> list[str]:
     """Names of the interfaces of a scene."""

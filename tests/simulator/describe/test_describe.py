@@ -109,6 +109,15 @@ def test_a_meter_without_noise_is_described(run, tmp_path):
     assert "none: readings are exact" in out and "the defaults of [readout]" in out
 
 
+def test_a_meter_by_its_data_sheet_is_described():
+    scene = load_scene("sheet-3x3").with_({"readout": {"data_sheet": {"accuracy": "E4980A"}}})
+    assert said(scene)["noise"] == (
+        "1 times the fixed error in each reading, the accuracy of E4980A over root 3, fixed for a "
+        "session"
+    )
+    assert not any(key.startswith("readout.magnitude") for key in assumed(scene))
+
+
 def test_keys_of_the_file_are_not_listed_as_assumed():
     told = assumed(load_scene("glove"))
     assert "skin.foam.loss_tangent = 0.0" in told and "the defaults of [leads]" in told

@@ -149,7 +149,7 @@ def test_tables_that_state_no_error_are_refused(changed, refusal):
 def test_readers_of_gains_take_no_errors_of_impedances():
     gains = {"interface.1.reader": "gain", "interface.1.series_resistance": 1e5}
     scene = SCENE.with_(gains)
-    with pytest.raises(InputError, match="`readout.data_sheet` states errors of impedances"):
+    with pytest.raises(InputError, match="`readout.data_sheet` is of impedances"):
         scene.with_({"readout": "E4980A"})
 
 
