@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from ...simulator.sweeps import InputError
-from .errors import CorrectionError, MeterError
+from .errors import CorrectionError, MeterError, RefusedError
 from .lcr_meter import LcrMeter
 from .termination import shielded
 
@@ -41,6 +41,8 @@ def correct(
         if extent == meter.extents[-1]:
             return
         completed = _completed(meter, progress, patience, interval)
+    except RefusedError as refusal:
+        raise CorrectionError(f"{kind} correction failed: {refusal}; {ADVICE[kind]}") from refusal
     except BaseException:
         with shielded(), suppress(MeterError):
             meter.cancel_correction(kind)

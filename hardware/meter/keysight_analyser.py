@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import METER_BANDS
+from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
 from .keysight_settings import NumbersSetting
 from .meter_reading import MeterReading
@@ -160,7 +161,7 @@ class E4990A(KeysightMeter):
         self.check_frequencies(
             points, self.talk.query_checked(":SENSe1:FREQuency:DATA?", values_of)
         )
-        return [reading_of(*each) for each in zip(R, X, frequencies, strict=False)]
+        return [_reading(*each) for each in zip(R, X, frequencies, strict=False)]
 
     def _trace(self, number: int, points: int) -> list[float]:
         """Values of a trace after the latest sweep."""
@@ -205,6 +206,17 @@ class E4990A(KeysightMeter):
     def correction_done(self) -> bool:
         """True when the started compensation has ended, for which this call waits."""
         return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
+
+
+def _reading(R: float, X: float, frequency: float) -> MeterReading:
+    """Reading of R and X in ohm. Raises FailedReadingError if the analyser has no numbers."""
+    try:
+        return reading_of(R, X, frequency)
+    except ValueError as error:
+        raise FailedReadingError(
+            f"the reading at {frequency:g} Hz failed: the analyser sends R {R:g}, X {X:g} ohm, "
+            "which stand for no reading; check the leads and the level"
+        ) from error
 
 
 def _segments(frequencies: Sequence[float]) -> tuple[list[float], tuple[float, ...]]:

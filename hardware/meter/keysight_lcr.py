@@ -160,16 +160,21 @@ class KeysightLcrMeter(KeysightMeter):
         self.page = MEASUREMENT_PAGE
 
     def read_at(self, frequency: float) -> MeterReading:
-        """Reading at a frequency in Hz, in two exchanges."""
+        """Reading at a frequency in Hz, in two exchanges.
+
+        The page is read back, because the trigger starts a list sweep on another one.
+        """
         self._show(MEASUREMENT_PAGE)
         self.frequency = frequency
 
         def parsed(answer: str) -> tuple[MeterReading, float]:
-            values, _, reported = answer.rpartition(";")
-            R, X, status, *_ = values.split(",")
+            values, reported, page = answer.split(";")
+            R, X, status, *bin_number = values.split(",")
+            if len(bin_number) > 1 or not page.startswith(MEASUREMENT_PAGE):
+                raise ValueError(answer)
             return parse_point(R, X, status, frequency), float(reported)
 
-        query = f"*TRG;{type(self).frequency.query}"
+        query = f"*TRG;{type(self).frequency.query};:DISPlay:PAGE?"
         reading, reported = self.talk.query_checked(query, parsed, self.max_seconds)
         self.check_frequencies([frequency], [reported])
         return reading

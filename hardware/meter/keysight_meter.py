@@ -74,7 +74,7 @@ class KeysightMeter(LcrMeter):
                 f"{len(frequencies)}; check that nothing else sets it"
             )
         for wanted, found in zip(frequencies, reported, strict=True):
-            if abs(found / wanted - 1) > self.rounding:
+            if not abs(found / wanted - 1) <= self.rounding:
                 raise GarbledError(
                     f"{self.resource}: the meter is at {found:g} Hz instead of {wanted:g} Hz; "
                     "check that nothing else sets it, and that the model has this frequency"
@@ -118,7 +118,7 @@ def reading_of(
 
     The capacitance follows from R, X and the frequency.
     """
-    if not max(abs(R), abs(X)) < NO_VALUE or R == X == 0:
+    if not all(abs(value) < NO_VALUE for value in (R, X)) or R == X == 0:
         raise ValueError(f"{R:g},{X:g}")
     Cp = parallel_capacitance(np.array([complex(R, X)]), np.array([frequency]))
     return MeterReading(float(Cp[0]), R, X, status)

@@ -25,7 +25,10 @@ class AmplitudeFormat:
         number, _, unit = str(value).partition(" ")
         if unit not in self.limits:
             return None
-        text = NumberFormat(unit, 0, self.limits[unit], 4).write(float(number))
+        try:
+            text = NumberFormat(unit, 0, self.limits[unit], 4).write(float(number))
+        except ValueError:
+            return None
         return text and f"{self.commands[unit]} {text}"
 
     def read(self, text: str) -> str:

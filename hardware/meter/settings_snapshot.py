@@ -11,15 +11,17 @@ from .reading_source import ReadingSource, SettingValue
 def restore_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
     """Restore the settings of a snapshot.
 
-    Raises CorrectionError if the open or short correction differs: it cannot be set, only acquired.
+    Raises CorrectionError if one that cannot be set differs, such as the open or short correction.
     """
     meter.apply_settings(settings)
     now = meter.snapshot()
     for name in meter.reported:
         if now[name] != settings[name]:
+            again = "acquire it again (`rcskin meter correct`)"
             raise CorrectionError(
                 f"{meter.resource}: {name.replace('_', ' ')} was {settings[name]} when the "
-                f"recording began and is {now[name]} now; acquire it again (`rcskin meter correct`)"
+                f"recording began and is {now[name]} now; "
+                f"{again if name.endswith('_correction') else 'set it again on the meter'}"
             )
 
 

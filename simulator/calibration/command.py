@@ -67,7 +67,8 @@ def calibrate(
         list[str] | None,
         typer.Option(
             help="Fit body (its distance), rim, finger or leak (of the foam) too, although the "
-            "scene does not state it; may be repeated."
+            "scene does not state it; or series_resistance, load_capacitance or load_conductance "
+            "of readers of gains; may be repeated."
         ),
     ] = None,
     robust: Annotated[
@@ -109,9 +110,10 @@ def calibrate(
     from ..scene.scene_files import scene_text
     from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
+    from .explanations import explanations
     from .fit_options import Options
     from .prior import checked_kind
-    from .report import WRITTEN, correlations, explanations, table, write_report
+    from .report import WRITTEN, correlations, table, write_report
     from .run import calibrate as calibrated
 
     folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)

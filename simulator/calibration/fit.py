@@ -19,8 +19,9 @@ from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
+from .fit_spec import FitSpec
 from .initial_values import initial_values
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 ROUNDS = 10
@@ -88,9 +89,12 @@ class Fit:
 
     @property
     def rms_error(self) -> float:
-        """Rms error of Z relative to |Z|, without the meter's fixed errors."""
+        """Rms error of Z or gain relative to its magnitude, without the meter's fixed errors."""
         measured = np.stack([reading.Z for reading in self.spec.measurements.sweeps])
-        error = np.abs(self.problem.fitted(self.u) / measured - 1)
+        fitted = self.problem.fitted(self.u)
+        if self.spec.measurements.parts == 1:
+            fitted = np.abs(fitted)
+        error = np.abs(fitted / measured - 1)
         return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
 
 
@@ -218,8 +222,9 @@ def certificate_limit(spec: FitSpec) -> float:
 def largest_certificate(fit: Fit) -> float:
     """Largest certified error of the model over the first CERTIFIED_PRESSES presses."""
     problem, values = fit.problem, fit.values
+    share = fit.spec.share_of_rises(fit.u)
     return max(
-        problem.model.certificate(cells, problem.rises(fit.u, k), values)
+        problem.model.certificate(cells, share * problem.rises(fit.u, k), values)
         for k, (cells, _) in enumerate(problem.cells[:CERTIFIED_PRESSES])
     )
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from ..models.line_slopes import LineModel
 from ..scene.scene import Scene
+from .fit_spec import FitSpec
 from .measurements import Measurements
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 SHARES = (0.03, 0.1, 0.3, 1.0)
 """Shares of the largest measured resistance that may be the skin's and not the leads'."""
@@ -32,7 +33,7 @@ def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
     """
     spec, model = problem.spec, problem.model
     own = spec.values(spec.unknowns({n: p.center for n, p in spec.fitted.items()}))
-    if isinstance(model.model, LineModel):
+    if isinstance(model.model, LineModel) and not spec.measurements.scene.reading.gain:
         return [own, *({**own, **_fitted_only(spec, each)} for each in _of_line(spec))]
     begin = own | {name: at for name, at in model.center.items() if name in spec.fitted}
     if _misfit(problem, begin) < NEAR * spec.measurements.numbers:
@@ -63,7 +64,7 @@ def _misfit(problem: LeastSquaresProblem, values: Mapping[str, float]) -> float:
 def capacitance_offset(measured: Measurements) -> float:
     """Logarithm of the capacitance at the lowest frequency over the scene's; 0 where near."""
     frequency, Z = measured.first
-    if Z.imag[0] >= 0:
+    if measured.scene.reading.gain or Z.imag[0] >= 0:
         return 0.0
     shown = -1 / (2 * np.pi * frequency[0] * Z.imag[0])
     offset = math.log(shown / total_capacitance(measured.scene))

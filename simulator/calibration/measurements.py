@@ -22,13 +22,14 @@ from ..press.press import (
     strength_of,
 )
 from ..press.touch import Touch, place_of
-from ..scene.changed_readings import with_frequencies
+from ..scene.changed_readings import restricted_to_interfaces, with_frequencies
 from ..scene.readout_errors import ReadoutErrors
 from ..scene.scene import Scene
-from ..sweeps import InputError, impedance
+from ..sweeps import InputError
 from ..sweeps.inputs import objects
+from ..sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
 from ..sweeps.reading_subset import read_mask, restricted, with_named_interface
-from ..sweeps.schema import taken_of
+from ..sweeps.schema import complex_readings, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,7 +44,7 @@ NEAR_EDGE = 3.0
 class SessionSweep:
     """Sweep of one press in one session, or the mean of all baseline sweeps of a session.
 
-    Z: ohm, shape (interface, frequency), 1 where nothing was read. fixed: number of the meter's
+    Z: ohm, or gain, shape (interface, frequency), 1 where nothing was read. fixed: number of the
     fixed error of the session that each reading has, same shape; UNKNOWN_RANGE where it is not
     known, and the reading is then not used. averaged: number of averaged sweeps. deviation: sample
     standard deviation of `observed` over these, shape (2 * Z.size,), None for a single one.
@@ -79,10 +80,15 @@ class Measurements:
         """True where an interface was read at a frequency, shape (interface, frequency)."""
         return self.scene.reading.read
 
+    @property
+    def parts(self) -> int:
+        """Numbers of a reading: magnitude and phase, or the magnitude alone."""
+        return 1 if self.scene.reading.kind is MAGNITUDE else 2
+
     @cached_property
     def numbers(self) -> int:
-        """Number of measured values: two for every reading that is used."""
-        return 2 * sum(int((self.read & reading.known).sum()) for reading in self.sweeps)
+        """Number of measured values of all readings that are used."""
+        return self.parts * sum(int((self.read & reading.known).sum()) for reading in self.sweeps)
 
     @cached_property
     def fixed(self) -> int:
@@ -122,9 +128,10 @@ def measurements_of(
     bare = _as_measured(scene, sweeps)
     presses, left_out = _presses(bare, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]
-    Z = impedance(sweeps)
+    Z = complex_readings(sweeps)
     known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    fixed = _fixed(known, bare.frequencies, sweeps.attrs.get("settings"), scene.readout)
+    settings = None if bare.reading.gain else sweeps.attrs.get("settings")
+    fixed = _fixed(known, bare.frequencies, settings, scene.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'the file has none'}")
@@ -160,8 +167,23 @@ def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
                 f"the sweeps were measured at interface {name!r}; "
                 f"{scene.name} has {', '.join(interfaces)}"
             )
-    chosen = scene.model_copy(update={"interfaces": tuple(interfaces[name] for name in names)})
+    chosen = restricted_to_interfaces(_read_as(scene, sweeps), names)
     return with_frequencies(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
+
+
+def _read_as(scene: Scene, sweeps: xr.Dataset) -> Scene:
+    """The scene, with readers of magnitudes alone where the sweeps have no phases."""
+    kind, own = kind_of(sweeps.variables), scene.reading.kind
+    if kind is own:
+        return scene
+    if IMPEDANCE in (kind, own):
+        raise InputError(
+            f"every reading of the sweeps is the {kind.name}; {scene.name} reads the {own.name}: "
+            'set `reader` of each [[interface]] to "gain" or "impedance"'
+        )
+    update = {"magnitude_only": kind is MAGNITUDE}
+    every = tuple(each.model_copy(update=update) for each in scene.interfaces)
+    return scene.model_copy(update={"interfaces": every})
 
 
 def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:

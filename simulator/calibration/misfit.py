@@ -20,9 +20,10 @@ from .centered_model import CenteredModel, Model, checked_model, model_of
 from .estimates import change_text
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
 from .fit_options import Options, candidates
+from .fit_spec import FitSpec
 from .measurements import measurements_of
 from .prior import Prior, effect_prior, noise_of, priors
-from .problem import FitSpec, LeastSquaresProblem, difference
+from .problem import LeastSquaresProblem, difference
 from .surroundings_trials import Trials, addable_effects, effect_text
 
 if TYPE_CHECKING:

@@ -16,8 +16,9 @@ from ..models.parameters import loss_of
 from ..progress import ProgressCallback, silent
 from ..sweeps.units import prefixed
 from .fit import EXPLAINED, Fit, solve_from
+from .fit_spec import FitSpec
 from .prior import Noise, Prior, effect_prior
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 from .residual_correlation import neighbour_correlation
 from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
 from .surroundings_trials import trial_remarks
@@ -52,7 +53,10 @@ def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
     explained = stated and fit.chi_squared < EXPLAINED * freedom
     if correlation < STRUCTURED or explained:
         return []
-    trials = [*_losses(fit), *(_element(fit, each) for each in ELEMENTS)]
+    elements = () if fit.spec.measurements.scene.reading.gain else ELEMENTS
+    trials = [*_losses(fit), *(_element(fit, each) for each in elements)]
+    if not trials:
+        return []
     left = {text: trial.chi_squared / fit.chi_squared for text, trial in trials}
     shares = (
         f"{text} leaves {100 * share:.0f} %" for text, share in sorted(left.items(), key=_share)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedModes
 from ..models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
+from ..models.reader_parameters import READER, reader_values, smallest_load_capacitance
 from ..models.session_spreads import SessionSpread, session_spreads
 from ..scene.meter import Readout
 from ..scene.ranges import MAX_INDUCTANCE
@@ -29,6 +30,8 @@ MODE_DEVIATION = 0.1
 FINGER = 10e-12
 """F: twice the capacitance of a finger's pad on a millimetre of cover."""
 MIN_EXPONENT = 0.5 + 1e-6
+MIN_SHARE = 1e-3
+"""Smallest fitted series resistance over that of the scene."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,8 @@ def priors(
     """
     own = own_values(measured.scene) | dict.fromkeys(COSINE_MODES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
+    if measured.scene.skin.one_conductor:
+        spreads = {name: own for name, own in spreads.items() if name != "sheet_mismatch"}
     modes = mode_deviations(measured.scene, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
     found = {
@@ -79,11 +84,25 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
     if name == "leak":
         f = measured.scene.frequencies
         return Prior(0.0, 2 * math.pi * math.sqrt(f[0] * f[-1]), 0.0)
+    if name in READER:
+        return _reader_prior(measured.scene, name)
     if name != "finger":
         return Prior(0.0, WIDE, *limits(name))
     touches = [touch for reading in measured.sweeps for touch in reading.press.touches]
     lowest = min((touch.finger for touch in touches), default=0.0)
     return Prior(0.0, FINGER, -lowest)
+
+
+def _reader_prior(scene: Scene, name: str) -> Prior:
+    """Prior of a parameter of the readers, as wide as the resistor and what it shows of inputs."""
+    own, f = reader_values(scene), scene.frequencies
+    R = own["series_resistance"]
+    if name == "series_resistance":
+        return Prior(R, R, MIN_SHARE * R)
+    if name == "load_capacitance":
+        deviation = 1 / (2 * math.pi * math.sqrt(f[0] * f[-1]) * R)
+        return Prior(own[name], deviation, smallest_load_capacitance(scene))
+    return Prior(own[name], 1 / R, 0.0)
 
 
 def mode_deviations(scene: Scene, kind: Kind) -> dict[str, float]:
@@ -116,6 +135,8 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
     """Wide priors: spreads far larger than sessions have."""
     omega = 2 * np.pi * measured.scene.frequencies
     size = np.abs([reading.Z for reading in measured.sweeps])
+    if measured.scene.reading.gain:
+        size = np.stack([np.full(size.shape[1:], _series_resistance(measured.scene))])
     lowest = np.where(measured.read, size, np.inf).min(axis=(0, 1))
     highest = np.where(measured.read, size, 0.0).max(axis=(0, 1))
     deviations = {
@@ -130,6 +151,11 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
         "stray_capacitance": float((1 / highest / omega).min()),
     }
     return {name: SessionSpread(0.0, deviation) for name, deviation in deviations.items()}
+
+
+def _series_resistance(scene: Scene) -> float:
+    """Mean resistance between a source and its node, ohm."""
+    return float(np.mean([each.series_resistance or 0.0 for each in scene.interfaces]))
 
 
 MIN_FREEDOM = 10
@@ -169,6 +195,7 @@ def noise_of(measured: Measurements) -> Noise:
         return Noise(with_noise(readout, FIRST_GUESS, FIRST_GUESS), "a guess", guessed=True)
     squares = sum((each.averaged - 1) * _squares(each.deviation) for each in repeated)
     magnitude, phase = np.sqrt(squares / freedom)
+    phase = phase if measured.parts == 2 else magnitude
     sweeps = sum(each.averaged for each in repeated)
     source = f"{sweeps} sweeps of the unpressed skin"
     return Noise(with_noise(readout, float(magnitude), float(phase)), source, freedom)

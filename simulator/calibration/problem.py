@@ -9,93 +9,20 @@ residuals whitened by the covariance of `ErrorModel` over a session.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import ErrorModel, observed, observed_slope
-from ..models.parameters import FACTORS, KNOWN, foam_parts
-from ..press.press import pressed_factor
-from ..scene.meter import Readout
+from ..measure.readout import observed, observed_slope
+from ..models.parameters import FACTORS, foam_parts
 from .centered_model import CenteredModel
+from .fit_spec import FitSpec, deviation_of
 from .likelihood.qr_reduction import ReducedSystem, ResidualBlock, reduced_system
-from .likelihood.student import StudentT
-from .measurements import Measurements, SessionSweep
-from .prior import Prior
+from .measurements import SessionSweep
 
 MIN_RISE = -0.9
-
-
-@dataclass(frozen=True)
-class FitSpec:
-    """The parameters to fit and the measurements they are fitted to.
-
-    fitted: priors of the fitted parameters. fixed: values of the others. strengths: True if the
-    strengths of presses are unknown. tail: distribution of the errors of readings; None: normal.
-    """
-
-    measurements: Measurements
-    readout: Readout
-    fitted: Mapping[str, Prior]
-    fixed: Mapping[str, float]
-    strengths: bool = True
-    tail: StudentT | None = None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the fitted parameters."""
-        return tuple(self.fitted)
-
-    def values(self, u: NDArray[np.float64]) -> dict[str, float]:
-        """Values of all parameters. u: unknowns, shape (unknown,)."""
-        found = {
-            name: float(np.clip(prior.center + prior.deviation * each, prior.low, prior.high))
-            for (name, prior), each in zip(self.fitted.items(), u, strict=False)
-        }
-        both = {**self.fixed, **found}
-        return {name: both[name] for name in KNOWN if name in both} | both
-
-    def unknowns(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """Unknowns at parameter values; all others at the center of their priors."""
-        u = np.zeros(len(self.fitted) + self.touch_count + self.error_count)
-        for k, (name, prior) in enumerate(self.fitted.items()):
-            u[k] = (values[name] - prior.center) / prior.deviation
-        return u
-
-    @property
-    def touch_count(self) -> int:
-        """Number of unknown strengths."""
-        return sum(map(len, self.spreads))
-
-    @property
-    def error_count(self) -> int:
-        """Number of fixed errors of the meter: of |Z| and phase, for each session."""
-        return len(self.accuracy) * len(self.measurements.sessions) * self.measurements.fixed
-
-    @cached_property
-    def accuracy(self) -> dict[int, NDArray[np.float64]]:
-        """Spreads of the meter's fixed errors > 0, by quantity: 0 for |Z|, 1 for the phase.
-
-        Each has shape (sweep, reading).
-        """
-        Z = np.stack([reading.Z for reading in self.measurements.sweeps])
-        both = self.readout.accuracy(Z, self.measurements.scene.frequencies)
-        flat = both.reshape(2, len(Z), -1)
-        return {half: spread for half, spread in enumerate(flat) if spread.max() > 0}
-
-    @cached_property
-    def spreads(self) -> list[list[float]]:
-        """Standard deviations of the unknown rises, for each touch of each sweep."""
-        scene = self.measurements.scene
-        relative = scene.press.factor_spread
-        if not (self.strengths and relative > 0):
-            return [[] for _ in self.measurements.sweeps]
-        pressed = [reading.press.touches for reading in self.measurements.sweeps]
-        rises = [[pressed_factor(scene, touch) - 1 for touch in each] for each in pressed]
-        return [[relative * max(abs(own), 1e-3) for own in each if own] for each in rises]
 
 
 class LeastSquaresProblem:
@@ -220,13 +147,18 @@ class LeastSquaresProblem:
         """Residuals and derivatives of one group of sweeps, over their standard deviations."""
         spec, readings = self.spec, [self.spec.measurements.sweeps[k] for k in group]
         cells = np.stack([self.cells[k][0] for k in group])
-        rises = np.stack([self.rises(u, int(k)) for k in group])
+        share = spec.share_of_rises(u)
+        rises = share * np.stack([self.rises(u, int(k)) for k in group])
         response = self.model.respond_together(cells, rises, spec.values(u))
+        by_parameter = dict(response.by_parameter)
+        if spec.absolute_touches:
+            by_rises = (response.by_cell * rises[:, None, None]).sum(axis=-1)
+            by_parameter["capacitance"] = by_parameter["capacitance"] - by_rises
         parameters = [
-            prior.deviation * observed_slope(response.Z, response.by_parameter[name])
+            prior.deviation * observed_slope(response.Z, by_parameter[name])
             for name, prior in spec.fitted.items()
         ]
-        spreads = np.array([spec.spreads[k] for k in group])
+        spreads = share * np.array([spec.spreads[k] for k in group])
         touches = [
             spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
             for touch, spread in enumerate(spreads.T)
@@ -270,19 +202,6 @@ class LeastSquaresProblem:
             entering = spread[:, None, :, None] * np.eye(2)[half][:, None, None] * own[:, None]
             found = np.concatenate([found, entering], axis=-1)
         return found.reshape(len(which), 2 * which.shape[1], -1)
-
-
-def deviation_of(spec: FitSpec, reading: SessionSweep) -> NDArray[np.float64]:
-    """Standard deviation of each number of a sweep by the noise, shape (2 * Z.size,).
-
-    The noise is that of the measured Z. Infinite where nothing was read or the meter's range is
-    unknown: such a number has no weight.
-    """
-    used, f = spec.measurements.read & reading.known, spec.measurements.scene.frequencies
-    own = ErrorModel(
-        spec.readout, np.ones_like(used), reading.averaged, reading=reading.Z, frequency=f
-    ).deviation
-    return np.where(np.tile(used.ravel(), 2), own, np.inf)
 
 
 def difference(Z: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:

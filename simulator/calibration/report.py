@@ -8,9 +8,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..measure.readout import flattened
 from ..models.parameters import FACTORS
 from ..report.files import files_in, filled_at_once, write_json, write_rows, write_text
@@ -18,6 +15,7 @@ from ..report.terminal import table as in_columns
 from ..safe_text import escaped
 from ..scene.scene_files import scene_text
 from .estimates import HEADER
+from .explanations import assumptions, readings_of
 from .residual_chart import draw_residuals
 from .sheet_intervals import MISMATCH, RATIO
 
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from .estimates import FittedQuantity
-    from .identifiability import Information
-    from .problem import FitSpec
     from .run import Calibration
 
 WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
@@ -36,13 +32,10 @@ WRITTEN += ("correlation.csv", "residuals-*")
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
 BY = {True: "data", False: "prior"}
-TIED = 0.95
 WIDEST = 1000
 """Widest console, in characters."""
 LONGEST = 60
 """Letters of an interface's name in a file name, which has at most 255 bytes."""
-WIDENED = 1.2
-"""Chi-squared per degree of freedom from which the report states that it widens intervals."""
 
 
 def write_report(
@@ -73,7 +66,7 @@ def calibrated_text(calibration: Calibration, source: str) -> str:
         f"Calibrated to {source} by rcskin calibrate.",
         "Fitted quantities with marginal 95 % intervals:",
         *(f"  {_sentence(each)}" for each in calibration.quantities),
-        *_assumptions(calibration),
+        *assumptions(calibration),
     ]
     comment = "".join(f"# {escaped(line)}\n" for line in lines)
     return f"{comment}\n{scene_text(scene.model_copy(update={'description': description}))}"
@@ -107,59 +100,10 @@ def correlations(calibration: Calibration, console: Console) -> Table | str:
     return f"correlations of {len(_names(calibration))} parameters are in correlation.csv"
 
 
-def _noise(spec: FitSpec) -> str:
-    """Noise of |Z| and phase of the measured readings, with its range where it has one."""
-    noise = spec.readout.noise(*_readings(spec))
-    of_Z, of_phase = (
-        " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
-        for own, scale in zip(noise, (100, 1e3), strict=True)
-    )
-    return f"{of_Z} % of |Z|, {of_phase} mrad"
-
-
-def _readings(spec: FitSpec) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-    """Z in ohm of all readings, shape (sweep, reading), and the frequency of each, Hz."""
-    read, f = spec.measurements.read, spec.measurements.scene.frequencies
-    Z = np.stack([each.Z[read] for each in spec.measurements.sweeps])
-    return Z, np.broadcast_to(f, read.shape)[read]
-
-
-def explanations(calibration: Calibration) -> list[str]:
-    """Remarks on the fit, a line each."""
-    spec = calibration.fit.spec
-    lines = [
-        f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
-        f"{' by construction' if calibration.noise.guessed else ''}; "
-        f"rms relative error of Z {100 * calibration.rms_error:.3g} %",
-        f"noise from {calibration.noise.source}: {_noise(spec)}",
-    ]
-    lines += _widening(calibration.information)
-    if spec.touch_count:
-        lines.append(_strength_range(calibration))
-    lines += _assumptions(calibration)
-    lines += _strong_correlations(calibration)
-    lines += calibration.remarks
-    return [*lines, *(calibration.ideal.sentences if calibration.ideal else ())]
-
-
-def _widening(information: Information) -> list[str]:
-    """A line on the factor by which intervals are wider than by independent noise, and why."""
-    scale, count = information.scale, information.correlated
-    if scale < WIDENED:
-        return []
-    reasons = {
-        f"exceed the noise ({(scale / count) ** 0.5:.2g} times)": scale / count,
-        f"are correlated ({count**0.5:.2g} times: {count:.2g} of them count as one)": count,
-    }
-    why = " and ".join(reason for reason, share in reasons.items() if share > WIDENED**0.5)
-    wider = f"intervals are {scale**0.5:.2g} times as wide as by the noise alone"
-    return [f"{wider}, because the residuals {why}"]
-
-
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
     """All results, for JSON."""
     fit, noise = calibration.fit, calibration.noise
-    flat = flattened(noise.readout, *_readings(fit.spec))
+    flat = flattened(noise.readout, *readings_of(fit.spec))
     readings = zip(fit.spec.measurements.sweeps, calibration.strengths, strict=True)
     ideal = calibration.ideal
     return {
@@ -217,38 +161,6 @@ def _parameter_rows(calibration: Calibration) -> Iterable[tuple[object, ...]]:
 def _correlation_rows(calibration: Calibration) -> list[tuple[Any, ...]]:
     rows = calibration.information.correlation.tolist()
     return [(name, *row) for name, row in zip(_names(calibration), rows, strict=True)]
-
-
-def _strong_correlations(calibration: Calibration) -> list[str]:
-    """A line for each pair of strongly correlated estimates."""
-    names, rows = _names(calibration), calibration.information.correlation
-    return [
-        f"{names[i]} and {names[j]} are strongly correlated ({rows[i, j]:+.3f})"
-        for i in range(len(names))
-        for j in range(i)
-        if abs(rows[i, j]) > TIED
-    ]
-
-
-def _strength_range(calibration: Calibration) -> str:
-    problem, nothing = calibration.fit.problem, np.zeros_like(calibration.fit.u)
-    stated = [problem.strengths(nothing, k) for k in range(len(problem.cells))]
-    pairs = zip(calibration.strengths, stated, strict=True)
-    over = [
-        float(own / stated_rise)
-        for rises, stated_rises in pairs
-        for own, stated_rise in zip(rises, stated_rises, strict=True)
-    ]
-    return (
-        f"rises of {len(over)} touches are {min(over):.2f} to {max(over):.2f} times the stated ones"
-    )
-
-
-def _assumptions(calibration: Calibration) -> list[str]:
-    """Quantities that are assumed, not identified, a line each."""
-    left = ", ".join(name for name in calibration.not_fitted if name != MISMATCH)
-    kept = f"not fitted; scene's values kept, uncertain within their priors: {left}"
-    return [*([kept] if left else []), *calibration.unclear]
 
 
 def _sentence(each: FittedQuantity) -> str:

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
     """Measured minus fitted values over the noise of a reading, by quantity.
 
-    Quantities are |Z|, phase, Rs and Cp, each of shape (sweep, interface, frequency). The meter's
-    fixed errors of the session are part of the fit. Residuals are 0 where nothing was read.
+    Quantities are |Z|, phase, Rs and Cp, or those of gains, each of shape (sweep, interface,
+    frequency). The meter's fixed errors of the session are part of the fit. Residuals are 0 where
+    nothing was read.
     """
     spec = fit.spec
     Z = np.stack([reading.Z for reading in spec.measurements.sweeps])
@@ -31,6 +32,9 @@ def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
     frequency = spec.measurements.scene.frequencies
     magnitude, phase = spec.readout.noise(Z, frequency) / averaged
     residual = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
+    if spec.measurements.scene.reading.gain:
+        own = {"gain": -residual[:, 0], "phase of the gain": -residual[:, 1]}
+        return dict(list(own.items())[: spec.measurements.parts])
     fitted = Z * np.exp(residual[:, 0] * magnitude + 1j * residual[:, 1] * phase)
     omega, Y = 2 * np.pi * frequency, 1 / fitted
     of_Rs = np.hypot(fitted.real * magnitude, fitted.imag * phase)
@@ -50,16 +54,19 @@ FAINT = 0.35
 
 
 def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None:
-    """Residuals of |Z|, phase, Rs and Cp at one interface against frequency, as a PNG."""
+    """Residuals of all quantities at one interface against frequency, as a PNG."""
     measured = calibration.fit.spec.measurements
     read = measured.read[interface]
     frequency = measured.scene.frequencies[read]
     with chart(path, 9, 6.2) as figure:
-        grid = figure.subplots(2, 2, sharex=True)
-        for axes, (name, values) in zip(grid.flat, residuals(calibration.fit).items(), strict=True):
+        found = residuals(calibration.fit)
+        grid = figure.subplots(
+            (len(found) + 1) // 2, min(len(found), 2), sharex=True, squeeze=False
+        )
+        for axes, (name, values) in zip(grid.flat, found.items(), strict=True):
             _draw(axes, frequency, values[:, interface, read], measured.sweeps)
             axes.set_title(name)
-        for axes in grid[1]:
+        for axes in grid[-1]:
             frequency_axis(axes)
         for axes in grid[:, 0]:
             axes.set_ylabel("(measured - fitted) / error")

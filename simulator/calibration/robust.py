@@ -33,8 +33,9 @@ def robust_fit(fit: Fit, noise: Noise, requested: bool | None, refit: Refit) -> 
     if requested is False:
         return fit, noise
     squares, freedom = fit.problem.squares(fit.u), information(fit).freedom
+    parts = fit.spec.measurements.parts
     chosen = likeliest if requested is None else fitted_tail
-    tail = chosen(squares, freedom)
+    tail = chosen(squares, freedom, parts=parts)
     if tail is None or (requested is None and not _matters(squares, tail, noise)):
         return fit, noise
     if not noise.stated:
@@ -43,7 +44,7 @@ def robust_fit(fit: Fit, noise: Noise, requested: bool | None, refit: Refit) -> 
         noise, tail = _rescaled(noise, tail)
         fit, before = refit(noise, tail), tail
         squares, freedom = fit.problem.squares(fit.u), information(fit).freedom
-        tail = fitted_tail(squares, freedom, 1.0 if noise.stated else 0.0)
+        tail = fitted_tail(squares, freedom, 1.0 if noise.stated else 0.0, parts)
         if _change(before, tail) < SETTLED:
             break
     return fit, noise

@@ -17,6 +17,7 @@ from ..models.effects import effects_of
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths
 from ..models.parameters import own_values, scene_with
+from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..progress import ProgressCallback, silent
 from ..safe_text import Tabular
@@ -25,6 +26,7 @@ from .centered_model import CenteredModel, Model, centered_model, checked_model,
 from .estimates import HEADER, FittedQuantity, intervals, quantile, quantities, weakly_identified
 from .fit import Fit, best_fit, certificate_limit, model_tolerance
 from .fit_options import Options, candidates
+from .fit_spec import FitSpec
 from .identifiability import Information, information, with_all_unknown
 from .initial_values import capacitance_offset
 from .likelihood.distributions import Distributions
@@ -33,7 +35,6 @@ from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
 from .physics_trials import misfit_trials
 from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
-from .problem import FitSpec
 from .robust import robust_fit, tail_remarks
 from .sheet_intervals import MISMATCH
 from .surroundings_trials import with_effects
@@ -109,8 +110,9 @@ def calibrate(
     tolerance.
     """
     scene = forces_as_depths(scene)
-    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *options.also)
-    scene = with_effects(scene, options.also)
+    also = (*options.also, *(name for name in options.fit if name in READER))
+    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *also)
+    scene = with_effects(scene, also)
     folded(scene, "a calibration")
     data = measurements_of(scene, sweeps, options.band, options.session)
     job = _CalibrationRun(data, options, unknown_effects, model, progress)
@@ -123,7 +125,8 @@ def calibrate(
     gained = misfit_trials(fit, info.freedom, noise, progress) if options.trials else []
     left_over = tuple([*tail_remarks(fit), *gained])
     names = fit.spec.names
-    beaten = "phase_exponent" in names and bounds["phase_exponent"][1] < 1 - ROUNDED
+    lossy = "phase_exponent" in names and not data.scene.reading.gain
+    beaten = lossy and bounds["phase_exponent"][1] < 1 - ROUNDED
     return Calibration(
         values=fit.values,
         intervals=bounds,

@@ -15,7 +15,7 @@ from ..models.response import Response
 from ..scene.frequency import LOSSLESS, Loss, laplace_variable
 from .centered_model import CenteredModel
 
-RESISTANCE, CAPACITANCE = "series_resistance", "series_capacitance"
+RESISTANCE, CAPACITANCE = "element_resistance", "element_capacitance"
 """Logarithms of the element's resistance in ohm and capacitance in F, as parameters."""
 
 Element = Literal["line", "film"]

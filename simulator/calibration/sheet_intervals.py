@@ -41,13 +41,16 @@ class Product(NamedTuple):
 
 
 def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
-    """Both sheets, their ratio, and their sum where one field describes both.
+    """Both sheets, their ratio, and their sum where one field describes both, or the only one.
 
     values: of all parameters.
     """
     before = scene.skin.sheet_resistances
     both, half = values[COMMON], values[MISMATCH] / 2
     top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
+    if scene.skin.one_conductor:
+        yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0})
+        return
     yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0, MISMATCH: 0.5})
     yield Product(BOTTOM, "ohm/sq", before[1], bottom, {COMMON: 1.0, MISMATCH: -0.5})
     if single_field(scene) is not None:
@@ -80,7 +83,7 @@ def series_pairs(
 
     values: of all parameters. names: of the unknown ones.
     """
-    if single_field(scene) is None:
+    if single_field(scene) is None or scene.skin.one_conductor:
         return
     if {COMMON, MISMATCH} <= set(names):
         yield SeriesPair(COMMON, MISMATCH)

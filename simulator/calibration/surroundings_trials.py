@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from ..models.effects import EFFECTS, NEEDED, effects_of
 from ..models.parameters import scene_with
+from ..models.reader_parameters import READER
 from ..progress import ProgressCallback, silent
 from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
@@ -16,8 +17,9 @@ from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
 from .centered_model import CenteredModel, centered_model
 from .fit import EXPLAINED, Fit, certificate_limit, solve_from
+from .fit_spec import FitSpec
 from .prior import Prior, effect_prior
-from .problem import FitSpec, LeastSquaresProblem
+from .problem import LeastSquaresProblem
 
 BODY = 8e-3
 """m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its
@@ -26,7 +28,7 @@ RIM = 0.6 * VACUUM_PERMITTIVITY
 """F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
 three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
 foam and a virtual earth."""
-ADDABLE = (*EFFECTS, "leak")
+ADDABLE = (*EFFECTS, "leak", *READER)
 """Parameters that a scene lacks until they are requested."""
 WORTH = 0.1
 """Smallest share of chi-squared that an effect must remove to be reported."""
@@ -42,6 +44,11 @@ def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
     for name in names:
         if name not in ADDABLE:
             raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
+    for name in names:
+        if name in READER and not scene.reading.gain:
+            raise InputError(
+                f'{scene.name} cannot have {name}: no [[interface]] has reader = "gain"'
+            )
     if "leak" in names and scene.skin.foam.leak is None:
         foam = scene.skin.foam.model_copy(update={"leak": 0.0})
         scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})

@@ -227,7 +227,7 @@ def _frequencies(scene: Scene) -> str:
     if not outside or scene.reading.gain:
         return text
     others = [model for model in METER_BANDS if not outside_band(model, f)]
-    return f"{text}; {outside}" + (f" ({' and '.join(others)} can read all)" if others else "")
+    return f"{text}; {outside}" + (f" (all can be read by {', '.join(others)})" if others else "")
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:

@@ -20,7 +20,7 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .line import Line
 from .line_ports import tanh_ratio
-from .parameters import all_values, by_sheets, leads_of, loss_of, own_values
+from .parameters import all_values, by_sheets, loss_of, own_values, reading_of
 from .response import Response, at_meter
 
 SMALL = 1e-2
@@ -139,7 +139,7 @@ class LineModel:
         return at_meter(
             everywhere(Z + film),
             {name: everywhere(to_Y * slope) for name, slope in slopes.items()},
-            self.scene.reading.behind(leads_of(values)),
+            reading_of(self.scene, values),
             everywhere(to_Y[..., None] * by_cell),
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,9 +15,11 @@ from ..scene.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
 from ..scene.meter import Leads
+from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects
+from .reader_parameters import READER, reader_values, with_reader
 
 HALF_WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Half waves along x and y of the cosine modes of a sheet's conductance; the first is its mean."""
@@ -110,13 +112,17 @@ VALUES = {
     "finger": "F",
     "leak": "1/s",
     "exponent_slope": "(per decade)",
+    "series_resistance": "ohm",
+    "load_capacitance": "F",
+    "load_conductance": "S",
 }
 """Parameters that are the value itself, and their units."""
 
 FURTHER_LOSSES = ("leak", "exponent_slope")
 """Losses of the foam that are 0 in most scenes, and parameters only on request."""
 
-PARAMETERS = tuple(n for n in (*FACTORS, *VALUES) if n not in (*EFFECTS, *FURTHER_LOSSES))
+ON_REQUEST = (*EFFECTS, *FURTHER_LOSSES, *READER)
+PARAMETERS = tuple(n for n in (*FACTORS, *VALUES) if n not in ON_REQUEST)
 """Parameters of every scene."""
 
 
@@ -129,11 +135,12 @@ TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y",
 
 SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
 COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
-KNOWN = (*PARAMETERS, *FURTHER_LOSSES, *EFFECTS, *COSINE_MODES)
+KNOWN = (*PARAMETERS, *ON_REQUEST, *COSINE_MODES)
 
 
 def own_values(scene: Scene) -> dict[str, float]:
-    """The scene's own parameters, with its leak and those of EFFECTS that change it."""
+    """The scene's own parameters, with its leak, its readers' and those of EFFECTS that change
+    it."""
     foam, leads = scene.skin.foam, scene.leads
     stated = {
         "loss_tangent": foam.loss_tangent,
@@ -144,7 +151,7 @@ def own_values(scene: Scene) -> dict[str, float]:
     }
     of_every_scene = {name: stated.get(name, 0.0) for name in PARAMETERS}
     leak = {} if foam.leak is None else {"leak": foam.leak}
-    return of_every_scene | leak | dict.fromkeys(effects_of(scene), 0.0)
+    return of_every_scene | leak | reader_values(scene) | dict.fromkeys(effects_of(scene), 0.0)
 
 
 def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
@@ -174,6 +181,14 @@ def leads_of(values: Mapping[str, float]) -> Leads:
         inductance=values["lead_inductance"],
         stray_capacitance=values["stray_capacitance"],
     )
+
+
+def reading_of(scene: Scene, values: Mapping[str, float]) -> ReadingSetup:
+    """Readings behind the leads and the reader."""
+    reading = scene.reading.behind(leads_of(values))
+    if not reading.gain:
+        return reading
+    return replace(reading, interfaces=with_reader(reading.interfaces, values))
 
 
 def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
@@ -221,6 +236,8 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     )
     changed = skin.model_copy(update={**sheets, "foam": foam})
     update = {"skin": changed, "contacts": contacts, "leads": leads_of(values)}
+    if scene.reading.gain:
+        update["interfaces"] = with_reader(scene.interfaces, values)
     return scene.model_copy(update=update | with_effects(scene, values))
 
 

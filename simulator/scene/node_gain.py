@@ -34,7 +34,8 @@ class NodeGain:
     """Gains and their derivatives, all of shape (..., frequency).
 
     by_solved: by the impedances that they follow from, 1/ohm, shape (..., solved, frequency).
-    by_leads: by the leads' parameters, see `Leads.slopes`.
+    by_leads: by the leads' parameters, see `Leads.slopes`, and by those of the reader, see
+    `reader_slopes`.
     """
 
     gain: Complex
@@ -99,6 +100,9 @@ class Nodes:
         by_Q = -np.einsum("...fa,kab,...fb->...kf", w, self._from_forms, U)
         by_z = -np.einsum("...fa,...fab,...fb->...f", w, Y, into)
         by_stray = -omega[:, 0, 0] * (w * U).sum(axis=-1)
+        of_node = w + z[..., 0] * (Y @ w[..., None])[..., 0]
+        by_series = (of_node * g * (V - 1)).sum(axis=-1)
+        by_input = -(of_node * V).sum(axis=-1)
         return NodeGain(
             V[..., 0],
             (-by_Q / Z**2).astype(np.complex128),
@@ -106,12 +110,31 @@ class Nodes:
                 "lead_resistance": by_z,
                 "lead_inductance": omega[:, 0, 0] * by_z,
                 "stray_capacitance": by_stray,
+                **reader_slopes(by_series, by_input, frequency, self.sources[0]),
             },
         )
 
 
-def single_gain(Z: Complex, each: Sequence[Source], frequency: Real) -> tuple[Complex, Complex]:
-    """Gain at nodes that are driven one at a time, and its derivative by Z, 1/ohm.
+def reader_slopes(
+    by_series: Complex, by_input: Complex, frequency: Real, first: Source
+) -> dict[str, Complex]:
+    """Derivatives by the reader's parameters, which are those of the first interface.
+
+    by_series: by the logarithm of all series resistors. by_input: by the admittance of all inputs,
+    1/S, shape (..., frequency).
+    """
+    return {
+        "series_resistance": by_series / first.series_resistance,
+        "load_capacitance": 2j * np.pi * frequency * by_input,
+        "load_conductance": by_input,
+    }
+
+
+def single_gain(
+    Z: Complex, each: Sequence[Source], frequency: Real
+) -> tuple[Complex, Complex, dict[str, Complex]]:
+    """Gain at nodes that are driven one at a time, and its derivatives by Z, 1/ohm, and by the
+    reader's parameters.
 
     Z / (R + Z (1 + R Y_m)). Z: ohm, behind the leads, shape (..., interface, frequency). each:
     source of each interface.
@@ -119,7 +142,9 @@ def single_gain(Z: Complex, each: Sequence[Source], frequency: Real) -> tuple[Co
     R = np.array([source.series_resistance for source in each])[:, None]
     inputs = np.stack([source.load.admittance(frequency) for source in each])
     below = R + Z * (1 + R * inputs)
-    return Z / below, R / below**2
+    by_series = -R * Z * (1 + Z * inputs) / below**2
+    by_reader = reader_slopes(by_series, -R * (Z / below) ** 2, frequency, each[0])
+    return Z / below, R / below**2, by_reader
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ class ReadingSlopes:
     """Derivatives of readings by impedances of the skin and by the leads.
 
     by_skin: shape (..., interface, frequency) where every interface follows from its own impedance,
-    else (..., interface, solved, frequency). by_leads: by the leads' parameters, see
-    `Leads.slopes`, shape (..., interface, frequency).
+    else (..., interface, solved, frequency). by_leads: by the parameters of leads
+    and reader, see `NodeGain`, shape (..., interface, frequency).
     """
 
     by_skin: Complex
@@ -130,12 +130,11 @@ class ReadingSetup:
         by_skin, by_leads = self.leads.slopes(Z, self.frequency)
         if not self.gain:
             return ReadingSlopes(by_skin, by_leads, True)
-        _, by_Z = self._single_gain(self.leads.at_meter(Z, self.frequency))
-        return ReadingSlopes(
-            by_Z * by_skin, {name: by_Z * own for name, own in by_leads.items()}, True
-        )
+        _, by_Z, by_reader = self._single_gain(self.leads.at_meter(Z, self.frequency))
+        of_leads = {name: by_Z * own for name, own in by_leads.items()}
+        return ReadingSlopes(by_Z * by_skin, of_leads | by_reader, True)
 
-    def _single_gain(self, Z: Complex) -> tuple[Complex, Complex]:
+    def _single_gain(self, Z: Complex) -> tuple[Complex, Complex, dict[str, Complex]]:
         return single_gain(Z, [own_source(each) for each in self.interfaces], self.frequency)
 
     def _node_gains(self, Z: Complex) -> list[NodeGain]:

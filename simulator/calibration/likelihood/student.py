@@ -1,8 +1,9 @@
 """Student's t likelihood of readings, with which a few readings far off do not move a fit.
 
-The errors of ln |Z| and phase of one reading have a bivariate t distribution of nu degrees of
-freedom. Up to a constant, -2 ln of its density is rho(q) = (nu + 2) ln(1 + q / nu) + 4 ln(kappa),
-q = r'r / kappa², where r are the residuals of the reading over the noise.
+The d errors of one reading (ln |Z| and phase, or the magnitude alone) have a t distribution of nu
+degrees of freedom. -2 ln of its density over that of normal errors at r = 0 is rho(q) = (nu + d)
+ln(1 + q / nu) + 2 d ln(kappa) + k(nu), q = r'r / kappa², where r are the residuals of the reading
+over the noise; k(nu) is 0 for d = 2.
 Source: K. L. Lange, R. J. A. Little, J. M. G. Taylor, J. Am. Stat. Assoc. 84 (1989) 881.
 """
 
@@ -32,19 +33,20 @@ FAR_OFF = 25.0
 
 @dataclass(frozen=True)
 class StudentT:
-    """Errors of readings. freedom: nu. scale: kappa, of the noise."""
+    """Errors of readings. freedom: nu. scale: kappa, of the noise. parts: d."""
 
     freedom: float
     scale: float = 1.0
+    parts: int = 2
 
     def weights(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weight of each reading in the fit, d rho / dq. squares: r'r of each, not over kappa²."""
-        return (self.freedom + 2) / (self.freedom + squares / self.scale**2)
+        return (self.freedom + self.parts) / (self.freedom + squares / self.scale**2)
 
     @property
     def information(self) -> float:
         """Information of weighted readings on the parameters, over that of normal errors."""
-        return (self.freedom + 2) / (self.freedom + 4)
+        return (self.freedom + self.parts) / (self.freedom + self.parts + 2)
 
     def damped(self, block: ResidualBlock) -> ResidualBlock:
         """Residuals R = r sqrt(rho(q) / q), so that R'R is the sum of rho, and their slopes."""
@@ -52,7 +54,7 @@ class StudentT:
         r, J = (np.stack(np.split(each / self.scale, 2, axis=1)) for each in both)
         q = (r**2).sum(axis=0)
         x = np.maximum(q / self.freedom, 1e-300)
-        rho = (self.freedom + 2) * np.log1p(x)
+        rho = (self.freedom + self.parts) * np.log1p(x)
         g = np.sqrt(rho / (self.freedom * x))
         with np.errstate(over="ignore"):
             bend = (1 / ((1 + x) * np.log1p(x)) - 1 / x) / self.freedom
@@ -64,23 +66,27 @@ class StudentT:
         )
 
 
-def likeliest(squares: NDArray[np.float64], freedom: float) -> StudentT | None:
+def likeliest(squares: NDArray[np.float64], freedom: float, parts: int = 2) -> StudentT | None:
     """The likeliest t distribution of residuals; None where normal errors explain them as well.
 
     squares: r'r of each reading over the noise, shape (reading,). freedom: of the residuals.
+    parts: of each reading.
     """
-    tail = fitted_tail(squares, freedom)
+    tail = fitted_tail(squares, freedom, parts=parts)
     of_normal = freedom + freedom * math.log(max(float(squares.sum()), 1e-24) / freedom)
     gain = of_normal - _misfit(tail, squares, freedom)
-    return tail if gain - math.log(2 * len(squares)) > CLEAR_GAIN else None
+    return tail if gain - math.log(parts * len(squares)) > CLEAR_GAIN else None
 
 
-def fitted_tail(squares: NDArray[np.float64], freedom: float, min_scale: float = 0.0) -> StudentT:
-    """The likeliest t distribution of residuals. min_scale: smallest kappa. See `likeliest`."""
+def fitted_tail(
+    squares: NDArray[np.float64], freedom: float, min_scale: float = 0.0, parts: int = 2
+) -> StudentT:
+    """The likeliest t distribution of residuals. See `likeliest`."""
     from scipy.optimize import minimize_scalar
 
     def tail(logarithm: float) -> StudentT:
-        return _scaled(math.exp(logarithm), squares, freedom, min_scale)
+        begin = StudentT(math.exp(logarithm), parts=parts)
+        return _scaled(begin, squares, freedom, min_scale)
 
     low, high = map(math.log, FREEDOM)
     found: Any = minimize_scalar(
@@ -92,16 +98,25 @@ def fitted_tail(squares: NDArray[np.float64], freedom: float, min_scale: float =
     return tail(float(found.x))
 
 
-def _scaled(nu: float, squares: NDArray[np.float64], freedom: float, min_scale: float) -> StudentT:
+def _scaled(
+    tail: StudentT, squares: NDArray[np.float64], freedom: float, min_scale: float
+) -> StudentT:
     """The distribution with the likeliest kappa, at which the weighted squares are `freedom`."""
     scale = math.sqrt(max(float(np.median(squares)), 1e-12))
     for _ in range(SCALE_ROUNDS):
-        weights = StudentT(nu, scale).weights(squares)
+        weights = replace(tail, scale=scale).weights(squares)
         scale = math.sqrt(max(float(weights @ squares) / freedom, 1e-24))
-    return StudentT(nu, max(scale, min_scale))
+    return replace(tail, scale=max(scale, min_scale))
 
 
 def _misfit(tail: StudentT, squares: NDArray[np.float64], freedom: float) -> float:
     q = squares / tail.scale**2
-    rho = (tail.freedom + 2) * np.log1p(q / tail.freedom)
-    return float(rho.sum()) + 2 * freedom * math.log(tail.scale)
+    rho = (tail.freedom + tail.parts) * np.log1p(q / tail.freedom)
+    constant = len(squares) * _normalization(tail.freedom, tail.parts)
+    return float(rho.sum()) + 2 * freedom * math.log(tail.scale) + constant
+
+
+def _normalization(nu: float, d: int) -> float:
+    """-2 ln of the density at 0 over that of a normal distribution, kappa = 1."""
+    density = math.lgamma((nu + d) / 2) - math.lgamma(nu / 2) - d / 2 * math.log(nu / 2)
+    return -2 * density

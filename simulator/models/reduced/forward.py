@@ -27,9 +27,9 @@ from ..parameters import (
     all_values,
     by_sheets,
     foam_parts,
-    leads_of,
     loss_of,
     own_values,
+    reading_of,
 )
 from ..response import Response, at_meter
 from .cases import touched
@@ -152,7 +152,7 @@ class Forward:
         of_modes = np.moveaxis(self._s(values)[:, None] * by_mode, -1, 0)
         named = zip(FOAM_MODES, of_modes, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
-        reading = self.scene.reading.behind(leads_of(values))
+        reading = reading_of(self.scene, values)
         return at_meter(1 / found.Y, by_name, reading, found.by_cell, by_term, by_gauge)
 
     def impedances(
@@ -165,7 +165,7 @@ class Forward:
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
         Z = self._skin(values).sweeps(batch, self._s(values))
-        return self.scene.reading.behind(leads_of(values)).at_meter(Z)
+        return reading_of(self.scene, values).at_meter(Z)
 
     def certificate(
         self,

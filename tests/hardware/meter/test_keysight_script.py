@@ -74,6 +74,7 @@ def test_speed_and_averaging_share_a_command_and_leave_each_other(script, name, 
         (E4980A, {"averaging": 257}, "`averaging` must be a whole number from 1 to 256, got 257"),
         (E4980A, {"range": 7}, "`range` must be one of 0.1, 1, 10, 100, .*100000 ohm, got 7"),
         (HP4284A, {"range": 0.1}, "`range` must be one of 1, 10, .* ohm, got 0.1"),
+        (E4980A, {"amplitude": "much V"}, "from 0 to 20 V or from 0 to 0.1 A, got much V"),
         (E4980A, {"amplitude": "21 V"}, "must be from 0 to 20 V or from 0 to 0.1 A, got 21 V"),
         (E4980A, {"voltage": 21}, "must be from 0 to 20 V or from 0 to 0.1 A, got 21 V"),
         (E4980A, {"level": "CC"}, "`level` CC needs an amplitude in A"),
@@ -126,10 +127,10 @@ def reading_of(line):
     return meter.read_at(1e3)
 
 
-def exchange_of(answer, frequency="+1.00000E+03"):
+def exchange_of(answer, frequency="+1.00000E+03", page="MEAS"):
     return [
         (":FREQuency 1.000E+03;*ESR?", "+0"),
-        ("*TRG;:FREQuency?;*ESR?", f"{answer};{frequency};+0"),
+        ("*TRG;:FREQuency?;:DISPlay:PAGE?;*ESR?", f"{answer};{frequency};{page};+0"),
     ]
 
 
@@ -156,6 +157,7 @@ def test_a_doubtful_reading_is_kept_and_flagged(script, code):
         ("+9.90000E+37,+9.90000E+37,-1", "+1E3", FailedReadingError, "status -1: nothing was"),
         (f"{R_X},+7", "+1E3", FailedReadingError, "status 7, which has no known meaning"),
         (f"{R_X},+0", "+2E3", GarbledError, "at 2000 Hz instead of 1000 Hz"),
+        (f"{R_X},+0", "NAN", GarbledError, "at nan Hz instead of 1000 Hz"),
     ],
 )
 def test_what_is_no_reading_is_never_a_number(script, answer, frequency, error, told):
@@ -163,10 +165,23 @@ def test_what_is_no_reading_is_never_a_number(script, answer, frequency, error, 
         reading_of(line)
 
 
-@pytest.mark.parametrize("answer", ["", "1", "a,b,+0", "+9.90000E+37,+9.90000E+37,+0"])
-def test_a_garbled_answer_puts_the_conversation_back_in_step(script, answer):
+@pytest.mark.parametrize(
+    ("answer", "page"),
+    [
+        ("", "MEAS"),
+        ("1", "MEAS"),
+        ("a,b,+0", "MEAS"),
+        ("+1E4,+NAN,+0", "MEAS"),
+        ("+1E4,+0", "MEAS"),
+        ("+1E4,-1E4,+0.5", "MEAS"),
+        ("+9.90000E+37,+9.90000E+37,+0", "MEAS"),
+        (f"{R_X},+0,+0,{R_X},+0,+0", "MEAS"),
+        (f"{R_X},+0,+0", "LIST"),
+    ],
+)
+def test_a_garbled_answer_puts_the_conversation_back_in_step(script, answer, page):
     again = ("*ESR?;*IDN?", f"+0;{IDENTITY.text}")
-    with script(*exchange_of(answer), again) as line, pytest.raises(GarbledError):
+    with script(*exchange_of(answer, page=page), again) as line, pytest.raises(GarbledError):
         reading_of(line)
 
 

@@ -7,7 +7,7 @@ import time
 import pytest
 from rcskin.hardware.meter.connection import VisaConnection
 from rcskin.hardware.meter.correction import correct
-from rcskin.hardware.meter.errors import MeterError
+from rcskin.hardware.meter.errors import CorrectionError, MeterError
 from rcskin.hardware.meter.hioki import HiokiMeter
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.setting import Setting
@@ -15,7 +15,7 @@ from rcskin.hardware.record.managed_meter import ManagedMeter
 from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
-from rcskin.tests.hardware.instrument_cases import CASES, E4980A, HP4284A, IM3523
+from rcskin.tests.hardware.instrument_cases import CASES, E4980A, E4990A, HP4284A, IM3523
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 HIOKI_ONLY = pytest.mark.parametrize("case", [IM3523], indirect=True, ids=["IM3523"])
@@ -235,14 +235,32 @@ def test_small_commands_leave_it_as_found(command, ports, instrument, as_found, 
     assert instrument.settings == as_found
 
 
-@HIOKI_ONLY
+def test_a_failed_correction_says_what_to_check_and_is_not_used(ports, instrument, as_found):
+    instrument.faults.add(Fault("correction"))
+    with open_meter(ports.resource, 1) as meter:
+        with pytest.raises(CorrectionError, match="short correction failed.*shorting bar"):
+            correct(meter, "short", interval=0.001)
+        assert meter.short_correction == "OFF"
+    assert instrument.settings == as_found
+
+
+def acquires(instrument):
+    """True while the virtual instrument acquires a correction."""
+    if hasattr(instrument, "acquiring"):
+        return instrument.acquiring is not None
+    return instrument.corrections.busy
+
+
+@pytest.mark.parametrize(
+    "case", [IM3523, E4980A, E4990A], indirect=True, ids=lambda case: case.model
+)
 def test_a_correction_that_is_ended_is_cancelled(ports, start_rig, instrument, as_found):
     instrument.pace = 1.0
     process = start_rig("correct", "open", "--resource", ports.resource)
-    while not instrument.corrections.busy:
+    while not acquires(instrument):
         assert process.poll() is None, process.stderr.read()
         time.sleep(0.01)
     process.send_signal(signal.SIGHUP)
     process.communicate(timeout=30)
     assert process.returncode == 128 + signal.SIGHUP
-    assert not instrument.corrections.busy and instrument.settings == as_found
+    assert not acquires(instrument) and instrument.settings == as_found

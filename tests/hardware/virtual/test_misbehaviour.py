@@ -1,7 +1,11 @@
 """Whatever a meter does wrong: the driver says so, and never takes a number for another."""
 
+import random
+from contextlib import suppress
+
 import pytest
 from rcskin.hardware.control_client import send_request
+from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import (
     FailedReadingError,
     GarbledError,
@@ -42,6 +46,7 @@ OF_ONE = [
     ("IM3523", {"kind": "status", "status": 9}, FailedReadingError, "status 9: sampling error"),
     ("IM3523", {"kind": "status", "status": 14}, FailedReadingError, "status 14: contact error"),
     ("E4980A", {"kind": "status"}, FailedReadingError, "status 1: overload: check the leads"),
+    ("E4990A", {"kind": "status"}, FailedReadingError, "which stand for no reading"),
 ]
 
 
@@ -128,3 +133,35 @@ def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, fr
         instrument_of(simulated(with_frequencies(scene, frequencies)))
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
         check_frequencies(meter, frequencies)
+
+
+def _attempt(meter, pillow, dice):
+    """One random action of the driver; what it reads is right, or it raises an error of its own."""
+    frequencies = {"one": [2e3], "sweep": [1e3, 2e3, 5e3]}.get(dice.choice(["one", "sweep", ""]))
+    try:
+        if frequencies is None:
+            correct(meter, "open", dice.choice(meter.extents))
+            return
+        found = meter.read_sweep(frequencies)
+    except (MeterError, InputError) as error:
+        assert "\n" not in str(error)
+        with suppress(MeterError):
+            meter.prepare()
+        return
+    expected = [pillow.impedance("none", frequency) for frequency in frequencies]
+    assert [complex(each.Rs, each.X) for each in found] == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("model", INSTRUMENTS_SERVED)
+def test_random_faults_never_become_numbers(make_instrument, serve, pillow, model):
+    dice = random.Random(1)
+    instrument = make_instrument(kind=VIRTUAL_MODELS[model])
+    kinds = ("silent", "half", "garbage", "late", "status", "forget", "correction")
+    with serve(instrument) as ports:
+        for _ in range(2):
+            with open_meter(ports.resource, WAIT) as meter:
+                for _ in range(6):
+                    if dice.random() < 0.6:
+                        instrument.faults.add(Fault(dice.choice(kinds), seconds=0.3))
+                    _attempt(meter, pillow, dice)
+                instrument.faults.waiting.clear()

@@ -7,9 +7,10 @@ import pytest
 from rcskin.simulator.calibration.centered_model import centered_model
 from rcskin.simulator.calibration.fit import solve_from
 from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.fit_spec import FitSpec
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
-from rcskin.simulator.calibration.problem import FitSpec, LeastSquaresProblem
+from rcskin.simulator.calibration.problem import LeastSquaresProblem
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values

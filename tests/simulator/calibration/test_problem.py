@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.centered_model import centered_model
 from rcskin.simulator.calibration.fit import solve_from
+from rcskin.simulator.calibration.fit_spec import FitSpec
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
-from rcskin.simulator.calibration.problem import FitSpec, LeastSquaresProblem, difference
+from rcskin.simulator.calibration.problem import LeastSquaresProblem, difference
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.models.parameters import own_values
 

@@ -1,0 +1,76 @@
+"""Parameters of readers of gains: slopes by them, and scenes with them."""
+
+import numpy as np
+import pytest
+from rcskin.simulator.models.line_slopes import LineModel
+from rcskin.simulator.models.parameters import own_values, reading_of, scene_with
+from rcskin.simulator.models.reader_parameters import READER, reader_values
+from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
+
+LOAD = {"resistance": 2e6, "capacitance": 8e-12}
+ALONE = {
+    "interface.1.reader": "gain",
+    "interface.1.series_resistance": 1e5,
+    "interface.1.load": LOAD,
+    "leads": {"resistance": 300.0, "inductance": 1e-3, "stray_capacitance": 3e-12},
+}
+
+
+@pytest.fixture(scope="module")
+def alone():
+    return load_scene("strip-1x3").with_(ALONE)
+
+
+def steps(scene):
+    own = own_values(scene)
+    return own, {name: 1e-4 * own[name] for name in READER}
+
+
+def test_slopes_of_a_gain_by_its_reader_are_its_derivatives(alone):
+    model, press = LineModel(alone), parse_press("1,2:2", 2.0)
+    cells, rises = model.cells(press)
+    own, step = steps(alone)
+    slopes = model.respond(cells, rises, own).by_parameter
+    for name in READER:
+        ends = [
+            model.respond(cells, rises, own | {name: own[name] + side * step[name]}).Z
+            for side in (1, -1)
+        ]
+        slope = (ends[0] - ends[1]) / (2 * step[name])
+        np.testing.assert_allclose(slopes[name], slope, rtol=1e-6, atol=1e-9 / step[name])
+
+
+def test_slopes_of_two_nodes_that_are_driven_at_once_are_their_derivatives():
+    scene = load_scene("knit-36").with_({"leads": ALONE["leads"]})
+    scene = scene_with(scene, {"load_conductance": 1e-7})
+    own, step = steps(scene)
+    random = np.random.default_rng(0)
+    shape = len(scene.reading.solved), len(scene.frequencies)
+    Z = 3e5 * (random.random(shape) - 1j * random.random(shape))
+    slopes = reading_of(scene, own).slopes(Z).by_leads
+    for name in READER:
+        ends = [
+            reading_of(scene, own | {name: own[name] + side * step[name]}).at_meter(Z)
+            for side in (1, -1)
+        ]
+        slope = (ends[0] - ends[1]) / (2 * step[name])
+        np.testing.assert_allclose(slopes[name], slope, rtol=1e-5, atol=1e-9 / step[name])
+
+
+def test_a_scene_with_reader_parameters_has_them_at_all_interfaces():
+    scene = load_scene("knit-36")
+    found = scene_with(
+        scene,
+        {"series_resistance": 1.1e6, "load_capacitance": 15e-12, "load_conductance": 1e-8},
+    )
+    for each in found.interfaces:
+        assert each.series_resistance == pytest.approx(1.1e6)
+        assert each.load.capacitance == pytest.approx(15e-12)
+        assert each.load.resistance == pytest.approx(1e8)
+    assert parse_scene(scene_text(found), "again") == found
+    assert reader_values(found)["load_conductance"] == pytest.approx(1e-8)
+
+
+def test_impedances_have_no_reader_parameters():
+    assert not reader_values(load_scene("strip-1x3"))
