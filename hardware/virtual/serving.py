@@ -136,8 +136,8 @@ def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     from ...simulator.scene.meter import meter_names
 
     found = [meter.note] if meter.note else []
-    scene = served.scene
-    if scene is not None and meter.model in meter_names() and not scene.readout.exact:
+    scene, named = served.scene, meter.model != VIRTUAL_MODEL and meter.model in meter_names()
+    if scene is not None and named and not scene.readout.exact:
         if scene.readout != scene.with_({"readout": meter.model}).readout:
             found.append(
                 f"readings err as the readout of {scene.name} states; "
