@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from .reader.virtual_reader import VirtualReader
     from .virtual_device import VirtualDevice
 
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class ServedSkin:
@@ -137,7 +139,12 @@ def notes(meter: Instrument, served: ServedSkin) -> list[str]:
 
     found = [meter.note] if meter.note else []
     scene, named = served.scene, meter.model != VIRTUAL_MODEL and meter.model in meter_names()
-    if scene is not None and named and not scene.readout.exact:
+    if scene is not None and scene.readout.multisine is not None:
+        found.append(
+            f"the reader of {scene.name} is a multisine, and this meter reads one frequency after "
+            "the other in its own time; --reader FILE sends whole frames"
+        )
+    elif scene is not None and named and not scene.readout.exact:
         if scene.readout != scene.with_({"readout": meter.model}).readout:
             found.append(
                 f"readings err as the readout of {scene.name} states; "
@@ -161,6 +168,7 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
             f"{served.scene.name}: reads the {served.scene.reading.kind.name}, and the reader's "
             f"file describes the {line_format.kind.name}; change one of them"
         )
+    _check_rate(served.scene, line_format)
     own = served.scene.reading.own
     whole = tuple(served.scene.frequencies.tolist())
     made = VirtualReader(
@@ -174,6 +182,23 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
     )
     made.worker.submit(served.skin.impedance, made.press, served.frequency).result()
     return made
+
+
+def _check_rate(scene: Scene, line_format: LineFormat) -> None:
+    """Raises InputError if a reader sends lines faster than a multisine has frames."""
+    if scene.readout.multisine is None:
+        return
+    interfaces = len(scene.interfaces)
+    lines = (interfaces if line_format.terminal else 1) * (
+        1 if line_format.lines == "sweeps" else len(scene.frequencies)
+    )
+    fastest = lines / (interfaces * scene.readout.multisine.seconds)
+    if line_format.rate > fastest * (1 + ROUNDING):
+        raise InputError(
+            f"`rate` of the reader's file must be <= {fastest:.6g} lines per second, as a sweep of "
+            f"{scene.name} takes {1e3 * interfaces * scene.readout.multisine.seconds:.6g} ms, got "
+            f"{line_format.rate:g}"
+        )
 
 
 def _check_pace(pace: float) -> None:

@@ -3,12 +3,13 @@
 The noise of a tone is inverse to its amplitude, so that its information is proportional to its
 power. With the crest factor constant, the sum of the powers is fixed by the peak voltage: shares
 are a choice of many small parts of the power with repetition. The feedback resistance follows from
-the peak of the amplifier's output.
+the peak of the amplifier's output, so that tones of large currents cost the others resolution.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from ..models.solver import Solver
 from ..press.press import Press
 from ..progress import ProgressCallback, silent
 from ..scene.multisine.excitation import amplitudes, crest_factor, output_peak
-from ..scene.multisine.noise import multisine_deviation
+from ..scene.multisine.noise import multisine_deviation, output_density
 from ..scene.multisine.reader import Multisine
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -40,8 +41,9 @@ MAX_RESISTANCE = 1e9
 class AmplitudeShares:
     """Equal and shared amplitudes of a scene's tones, each with its own feedback resistance.
 
-    figures: of the criterion, minimized, for the equal and for the shared ones. In m for position,
-    for column and pixel 1 over the distance in the reader's errors. unpressed: reading of the
+    figures: of the criterion, minimized, for the equal and for the shared ones, over what equal
+    ones resolve. In m for position, for column and pixel 1 over the distance in the reader's
+    errors. unpressed: reading of the
     unpressed skin, ohm, shape (interface, frequency).
     """
 
@@ -102,17 +104,16 @@ def shared_amplitudes(
     _reader(scene)
     unpressed = Solver(scene).solve(Press()).Z
 
-    def criterion_of(own: Scene) -> Criterion:
-        return criterion_at(own, criterion, own.frequencies, touch, against_rest, progress)[0]
-
     equal = fitted(scene.with_({"readout.multisine.amplitudes": None}), unpressed)
-    at_equal = criterion_of(equal)
-    shares = [float(f"{each:.{DIGITS}g}") for each in np.sqrt(_best_powers(at_equal))]
+    at_equal = criterion_at(equal, criterion, equal.frequencies, touch, against_rest, progress)[0]
+    information = Information(_reader(equal), unpressed, equal.frequencies)
+    powers = _best_powers(at_equal, information)
+    shares = [float(f"{each:.{DIGITS}g}") for each in np.sqrt(powers)]
     shared = fitted(scene.with_({"readout.multisine.amplitudes": shares}), unpressed)
-    figures = [each.of_all for each in (at_equal, criterion_of(shared))]
+    figures = at_equal.of_all, float(at_equal.weighted(information.exactly(_reader(shared)))[0])
     if figures[1] > figures[0]:
-        shared, figures[1] = equal, figures[0]
-    return AmplitudeShares(criterion, equal, shared, (figures[0], figures[1]), unpressed)
+        shared, figures = equal, (figures[0], figures[0])
+    return AmplitudeShares(criterion, equal, shared, figures, unpressed)
 
 
 def fitted(scene: Scene, unpressed: NDArray[np.complex128]) -> Scene:
@@ -130,7 +131,50 @@ def fitted(scene: Scene, unpressed: NDArray[np.complex128]) -> Scene:
     return scene.with_({"readout.multisine.feedback_resistance": rounded})
 
 
-def _best_powers(criterion: Criterion) -> NDArray[np.float64]:
+@dataclass(frozen=True)
+class Information:
+    """Information of each tone over that at equal powers, with the resistance fitted anew.
+
+    The crest factors of source and output are taken as those at equal powers. reader: of equal
+    powers. unpressed: see `AmplitudeShares`. frequency: Hz.
+    """
+
+    reader: Multisine
+    unpressed: NDArray[np.complex128]
+    frequency: NDArray[np.float64]
+
+    def of(self, powers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of powers of mean 1, shape (choice, tone), in the same shape."""
+        return np.stack([own * self._electronics(own) for own in powers])
+
+    def exactly(self, reader: Multisine) -> NDArray[np.float64]:
+        """Of another reader's amplitudes and resistance, mean over interfaces, shape (1, tone)."""
+        before, after = (
+            multisine_deviation(each, self.unpressed, self.frequency)
+            for each in (self.reader, reader)
+        )
+        return ((before / after) ** 2).mean(axis=0, keepdims=True)
+
+    def _electronics(self, powers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Factor by the fitted resistance, mean over interfaces, shape (tone,)."""
+        before, part = self._precision(self.reader), self._output_power
+        ratio = np.sqrt(part.sum(axis=1).max() / (part @ powers).max())
+        R = self.reader.feedback_resistance * ratio
+        after = self._precision(self.reader.model_copy(update={"feedback_resistance": R}))
+        return (after / before).mean(axis=0)
+
+    def _precision(self, reader: Multisine) -> NDArray[np.float64]:
+        """|Z_f|² over the density of the noise, shape (interface, tone)."""
+        density = output_density(reader, self.unpressed, self.frequency)
+        return np.abs(reader.feedback(self.frequency)) ** 2 / density
+
+    @cached_property
+    def _output_power(self) -> NDArray[np.float64]:
+        """Part of each tone in the power of the output, at equal powers, (interface, tone)."""
+        return np.abs(self.reader.feedback(self.frequency) / self.unpressed) ** 2
+
+
+def _best_powers(criterion: Criterion, information: Information) -> NDArray[np.float64]:
     """Best powers of the tones, of mean 1. criterion: evaluated at equal powers."""
     tones = len(criterion.frequency)
 
@@ -139,7 +183,7 @@ def _best_powers(criterion: Criterion) -> NDArray[np.float64]:
         return (1 + counts) * tones / (tones + choices.shape[1])
 
     chosen = best_choice(
-        lambda choices: criterion.weighted(powers(choices)),
+        lambda choices: criterion.weighted(information.of(powers(choices))),
         tones,
         (PARTS - 1) * tones,
         excludes=np.zeros((tones, tones), dtype=bool),

@@ -316,3 +316,33 @@ def test_a_reader_of_another_quantity_is_refused(
     given = ["--resource", TCP, "--reader", described(text), "-o", tmp_path / "run.nc"]
     result = command("record", scene, *given, input="")
     assert isinstance(result.exception, InputError) and message in str(result.exception)
+
+
+def multisine_quilt(scene):
+    """The scene with a multisine reader and no other noise."""
+    readers = {f"interface.{each.name}.reader": "multisine" for each in scene.interfaces}
+    electronics = {"feedback_resistance": 1e4, "frame": 8e-3, "frames": 2}
+    return scene.with_({**readers, "readout": {"multisine": electronics}})
+
+
+def test_a_multisine_sends_whole_frames_no_faster_than_it_reads_them(quilt, tmp_path):
+    scene = multisine_quilt(quilt)
+    skin = serving.simulated(scene, seed=1)
+    text = ARRAYS.replace("rate = 200", "rate = {}")
+    with pytest.raises(InputError, match=r"`rate` .* must be <= 31\.25 lines per second, as a sw"):
+        serving.reader(skin, LineFormat.model_validate(inputs.tables(text.format(32))))
+    device = serving.reader(skin, LineFormat.model_validate(inputs.tables(text.format(31.25))))
+    with run_in_thread(device) as ports, socket.create_connection(("127.0.0.1", ports.meter)) as s:
+        lines = s.makefile()
+        lines.readline()
+        sent = [json.loads(lines.readline()) for _ in range(3)]
+    assert [each["id"] for each in sent] == [0, 1, 2]
+    assert all(np.allclose(1e3 * np.array(each["khz"]), scene.frequencies) for each in sent)
+
+
+def test_a_meter_of_a_multisine_scene_notes_that_it_reads_in_its_own_time(quilt):
+    served_skin = serving.simulated(multisine_quilt(quilt), seed=1)
+    meter = serving.instrument(served_skin, pace=0)
+    (note,) = serving.notes(meter, served_skin)
+    meter.worker.end()
+    assert "reads one frequency after the other in its own time; --reader FILE" in note

@@ -73,6 +73,19 @@ def test_a_tone_off_the_grid_would_leak_into_the_others():
     assert on < 1e-9 < 0.02 * points < off
 
 
+def test_hum_of_the_mains_leaks_into_a_frame_that_is_no_whole_number_of_its_periods():
+    """By sinc of the distance to the tone and to its mirror image, in periods of the frame."""
+    largest = {}
+    for frame in (8e-3, 20e-3):
+        time = np.arange(round(1e6 * frame)) / 1e6
+        tone = round(1e3 * frame)
+        hum = (np.cos(2 * np.pi * 50 * time + phase) for phase in np.linspace(0, np.pi, 16))
+        largest[frame] = max(np.abs(np.fft.rfft(each)[tone]) / (len(time) / 2) for each in hum)
+    expected = sum(abs(np.sinc(8e-3 * (1e3 + f))) for f in (-50, 50))
+    assert largest[8e-3] == pytest.approx(expected, rel=0.02) == pytest.approx(0.076, rel=0.02)
+    assert largest[20e-3] < 1e-9
+
+
 def test_the_excitation_peaks_at_the_stated_voltage_with_the_amplitudes_in_proportion():
     own = reader(amplitudes=(1.0, 1.0, 2.0, 3.0, 5.0), peak_voltage=0.7)
     voltage = amplitudes(own, FREQUENCY)
