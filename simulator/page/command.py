@@ -40,6 +40,7 @@ def page(
 
     checked_output(output, (".html",))
     requested = requested_scene(scene)
+    requested.require_impedance("a page")
     skin = uniformly_pressed(requested, "a page")
     note_if_noise_free(scene, skin)
     if scene_spreads_presses(requested):

@@ -134,11 +134,18 @@ def _viewed_press(
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene
     from ..scene.scene import checked_interface
+    from ..sweeps import InputError
     from .scenery import ViewedPress
 
     scene = requested_scene(name)
     pressed = press_on(scene, press)
     chosen = checked_interface(interface, scene)
+    wiring = next(each for each in scene.interfaces if each.name == chosen)
+    if wiring.driven_with:
+        raise InputError(
+            f"{name}: view shows the field of one source, and interface {chosen!r} is "
+            "`driven_with` others; leave that key out here"
+        )
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
@@ -149,7 +156,6 @@ def _viewed_press(
     for key in scene.skin.foam.in_time:
         note(f"{name}: fields are those at the moment of the press, before `{key}` has an effect")
     found = fields(scene, pressed, frequencies, chosen, rtol, progress)
-    wiring = next(each for each in scene.interfaces if each.name == chosen)
     return ViewedPress(scene, pressed, wiring, found)
 
 

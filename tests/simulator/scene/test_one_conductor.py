@@ -133,3 +133,25 @@ def test_touches_of_two_sheets_and_mixed_strengths_are_refused(yarn, make_scene)
         make_scene().with_({"dataset.press.capacitance": 3e-11})
     with pytest.raises(InputError, match=r"1,3 takes one such as :30pF, or a factor, got both"):
         press_on(yarn, "1,3:2.0:30pF")
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (
+            "view",
+            "knit-36: view shows the field of one source, and interface 'left' is `driven_with`",
+        ),
+        ("page", 'knit-36: a page cannot take `interface[1].reader` = "gain"; it shows impedances'),
+    ],
+)
+def test_commands_that_show_one_impedance_refuse_gains(run, tmp_path, command, message):
+    code, _, err = run(command, "knit-36", "-o", tmp_path / "out.html")
+    assert code == 2 and message in err.splitlines()[-1]
+
+
+def test_describe_names_the_conductor_and_no_contacts_of_earth(run):
+    code, out, _ = run("describe", "knit-36")
+    assert code == 0 and "below" not in out and "bottom" not in out
+    assert "left: left against earth" in out
+    assert "adds 30 pF to earth: 54.9996 times" in out
