@@ -15,14 +15,10 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .classifier import QUANTITIES as CHANGE
 from .classifier import Builder, ModelBased, simulated
 from .position import ModelBasedPosition
 from .region import PlaceDistribution
 from .skin_cache import SkinCache
-
-QUANTITIES = (*CHANGE, "lnZ0", "phase0")
-"""Required features, in this order."""
 
 
 class _Adapted(BaseEstimator):

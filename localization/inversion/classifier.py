@@ -25,8 +25,6 @@ from .mixture import Mixture
 Builder = Callable[..., Mapping[str, NDArray]]
 """Function with the arguments and the result of `simulated`."""
 TARGETS = ("column", "row", "pixel", "touches", "pair")
-QUANTITIES = ("dlnZ", "dphase")
-"""Required features, in this order."""
 
 
 def simulated(text: str, *arguments: Any, **options: Any) -> Mapping[str, NDArray]:
@@ -88,7 +86,8 @@ class ModelBased(ClassifierMixin, BaseEstimator):
     def fit(self, X=None, y=None):
         """Take the simulator's tables, and fine-tune by labelled sweeps as `learn` says.
 
-        X: features of QUANTITIES, shape (sweep, feature), may be None. y: labels, shape (sweep,).
+        X: changes from the unpressed skin, dlnZ and dphase or those of gains, shape
+        (sweep, feature), may be None. y: labels, shape (sweep,).
         Raises ValueError for an unknown option, for features unlike those of the tables, and for a
         label without a touch.
         """

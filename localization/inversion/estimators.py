@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from sklearn.pipeline import Pipeline
 
+from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import MIN_BASELINES
+from ..inputs.feature_names import NAMES
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
 from ..learners.registry import REMOVED, Estimator, learners, removal_message
-from . import adapted as inversion_adapted
-from . import classifier as inversion
 from .adapted import AdaptedClassifier, AdaptedPosition
 from .classifier import ModelBased
 from .position import ModelBasedPosition
@@ -89,8 +88,7 @@ def build_in_background(pipeline: Pipeline) -> None:
 
 
 def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
-    takes = inversion_adapted.QUANTITIES if name == MODEL_ADAPTED else inversion.QUANTITIES
-    _check(problem, name, takes)
+    _check(problem, name)
     step: Any = (
         ModelBasedPosition(problem.scene, rest_sweeps=MIN_BASELINES)
         if problem.continuous
@@ -101,16 +99,23 @@ def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
     return Pipeline([("invert", step)])
 
 
-def _check(problem: LocalizationProblem, name: str, takes: Sequence[str]) -> None:
+def _takes(name: str, scene: Scene) -> tuple[str, ...]:
+    """Features that an estimator takes from the reader of a scene, in this order."""
+    names = NAMES[scene.reading.kind.name]
+    return (*names.relative, *(names.baseline if name == MODEL_ADAPTED else ()))
+
+
+def _check(problem: LocalizationProblem, name: str) -> None:
     """Raise InputError if the simulator's features differ from those of the sweeps."""
-    if problem.quantities != tuple(takes):
+    scene = carried_scene(problem.scene)
+    if scene is None:
+        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
+    takes = _takes(name, scene)
+    if problem.quantities != takes:
         raise InputError(
             f"`estimator` {name} takes the features {','.join(takes)}, "
             f"got {','.join(problem.quantities)}"
         )
-    scene = carried_scene(problem.scene)
-    if scene is None:
-        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
     known = tuple(each.name for each in scene.interfaces)
     if problem.interfaces != known:
         raise InputError(

@@ -66,13 +66,19 @@ class UnknownSkin:
 
     def observed(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Observed values at the frequencies of the scene's interfaces, shape (..., number)."""
-        return observed(Z, self.forward.scene.taken)
+        return self._read(observed(Z, self.forward.scene.taken))
 
     def observed_slope(
         self, Z: NDArray[np.complex128], dZ: NDArray[np.complex128]
     ) -> NDArray[np.float64]:
         """Derivative of `observed` from that of Z."""
-        return observed_slope(Z, dZ, self.forward.scene.taken)
+        return self._read(observed_slope(Z, dZ, self.forward.scene.taken))
+
+    def _read(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values without phases where the reader has none."""
+        if self.forward.scene.reading.phases:
+            return values
+        return values[..., : values.shape[-1] // 2]
 
     def of_touch(
         self, cells: NDArray[np.int64], rises: NDArray[np.float64]

@@ -115,10 +115,13 @@ def observed_slope(
 
 
 def reading_from(numbers: NDArray[np.float64], read: NDArray[np.bool_]) -> NDArray[np.complex128]:
-    """The reading with these `observed` values, 1 where nothing is read; shape of `read`."""
+    """The reading with these `observed` values, 1 where nothing is read; shape of `read`.
+
+    Values without phases give a reading of phase 0.
+    """
     found = np.ones(read.shape, dtype=complex)
-    logarithm, phase = numbers.reshape(2, -1)
-    found[read] = np.exp(logarithm + 1j * phase)
+    logarithm, phase = np.split(numbers, [read.sum()])
+    found[read] = np.exp(logarithm + 1j * (phase if phase.size else 0.0))
     return found
 
 
