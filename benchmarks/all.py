@@ -108,6 +108,7 @@ IN_ORDER = (
     Benchmark("localization/training_spread"),
     Benchmark("localization/fingers"),
     Benchmark("localization/foreign_twin", kept=("--found", "foreign_twin"), shared=SEARCHES),
+    Benchmark("localization/multisine"),
     Benchmark("localization/adaptation"),
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),

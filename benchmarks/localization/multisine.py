@@ -12,7 +12,7 @@ Run: python benchmarks/localization/multisine.py [--quick]
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -24,7 +24,7 @@ from rcskin.benchmarks.localization.twin_parts.training import simulated
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.bounds.position_bound import chosen_touch
-from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
+from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart, logarithmic_axis
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.limits.amplitude_shares import fitted, shared_amplitudes
@@ -42,7 +42,7 @@ CASES = {"sheet-5x5": "column", "sheet-5x5-two-interfaces": "pixel"}
 METER = 0.36
 """Time of a sweep of 20 frequencies at one interface by the meter, s."""
 FRAME = 8e-3
-VOLTAGES = (1.0, 0.01)
+VOLTAGES, FEW_VOLTAGES = (1.0, 0.01), (0.01,)
 FRAMES = (1, round(METER / FRAME))
 RESTS = 3
 """Number of baseline sweeps of the limit."""
@@ -74,7 +74,7 @@ class Reader:
     frames: str = ""
 
 
-def readers(scene: Scene) -> Iterator[Reader]:
+def readers(scene: Scene, voltages: Sequence[float]) -> Iterator[Reader]:
     """The meter, then multisine readers of each voltage, amplitudes and number of frames."""
     interfaces = len(scene.interfaces)
     settled = SETTLE * interfaces * (interfaces > 1)
@@ -87,7 +87,7 @@ def readers(scene: Scene) -> Iterator[Reader]:
     made = scene.with_({**changes, **quiet, "readout.multisine": electronics})
     found = shared_amplitudes(made, chosen_touch(made), against_rest=RESTS)
     for voltage, (amplitudes, own) in product(
-        VOLTAGES, {"equal": found.equal, "shared": found.shared}.items()
+        voltages, {"equal": found.equal, "shared": found.shared}.items()
     ):
         at_voltage = own.with_({"readout.multisine.peak_voltage": voltage})
         for frames in FRAMES:
@@ -175,8 +175,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
                         linestyle=LINE_STYLES[shown.index(column)],
                         label=" ".join(label) if column == shown[0] else None,
                     )
-            axes.set_xscale("log")
-            axes.set_xlabel("time of a sweep (ms)")
+            logarithmic_axis(axes, "time of a sweep (ms)")
             axes.set_title(f"{target}s of {name}")
         panels[0].set_ylabel("touches found (%)")
         panels[0].legend(title="circle: limit; triangle: SVM; square: gaussian")
@@ -189,7 +188,7 @@ def main(run: Run) -> int:
     for name, target in CASES.items():
         scene = load_scene(name)
         skins = reduced(scene.with_(SESSIONS), RTOL)
-        for reader in readers(scene):
+        for reader in readers(scene, run.sized(VOLTAGES, FEW_VOLTAGES)):
             rows.append(row(reader, target, draws, sweeps, skins))
             print(*rows[-1].values(), flush=True)
     table = pd.DataFrame(rows)
