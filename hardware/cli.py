@@ -219,8 +219,14 @@ def _virtual_meter(
 ) -> Instrument:
     """Virtual meter of a skin, with notes on what it does not do."""
     from ..simulator.meters.accuracy_table import DERIVED_TABLE
+    from ..simulator.sweeps import InputError
     from .virtual import serving
 
+    if served.scene is not None and served.scene.reading.gain:
+        raise InputError(
+            f"{served.scene.name}: an LCR meter reads impedances, and the readings of this scene "
+            "are gains; --reader FILE serves lines of a reader"
+        )
     meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE, model)
     if len(served.skins) > 1:
         say(

@@ -153,7 +153,8 @@ def score_point(
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
     family = _family(_without_readings(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
     Z = impedances(scene, nominal, family, rtol)
-    readings = in_units_of_error(Z, scene.readout, scene.frequencies, scene.taken)
+    reading = scene.reading
+    readings = in_units_of_error(Z, scene.readout, reading.frequency, reading.taken, reading.phases)
     shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
     return PointFindings(
         tuple(share for each in shares for share in each),

@@ -56,18 +56,20 @@ def in_units_of_error(
     readout: Readout,
     frequency: NDArray[np.float64],
     taken: NDArray[np.bool_] | None = None,
+    phases: bool = True,
 ) -> NDArray[np.float64]:
     """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
 
     The noise is that of the first press's readings, so that distances do not depend on their
     order in a pair. Z: ohm, shape (press, interface, frequency). frequency: Hz. taken: True where
     an interface is read at a frequency, None for all; elsewhere the result is 0 for every press.
+    phases: False for ln |Z| alone, shape (press, frequency, interface).
     Raises InputError if a noise is zero.
     """
     require_noise_for_study(readout)
     Z = Z if taken is None else np.where(taken, Z, 1.0)
     magnitude, phase = readout.noise(Z[0], frequency)
-    readings = [np.log(np.abs(Z)) / magnitude, np.angle(Z) / phase]
+    readings = [np.log(np.abs(Z)) / magnitude, np.angle(Z) / phase][: 2 if phases else 1]
     return np.moveaxis(np.concatenate(readings, axis=1), 1, 2)
 
 

@@ -3,7 +3,8 @@
 A mapping of the skin onto itself that preserves sheets, foam, foils and the connections of
 interfaces gives the Z of a pixel at its image as well. So does one that exchanges the two sheets if
 their surroundings are equal, or the two sides of every interface: the current into the low terminal
-at 0 V for 1 V at the high one is the same in reverse, unless a guard follows one of them.
+at 0 V for 1 V at the high one is the same in reverse, unless a guard follows one of them
+or a reader of gains has low at earth.
 """
 
 from __future__ import annotations
@@ -120,9 +121,13 @@ def _equal_surroundings(scene: Scene) -> bool:
     )
 
 
-def _guarded(scene: Scene) -> bool:
-    """True if a guard follows a terminal of the meter, so that high and low are not equivalent."""
-    return scene.surroundings is not None and any(b.follows for b in scene.surroundings.body)
+def _directed(scene: Scene) -> bool:
+    """True if high and low are not equivalent.
+
+    A guard follows one of them, or a reader of gains has its low at earth.
+    """
+    around = scene.surroundings
+    return around is not None and (scene.reading.gain or any(b.follows for b in around.body))
 
 
 def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
@@ -231,16 +236,19 @@ def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
 def repeated(scene: Scene) -> list[tuple[str, str]]:
     """Interfaces with the same impedance as an earlier one for any press, and that earlier one.
 
+    Gains are left out: they differ by what drives and loads the nodes.
     They have the same two sides, in either order, or after the exchange of equal sheets, and no
     other frequencies: a further one only averages the meter's errors.
     """
     group = conductor_groups(scene.contacts, scene.skin)
     terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
     images = _exchanged(scene)
-    kind = tuple if _guarded(scene) else frozenset
+    kind = tuple if _directed(scene) else frozenset
     known: dict[Collection[frozenset[int]], list[str]] = {}
     found = []
     for interface in scene.interfaces:
+        if interface.reader == "gain":
+            continue
         sides = interface.high, interface.low
         equivalent = [
             kind(frozenset(terminal[as_is[name]] for name in side) for side in sides)
@@ -289,6 +297,6 @@ def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
     for interface in scene.interfaces:
         sides = [frozenset(interface.high), frozenset(interface.low)]
         moved = [frozenset(images[name] for name in side) for side in sides]
-        if moved != sides and (_guarded(scene) or moved != sides[::-1]):
+        if moved != sides and (_directed(scene) or moved != sides[::-1]):
             return False
     return True

@@ -34,12 +34,17 @@ def page(
     from ..progress import on_terminal
     from ..requests.console import note, report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
-    from ..sweeps import checked_output, whole_file
+    from ..sweeps import InputError, checked_output, whole_file
     from .document import document
     from .packed import page_data, reduced_for_page
 
     checked_output(output, (".html",))
     requested = requested_scene(scene)
+    if requested.reading.gain:
+        raise InputError(
+            f"{scene}: a page shows impedances, and the readings of this scene are gains; use "
+            "rcskin sweep or rcskin view"
+        )
     requested.require_impedance("a page")
     skin = uniformly_pressed(requested, "a page")
     note_if_noise_free(scene, skin)

@@ -149,6 +149,8 @@ def _viewed_press(
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
+    if any(each.driven_with for each in scene.interfaces if each.name == chosen):
+        note(f"{name}: shows the fields of the source of {chosen} alone, all other nodes at low")
     frequencies = _frequencies(frequency, scene.reading.frequency_at(chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:

@@ -40,3 +40,14 @@ def test_a_skin_fed_all_around_has_two_mirrors(make_scene):
         (2, 1),
         (2, 2),
     }
+
+
+def test_gains_with_low_at_earth_distinguish_both_sheets(make_scene):
+    """The node's current into earth passes the series resistor, and only that at the top."""
+    body = {"surroundings": {"body": [{"side": s, "distance": 1e-3} for s in ("top", "bottom")]}}
+    pairs = {f"{sheet}-{edge}": {} for sheet in ("top", "bottom") for edge in ("left", "right")}
+    crossed = {"meter": (["top-left"], ["bottom-right"])}
+    scene = make_scene(pairs, crossed, top=3e4, bottom=3e4, columns=2).with_(body)
+    gain = {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6}
+    assert representative(scene)((1, 2)) == (1, 1)
+    assert representative(scene.with_(gain))((1, 2)) == (1, 2)
