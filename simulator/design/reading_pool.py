@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from ..scene.contacts import Interface
 from ..scene.scene import Scene
 from ..scene.wiring_checks import conductor_groups
+from ..sweeps import InputError
 
 ALL_SETS = 5
 """Largest number of wires with sets of any size; with more wires, sets have at most two."""
@@ -27,16 +28,38 @@ def wirings(scene: Scene, wires: int) -> list[tuple[str, ...]]:
     return list(itertools.combinations(names, min(wires, len(names))))
 
 
+READER = ("reader", "series_resistance", "load", "magnitude_only")
+"""Keys of an interface that say how it is read."""
+
+
+def check_readers(scene: Scene) -> None:
+    """Raises InputError for readers whose wires cannot be chosen."""
+    if scene.skin.one_conductor:
+        raise InputError(
+            f"{scene.name}: a design chooses the wires of two sheets; a skin of one conductor has "
+            "one sheet"
+        )
+    if any(each.driven_with for each in scene.interfaces):
+        raise InputError(
+            f"{scene.name}: a design chooses readings with one source each: leave out "
+            "`driven_with` of the interfaces"
+        )
+
+
 def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
-    """Readings between wired terminals; readings of the scene keep their names."""
-    own = {_sets(scene, each): each.name for each in scene.interfaces}
+    """Readings between wired terminals; readings of the scene keep their names and readers.
+
+    Others are read as the first one of the scene.
+    """
+    own = {_sets(scene, each): each for each in scene.interfaces}
     found = []
     for high, low in _disjoint(wired):
         one, other = frozenset(high), frozenset(low)
-        name = (
-            own.get((one, other)) or own.get((other, one)) or f"{'+'.join(high)} to {'+'.join(low)}"
-        )
-        found.append(Interface(name=name, high=high, low=low))
+        known = own.get((one, other)) or own.get((other, one))
+        name = known.name if known else f"{'+'.join(high)} to {'+'.join(low)}"
+        like = known or scene.interfaces[0]
+        reader = {key: getattr(like, key) for key in READER} if scene.reading.gain else {}
+        found.append(Interface(name=name, high=high, low=low, **reader))
     return found
 
 

@@ -15,6 +15,7 @@ from ..sweeps import InputError
 from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
 from .geometry import geometries
 from .picking import Picked, sweep_time
+from .reading_pool import check_readers
 from .scoring import Layout, lowest_tenth
 from .skin_readout import Material
 from .trained_skins import foam_bounds
@@ -84,6 +85,7 @@ class SearchResult:
 
 def search(scene: Scene, settings: SearchSettings) -> SearchResult:
     """The best design found. Raises InputError where the constraints do not fit the scene."""
+    check_readers(scene)
     evaluator = first_evaluator(scene, settings)
     return _Search(evaluator, settings).run()
 

@@ -4,7 +4,13 @@ import itertools
 
 import pytest
 from rcskin.simulator.design.picking import budgets, sweep_time
-from rcskin.simulator.design.reading_pool import own_readings, pool, terminals, wirings
+from rcskin.simulator.design.reading_pool import (
+    check_readers,
+    own_readings,
+    pool,
+    terminals,
+    wirings,
+)
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
@@ -58,3 +64,37 @@ def test_slow_frequencies_take_their_periods():
     each = [sweep_time([[f]]) for f in (40, 100, 400, 1e5)]
     assert each == pytest.approx([0.05, 0.02, 0.005, 0.005])
     assert all(a >= b for a, b in itertools.pairwise(each))
+
+
+GAIN = {
+    f"interface.{k}.{key}": value
+    for k in (1, 2)
+    for key, value in {
+        "reader": "gain",
+        "series_resistance": 1e5,
+        "load": {"capacitance": 8e-12},
+        "magnitude_only": True,
+    }.items()
+}
+
+
+def test_all_readings_of_a_scene_of_gains_are_read_as_gains():
+    scene = SHEET.with_(GAIN)
+    for each in pool(scene, terminals(scene)):
+        assert (each.reader, each.series_resistance, each.magnitude_only) == ("gain", 1e5, True)
+        assert each.load == scene.interfaces[0].load
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [
+        (load_scene("knit-36"), "knit-36: a design chooses the wires of two sheets"),
+        (
+            SHEET.with_(GAIN | {"interface.1.driven_with": ["bottom"]}),
+            "with one source each: leave",
+        ),
+    ],
+)
+def test_readers_whose_wires_cannot_be_chosen_are_refused(scene, message):
+    with pytest.raises(InputError, match=message):
+        check_readers(scene)
