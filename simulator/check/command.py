@@ -24,6 +24,14 @@ CREEPS = (
     "the scene's foam creeps during a sweep, so that the skin differs between frequencies; laws "
     "between frequencies do not apply, and each reading is checked by itself"
 )
+SEVERAL_SOURCES = (
+    "several sources drive the skin at once (`driven_with`), so that its gains follow no law of a "
+    "passive network; each reading is checked by itself"
+)
+NO_PHASES = (
+    "phases are unknown: only |V / V_s| <= 1, and that it does not increase with frequency, can be "
+    "checked; Kramers-Kronig needs the phase"
+)
 PERHAPS_EARTH = (
     "a body or a finger that takes current to earth also breaks these laws if the meter's low "
     "terminal is a virtual earth"
@@ -158,7 +166,8 @@ def check(
 
     Re Z >= 0 and Im Z <= 0; Rs, Cp and Cs do not increase with frequency; and
     the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
-    within the noise (Kramers-Kronig).
+    within the noise (Kramers-Kronig). A gain V / V_s behind one series resistor
+    obeys the same laws in place of Z, and |V / V_s| <= 1.
 
     These laws need not hold if the meter's low terminal is a virtual earth and a
     body or a finger takes current to earth, nor if the foam creeps during a
@@ -172,10 +181,12 @@ def check(
     from ..sweeps.clock import backward_times
     from ..sweeps.joining import join
     from ..sweeps.laws.examination import examine
+    from ..sweeps.laws.gain_laws import examine_gains
     from .report import checked_report, explanations, verdict_table, write_report
 
     report = None if output is None else checked_report(output)
     sweeps = join([_read(file) for file in files], files)
+    gains, together = "gain" in sweeps, False
     try:
         scene = scene_of_sweeps(sweeps)
         two_terminal = (
@@ -183,7 +194,12 @@ def check(
         )
         creeps = scene is not None and _creeps(scene, sweeps)
         bound = two_terminal and not creeps
-        verdicts = examine(sweeps, noise, tolerance, two_terminal=bound)
+        if gains:
+            together = scene is not None and any(each.driven_with for each in scene.interfaces)
+            bound = bound and not together
+            verdicts = examine_gains(sweeps, noise, tolerance, single_source=bound)
+        else:
+            verdicts = examine(sweeps, noise, tolerance, two_terminal=bound)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in backward_times(sweeps):
@@ -192,6 +208,10 @@ def check(
         note(TRANSFER)
     if creeps:
         note(CREEPS)
+    if together:
+        note(SEVERAL_SOURCES)
+    elif gains and "gain_phase" not in sweeps:
+        note(NO_PHASES)
     terminal().print(verdict_table(verdicts))
     if lines := explanations(verdicts):
         say(*lines)
@@ -199,7 +219,7 @@ def check(
         write_report(verdicts, report)
     flagged = sum(bool(each.broken) for each in verdicts)
     say(f"{flagged} of {len(verdicts)} spectra break a law")
-    if flagged and bound:
+    if flagged and bound and not gains:
         say(PERHAPS_EARTH)
     if flagged:
         raise typer.Exit(FLAGGED)

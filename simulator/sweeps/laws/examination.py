@@ -101,7 +101,7 @@ def examine(
     """
     names = [str(name) for name in sweeps["interface"].values]
     parts = {name: read_at(sweeps, name) for name in names}
-    _check_limits(noise, tolerance, min(part.sizes["frequency"] for part in parts.values()))
+    check_limits(noise, tolerance, min(part.sizes["frequency"] for part in parts.values()))
     readings = sum(part["Rs"].size for part in parts.values())
     return [
         judgement
@@ -110,7 +110,8 @@ def examine(
     ]
 
 
-def _check_limits(noise: float | None, tolerance: float, frequencies: int) -> None:
+def check_limits(noise: float | None, tolerance: float, frequencies: int) -> None:
+    """Raises InputError for values out of range, and for too few frequencies."""
     for name, value in (("noise", noise), ("tolerance", tolerance)):
         if value is not None and not (np.isfinite(value) and value > 0):
             raise InputError(f"`{name}` must be finite and > 0, got {value}")
@@ -251,11 +252,11 @@ def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_
     }
     broken = {law: np.zeros(kept.shape, dtype=np.bool_) for law in slope}
     for law, (values, allowed) in slope.items():
-        broken[law][kept] = _deviates_from_decreasing(values[kept], allowed[kept])
+        broken[law][kept] = deviates_from_decreasing(values[kept], allowed[kept])
     return broken
 
 
-def _deviates_from_decreasing(
+def deviates_from_decreasing(
     values: NDArray[np.float64], allowed: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
     """True where values deviate by more than allowed from the nearest non-increasing curve."""
