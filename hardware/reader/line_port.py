@@ -34,10 +34,9 @@ class _Stream(Protocol):
 
 @dataclass(frozen=True)
 class ReceivedLine:
-    """One line. text: None if it was too long. begun, ended: arrival of its ends, s (monotonic)."""
+    """One line. text: None if it was too long. ended: arrival of its end, s (monotonic)."""
 
     text: str | None
-    begun: float
     ended: float
 
 
@@ -50,7 +49,7 @@ class LineCutter:
     """Cuts received bytes into lines. Bytes that are no text of ASCII appear as `?`."""
 
     def __init__(self) -> None:
-        self._rest, self._overlong, self._begun = b"", False, 0.0
+        self._rest, self._overlong = b"", False
 
     def feed(self, received: bytes, at: float) -> list[ReceivedLine]:
         """Lines that these bytes end, without empty ones. at: their arrival, s."""
@@ -58,20 +57,17 @@ class LineCutter:
         *ends, rest = re.split(rb"[\r\n]+", received)
         for part in ends:
             found += self._line(self._rest + part, at)
-            self._rest, self._overlong, self._begun = b"", False, at
-        if not self._rest:
-            self._begun = at if not self._overlong else self._begun
+            self._rest, self._overlong = b"", False
         self._rest += rest
         if len(self._rest) > MAX_LINE:
             self._rest, self._overlong = b"", True
         return found
 
     def _line(self, raw: bytes, at: float) -> list[ReceivedLine]:
-        text = "".join(chr(byte) if 32 <= byte < 127 else "?" for byte in raw).strip()
-        begun = self._begun if self._rest or self._overlong else at
         if self._overlong or len(raw) > MAX_LINE:
-            return [ReceivedLine(None, begun, at)]
-        return [ReceivedLine(text, begun, at)] if text else []
+            return [ReceivedLine(None, at)]
+        text = "".join(chr(byte) if 32 <= byte < 127 else "?" for byte in raw).strip()
+        return [ReceivedLine(text, at)] if text else []
 
 
 class LinePort:
