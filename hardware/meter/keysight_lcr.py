@@ -298,7 +298,7 @@ class E4980AL(E4980A):
 
 
 class HP4284A(KeysightLcrMeter):
-    """20 Hz to 1 MHz, of which it has 8610 frequencies. Times: specifications of its manual."""
+    """20 Hz to 1 MHz, of which it has 8610 frequencies. Times: from memory, generous."""
 
     model = "4284A"
     max_points = 10

@@ -1,4 +1,4 @@
-"""The driver of Keysight's meters by scripted conversation, written from the user's guides."""
+"""The driver of Keysight's meters by scripted conversation, with the commands of the guides."""
 
 import math
 
