@@ -126,6 +126,7 @@ IN_ORDER = (
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--outliers", "2", "--twins", "100")),
     Benchmark("measured/lines"),
+    Benchmark("measured/knit"),
     Benchmark("measured/meters"),
     Benchmark("pictures/gallery"),
     Benchmark("localization/choosing"),
