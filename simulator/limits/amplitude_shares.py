@@ -103,10 +103,9 @@ def shared_amplitudes(
     """
     _reader(scene)
     unpressed = Solver(scene).solve(Press()).Z
-
     equal = fitted(scene.with_({"readout.multisine.amplitudes": None}), unpressed)
     at_equal = criterion_at(equal, criterion, equal.frequencies, touch, against_rest, progress)[0]
-    information = Information(_reader(equal), unpressed, equal.frequencies)
+    information = ToneInformation(_reader(equal), unpressed, equal.frequencies)
     powers = _best_powers(at_equal, information)
     shares = [float(f"{each:.{DIGITS}g}") for each in np.sqrt(powers)]
     shared = fitted(scene.with_({"readout.multisine.amplitudes": shares}), unpressed)
@@ -132,7 +131,7 @@ def fitted(scene: Scene, unpressed: NDArray[np.complex128]) -> Scene:
 
 
 @dataclass(frozen=True)
-class Information:
+class ToneInformation:
     """Information of each tone over that at equal powers, with the resistance fitted anew.
 
     The crest factors of source and output are taken as those at equal powers. reader: of equal
@@ -144,11 +143,14 @@ class Information:
     frequency: NDArray[np.float64]
 
     def of(self, powers: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of powers of mean 1, shape (choice, tone), in the same shape."""
+        """Information at powers of mean 1; both of shape (choice, tone)."""
         return np.stack([own * self._electronics(own) for own in powers])
 
     def exactly(self, reader: Multisine) -> NDArray[np.float64]:
-        """Of another reader's amplitudes and resistance, mean over interfaces, shape (1, tone)."""
+        """Information with another reader's amplitudes and resistance, (1, tone).
+
+        It is the mean over interfaces, whose ratios differ little.
+        """
         before, after = (
             multisine_deviation(each, self.unpressed, self.frequency)
             for each in (self.reader, reader)
@@ -174,7 +176,7 @@ class Information:
         return np.abs(self.reader.feedback(self.frequency) / self.unpressed) ** 2
 
 
-def _best_powers(criterion: Criterion, information: Information) -> NDArray[np.float64]:
+def _best_powers(criterion: Criterion, information: ToneInformation) -> NDArray[np.float64]:
     """Best powers of the tones, of mean 1. criterion: evaluated at equal powers."""
     tones = len(criterion.frequency)
 
