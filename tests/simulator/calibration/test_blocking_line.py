@@ -84,7 +84,7 @@ def test_by_default_it_fits_what_the_sweep_tells(calibrated):
     told, _ = calibrated()
     assert 100 * told["rms_relative_error"] < 3.1
     assert told["held"] == ["sheet_mismatch"]
-    assert told["intervals_95"]["phase_exponent"][1] < 0.95
+    assert told["intervals_95"]["phase_exponent"][1] < 0.98
 
 
 def test_why_the_ideal_line_cannot(calibrated):
