@@ -8,11 +8,10 @@ from typing import Any, Literal
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import MIN_BASELINES
-from ..inputs.feature_names import NAMES
+from ..inputs.feature_names import NAMES, OF_IMPEDANCE, FeatureNames, names_beside
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
@@ -99,23 +98,24 @@ def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
     return Pipeline([("invert", step)])
 
 
-def _takes(name: str, scene: Scene) -> tuple[str, ...]:
-    """Features that an estimator takes from the reader of a scene, in this order."""
-    names = NAMES[scene.reading.kind.name]
-    return (*names.relative, *(names.baseline if name == MODEL_ADAPTED else ()))
-
-
-def _check(problem: LocalizationProblem, name: str) -> None:
-    """Raise InputError if the simulator's features differ from those of the sweeps."""
-    scene = carried_scene(problem.scene)
-    if scene is None:
-        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
-    takes = _takes(name, scene)
+def _check_features(problem: LocalizationProblem, name: str, names: FeatureNames) -> None:
+    """Raise InputError unless the features are those that an estimator takes, in their order."""
+    takes = (*names.relative, *(names.baseline if name == MODEL_ADAPTED else ()))
     if problem.quantities != takes:
         raise InputError(
             f"`estimator` {name} takes the features {','.join(takes)}, "
             f"got {','.join(problem.quantities)}"
         )
+
+
+def _check(problem: LocalizationProblem, name: str) -> None:
+    """Raise InputError if the simulator's features differ from those of the sweeps."""
+    if (names := names_beside(problem.quantities)) is OF_IMPEDANCE:
+        _check_features(problem, name, names)
+    scene = carried_scene(problem.scene)
+    if scene is None:
+        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
+    _check_features(problem, name, NAMES[scene.reading.kind.name])
     known = tuple(each.name for each in scene.interfaces)
     if problem.interfaces != known:
         raise InputError(

@@ -16,10 +16,11 @@ from joblib import Parallel, delayed
 from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
 from rcskin.benchmarks.localization.twin_parts.scenes import built
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.training import WHOLE
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inversion.adapted import QUANTITIES, AdaptedPosition
+from rcskin.localization.inversion.adapted import AdaptedPosition
 from rcskin.localization.inversion.classifier import simulated
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.skin_model import reduced
@@ -54,7 +55,7 @@ def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str,
 def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     twin = Twin(built(trial.believed), family, SEED, number, trial.hand)
     sweeps = read_at_once(twin, trial.recording(np.random.default_rng([SEED, number])))
-    samples = samples_of(sweeps, "position", QUANTITIES)
+    samples = samples_of(sweeps, "position", WHOLE)
     X, truth = samples.X, samples.y
     inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RECENT)
     localizer = AdaptedPosition(inner, partial(simulated, drift=DRIFT)).fit(X)
