@@ -225,10 +225,14 @@ def flattened(
     """
     if readout.uniform:
         return readout
-    names = "magnitude_accuracy", "phase_accuracy", "magnitude_noise", "phase_noise"
-    both = *readout.accuracy(reading, frequency), *readout.noise(reading, frequency)
-    numbers = {name: _rms(each) for name, each in zip(names, both, strict=True)}
-    return Readout(**numbers, display_digits=readout.display_digits)
+    accuracy, noise = readout.accuracy(reading, frequency), readout.noise(reading, frequency)
+    return Readout(
+        magnitude_accuracy=_rms(accuracy[0]),
+        phase_accuracy=_rms(accuracy[1]),
+        magnitude_noise=_rms(noise[0]),
+        phase_noise=_rms(noise[1]),
+        display_digits=readout.display_digits,
+    )
 
 
 def _rms(values: NDArray[np.float64]) -> float:
