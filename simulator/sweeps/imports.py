@@ -23,8 +23,8 @@ from .importing.account import account
 from .importing.branch import branch_attributes, checked_branch, choose_branches
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
-from .importing.impedance_columns import impedance_readings
 from .importing.labels import Defaults, line_labels
+from .importing.reading_columns import imported_readings
 from .importing.table import read_table
 from .joining import aligned
 from .schema import build
@@ -76,7 +76,7 @@ def import_file(
     path = Path(path)
     check_file_kind(path, "sweeps")
     table = read_table(path, options.names())
-    readings = impedance_readings(table)
+    readings = imported_readings(table)
     table = readings.table
     if options.strict and table.left_out:
         raise InputError(f"{path}: {left_out_text(table.left_out)}: no reading, as --strict asks")
@@ -96,7 +96,8 @@ def import_file(
         row=[sweep.row for sweep in sweeps],
         column=[sweep.column for sweep in sweeps],
         session=[sweep.session for sweep in sweeps],
-        Cp=readings.Cp[where],
+        shown={name: values[where] for name, values in readings.shown.items()},
+        kind=readings.kind,
         taken=None if taken.all() else taken,
         attributes={
             "source": Path(path).name,

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ..reading_quantities import IMPEDANCE
 from .columns import Column
 from .failures import left_out_text
+from .gain_columns import amplifying
 from .grouping import Grouping
-from .impedance_columns import ImportedReadings
 from .labels import LineLabels
+from .reading_columns import ImportedReadings
 
 PASSIVE = np.pi / 2 + np.radians(1)
 """Phase of a passive part, with 1 degree of allowance, in rad."""
@@ -63,6 +66,28 @@ def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping
     table, found = readings.table, []
     Z = readings.Z[~readings.failed]
     lines = np.array([line for line, _ in table.rows])[~readings.failed]
+    if readings.kind is IMPEDANCE:
+        found += _impedance_warnings(readings, Z, lines)
+    elif (above := amplifying(Z)).any():
+        found.append(
+            f"|V / V_s| > 1 in {above.sum()} of {len(Z)} readings, the first in line "
+            f"{lines[np.argmax(above)]}: no passive skin amplifies; is the unit right?"
+        )
+    if grouping.frequencies.jitter:
+        found.append(
+            f"frequencies differ by up to {1e6 * grouping.frequencies.jitter:.3g} ppm between "
+            "sweeps; those of the first sweep stand for all"
+        )
+    for column in labels.counting:
+        found.append(f"`{column.name}` counts the lines and labels nothing")
+    return found
+
+
+def _impedance_warnings(
+    readings: ImportedReadings, Z: NDArray[np.complex128], lines: NDArray[np.int64]
+) -> list[str]:
+    """Remarks on impedances that no skin has. Z: ohm, by line."""
+    found = []
     active = np.abs(np.angle(Z)) > PASSIVE
     if active.any():
         found.append(
@@ -76,11 +101,4 @@ def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping
             f"Im Z > 0 in {inductive:.0%} of the readings, as of an inductor; if `{second.name}` "
             "holds the negative, name it with a minus in --columns"
         )
-    if grouping.frequencies.jitter:
-        found.append(
-            f"frequencies differ by up to {1e6 * grouping.frequencies.jitter:.3g} ppm between "
-            "sweeps; those of the first sweep stand for all"
-        )
-    for column in labels.counting:
-        found.append(f"`{column.name}` counts the lines and labels nothing")
     return found

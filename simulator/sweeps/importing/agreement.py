@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..impedance import UNRELATED
 from .columns import UNITS, Column
-from .quantities import Reals, derived, deviation
+from .quantities import GAINS, Reals, derived, deviation
 from .table import ImportedTable
 
 SAME_COLUMN = 0.01
@@ -18,7 +18,7 @@ SAME_COLUMN = 0.01
 
 def agreeing_columns(
     table: ImportedTable,
-    pair: tuple[Column, Column],
+    pair: tuple[Column, ...],
     by: Column,
     Z: NDArray[np.complex128],
     f: Reals,
@@ -26,13 +26,16 @@ def agreeing_columns(
     """The other columns that depend on frequency and Z, all of which agree.
 
     Raises InputError naming the columns and the first line where one does not. Columns of zeros,
-    of unknown units and cells without a number are not compared.
+    of unknown units, of the other kind of reading, and cells without a number are not compared.
+    Z: ohm, or the gain.
     """
     agreeing = []
-    branches = (pair[0].holds, pair[1].holds) == ("Rs", "Cp")
+    holds = [each.holds for each in pair]
+    branches = holds == ["Rs", "Cp"]
+    comparable = _comparable(holds)
     for column in table.columns:
         used = column in (by, *pair)
-        if column.holds not in UNITS or column.problem or used or all_zeros(table, column):
+        if column.holds not in comparable or column.problem or used or all_zeros(table, column):
             continue
         values = table.readable(column)
         if column.holds == "frequency":
@@ -43,10 +46,18 @@ def agreeing_columns(
         elif not np.isfinite(values).any():
             continue
         else:
-            holds = _holds_beside(table, column)
-            _check_agreement(table, column, holds, pair, values, Z, f)
+            beside = _holds_beside(table, column)
+            _check_agreement(table, column, beside, pair, values, Z, f)
         agreeing.append(column)
     return agreeing
+
+
+def _comparable(holds: list[str]) -> set[str]:
+    """Quantities that follow from the frequency and those that the columns of a reading hold."""
+    if holds[0] not in GAINS:
+        return UNITS.keys() - set(GAINS)
+    phases = {"gain phase", "phase"} if len(holds) > 1 else set()
+    return {"frequency", "gain", "gain level"} | phases
 
 
 def _holds_beside(table: ImportedTable, column: Column) -> str:
@@ -63,7 +74,7 @@ def _check_agreement(
     table: ImportedTable,
     column: Column,
     holds: str,
-    pair: tuple[Column, Column],
+    pair: tuple[Column, ...],
     values: Reals,
     Z: NDArray[np.complex128],
     f: Reals,
@@ -73,7 +84,7 @@ def _check_agreement(
         known &= values != 0
     suspect = np.flatnonzero(known)
     suspect = suspect[deviation(holds, values[suspect], Z[suspect], f[suspect]) > UNRELATED]
-    texts = table.text(column)
+    texts, sources = table.text(column), " and ".join(f"`{each.name}`" for each in pair)
     for place in suspect:
         rounding = abs(column.factor) * _last_digit(table.form.plain(texts[place]) or "0") / 2
         one = slice(place, place + 1)
@@ -83,9 +94,9 @@ def _check_agreement(
             hint = _hint(float(values[place]) / column.factor, given)
             raise table.error(
                 table.rows[place][0],
-                f"`{column.name}` does not follow from `{pair[0].name}` and `{pair[1].name}`: it "
-                f"is {texts[place]} where they give {given:.6g}{hint}; correct it, leave the "
-                "column out, or name the columns with --columns",
+                f"`{column.name}` does not follow from {sources}: it is {texts[place]} where "
+                f"{'they give' if len(pair) > 1 else 'it gives'} {given:.6g}{hint}; correct it, "
+                "leave the column out, or name the columns with --columns",
             )
 
 

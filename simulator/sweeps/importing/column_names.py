@@ -59,6 +59,10 @@ NAMES: dict[str, Sequence[str]] = {
         *"dissipation dissipationfactor".split(),
     ],
     "Q": "q qf qfactor qualityfactor".split(),
+    "gain": "gain |gain| gainmagnitude v/vs |v/vs| vout/vin |vout/vin|".split(),
+    "gain phase": [*_forms("gain", ANGLE), "gainphaseangle", "phaseofgain"],
+    "gain real": _forms("gain", REAL),
+    "gain imaginary": _forms("gain", IMAGINARY),
 }
 """Names in lower case, without spaces, points and underscores."""
 LABELS = {

@@ -20,27 +20,33 @@ DEGREES = dict.fromkeys(("deg", "degree", "degrees"), math.pi / 180)
 ANGLE = {**DEGREES, **dict.fromkeys(("rad", "radian", "radians"), 1.0)}
 UNITS = {
     "frequency": {"hz": 1.0, "hertz": 1.0, "rad/s": 1 / (2 * math.pi)},
-    **dict.fromkeys(("phase", "admittance phase"), ANGLE),
+    **dict.fromkeys(("phase", "admittance phase", "gain phase"), ANGLE),
     **dict.fromkeys(("Rs", "X", "magnitude", "Rp"), OHM),
     **dict.fromkeys(("G", "B", "admittance"), SIEMENS),
     **dict.fromkeys(("Cp", "Cs"), {"f": 1.0, "farad": 1.0}),
     **dict.fromkeys(("Lp", "Ls"), {"h": 1.0, "henry": 1.0}),
     **dict.fromkeys(("D", "Q"), {"u": 1.0, "1": 1.0, "%": 0.01}),
+    **dict.fromkeys(("gain", "gain real", "gain imaginary"), {"v/v": 1.0, "1": 1.0, "%": 0.01}),
+    "gain level": {"db": 1.0},
 }
 """Spellings of units in lower case, and the factor to SI without a prefix."""
 USUAL = {
     **dict.fromkeys(("Rs", "X", "magnitude", "Rp"), "ohm"),
     **dict.fromkeys(("G", "B", "admittance"), "S"),
-    **dict.fromkeys(("phase", "admittance phase"), "deg or rad"),
+    **dict.fromkeys(("phase", "admittance phase", "gain phase"), "deg or rad"),
     **dict.fromkeys(("Cp", "Cs"), "F"),
     **dict.fromkeys(("Lp", "Ls"), "H"),
     **dict.fromkeys(("D", "Q"), "a number without unit"),
+    **dict.fromkeys(("gain", "gain real", "gain imaginary"), "V/V, % or dB"),
+    "gain level": "dB",
     "frequency": "Hz or rad/s",
 }
 """Units as messages name them; each but an angle's may have a prefix."""
 AMBIGUOUS = ("b", "d", "g", "q", "y")
 """Letters that name a quantity as capitals or with a unit, and anything else without."""
-ANGLES = ("phase", "admittance phase")
+ANGLES = ("phase", "admittance phase", "gain phase")
+DECIBELS = ("gain", "magnitude")
+"""Quantities whose column in dB holds the level of a gain."""
 SPELLINGS = str.maketrans(
     {
         **dict.fromkeys("\N{PRIME}\N{RIGHT SINGLE QUOTATION MARK}\N{ACUTE ACCENT}`", "'"),
@@ -55,7 +61,9 @@ BOUND = re.compile(r"(?P<name>.+?)\s*(?:\(\s*(?P<a>[^()]*)\)|\[\s*(?P<b>[^\[\]]*
 LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
 TRACE = re.compile(r"(?:measured\s|(?:trace|channel|ch)\s*\d*\s*:?\s*(?=\S))", re.IGNORECASE)
 """Words before a name that say where a quantity was shown."""
-PART = re.compile(r"(?:impedance|admittance)\s*:\s*(?=(?:[rxcl][sp]|q|d|tan)\b)", re.IGNORECASE)
+PART = re.compile(
+    r"(?:impedance|admittance)\s*:\s*(?=(?:[rxcl][sp]|q|d|tan)\b)|gain\s*:\s*(?=mag)", re.IGNORECASE
+)
 """The quantity before one of its parts."""
 SHOWN = re.compile(r"\s*-\s*data$", re.IGNORECASE)
 MAY_BE_FREQUENCY = re.compile(
@@ -94,6 +102,8 @@ def recognised(name: str, place: int = 0) -> Column | None:
         quantity = QUANTITY_OF.get(_key(stem))
         if quantity is None or (stem in AMBIGUOUS and not unit):
             continue
+        if quantity in DECIBELS and unit.casefold() == "db":
+            quantity = "gain level"
         factor = _factor(quantity, unit, _key(stem))
         if factor is not None:
             return Column(name, quantity, sign * factor, place=place)

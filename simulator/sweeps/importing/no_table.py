@@ -25,7 +25,7 @@ def no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | Non
         )
     return InputError(
         f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "
-        f"impedance beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
+        f"impedance or gain beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
         f"{_seen(lines)}; --columns f,Rs,X names columns"
     )
 

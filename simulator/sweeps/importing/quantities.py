@@ -1,8 +1,9 @@
-"""Quantities of an impedance, and the pairs of them that determine it.
+"""Quantities of an impedance or a gain, and the pairs of them that determine it.
 
 Every quantity stands for one of eight: Re Z and Im Z, Re Y and Im Y, both moduli, the phases, and
 the loss angle. With omega = 2 pi f: X = -1 / (omega Cs) = omega Ls, B = omega Cp = -1 / (omega Lp),
-G = 1 / Rp, and tan(delta) = D = 1 / Q = Rs / |X| = G / |B|.
+G = 1 / Rp, and tan(delta) = D = 1 / Q = Rs / |X| = G / |B|. A gain V / V_s has a modulus, a phase
+and two parts; its level is 20 dB log10 |V / V_s|.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..impedance import branch_reactance
+from .columns import ANGLES
 
 Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -25,6 +27,7 @@ BASIC: dict[str, tuple[str, Callable[[Reals, Reals], Reals]]] = {
     "Rp": ("G", lambda value, omega: 1 / value),
     "D": ("loss", lambda value, omega: np.arctan(value)),
     "Q": ("loss", lambda value, omega: np.arctan2(np.sign(value), np.abs(value))),
+    "gain level": ("gain", lambda value, omega: 10 ** (value / 20)),
 }
 """Basic quantity of each derived one, and the function of its value and of omega that gives it."""
 FROM_Z: dict[str, Callable[[Complexes], Reals]] = {
@@ -37,15 +40,18 @@ FROM_Z: dict[str, Callable[[Complexes], Reals]] = {
     "admittance": lambda Z: 1 / np.abs(Z),
     "admittance phase": lambda Z: -np.angle(Z),
     "loss": lambda Z: np.arctan2(Z.real, np.abs(Z.imag)),
+    "gain": np.abs,
+    "gain phase": np.angle,
+    "gain real": np.real,
+    "gain imaginary": np.imag,
 }
-"""Functions that give the basic quantities from Z."""
+"""Functions that give the basic quantities from Z, or from a gain."""
 SIZES: dict[str, Callable[[Complexes], Reals]] = {
-    **dict.fromkeys(("Rs", "X", "magnitude"), np.abs),
+    **dict.fromkeys(("Rs", "X", "magnitude", "gain", "gain real", "gain imaginary"), np.abs),
     **dict.fromkeys(("G", "B", "admittance"), lambda Z: 1 / np.abs(Z)),
-    **dict.fromkeys(("phase", "admittance phase", "loss"), lambda Z: np.ones(Z.shape)),
+    **dict.fromkeys(ANGLES + ("loss",), lambda Z: np.ones(Z.shape)),
 }
 """Scales of deviations of the basic quantities."""
-ANGLES = ("phase", "admittance phase")
 SERIES, PARALLEL = ("X", "Cs", "Ls"), ("B", "Cp", "Lp")
 CONDUCTANCE, LOSS = ("G", "Rp"), ("D", "Q")
 PAIRS = (
@@ -64,6 +70,14 @@ PAIRS = (
 
 A phase beside |Y| alone is that of Y. The last pair leaves two solutions.
 """
+GAINS = ("gain", "gain level", "gain real", "gain imaginary", "gain phase")
+"""Quantities of a gain alone; a `phase` beside them is its phase, too."""
+GAIN_PAIRS = (
+    *((size, phase) for size in GAINS[:2] for phase in ("gain phase", "phase")),
+    ("gain real", "gain imaginary"),
+    *((size,) for size in GAINS[:2]),
+)
+"""Quantities that determine a gain, in the order of choice; the last ones its magnitude alone."""
 
 
 def basic(holds: str, value: Reals, frequency: Reals) -> tuple[str, Reals]:
@@ -93,6 +107,18 @@ def impedance_of(pair: tuple[str, str], first: Reals, second: Reals, frequency: 
         direct = one in ("Rs", "magnitude")
         found = a + 1j * b if direct else np.conj(a + 1j * b) / (a**2 + b**2)
         return np.asarray(found, dtype=np.complex128)
+
+
+def gain_of(holds: tuple[str, ...], values: list[Reals], frequency: Reals) -> Complexes:
+    """Gains from quantities in SI units; with phase 0 from a magnitude alone."""
+    first, *others = (
+        basic(each, value, frequency)[1] for each, value in zip(holds, values, strict=True)
+    )
+    if not others:
+        return first.astype(np.complex128)
+    parts = holds[0] == "gain real"
+    found = first + 1j * others[0] if parts else first * np.exp(1j * others[0])
+    return np.asarray(found, dtype=np.complex128)
 
 
 def deviation(
@@ -125,6 +151,7 @@ def derived(holds: str, Z: Complexes, frequency: Reals) -> Reals:
         "Rp": lambda: 1 / found,
         "D": lambda: np.tan(found),
         "Q": lambda: 1 / np.tan(found),
+        "gain level": lambda: 20 * np.log10(found),
     }
     with np.errstate(divide="ignore", over="ignore"):
         return inverse[holds]() if holds in inverse else found

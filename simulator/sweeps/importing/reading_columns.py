@@ -1,4 +1,4 @@
-"""Impedance from the columns of a table, and the comparison of all columns that depend on it."""
+"""Impedance or gain from the columns of a table; all columns that depend on it are compared."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..impedance import parallel_capacitance
+from ..reading_quantities import IMPEDANCE, ReadingKind
 from .agreement import agreeing_columns, all_zeros, refuse
 from .columns import ANGLES, UNITS, Column
 from .failures import failure_reasons, status_reasons
-from .quantities import PAIRS, Reals, impedance_of
+from .gain_columns import gain_columns, gain_kind, shown_gains
+from .quantities import PAIRS, Reals, gain_of, impedance_of
 from .table import ImportedTable
 
 DIGITS = 12
@@ -26,34 +28,38 @@ class ImportedReadings:
     """Readings of all lines of a table; arrays of shape (line,).
 
     table: without the lines that are no readings of a working meter. frequency: Hz, 12 digits. Z:
-    ohm; from Rs and Cp on the capacitive branch. Cp: F, from the file or else computed from Z.
-    pair: the columns that gave Z. compared: columns that agree with it. failed: True for lines
-    whose frequency is known and whose reading failed; Z is NaN there.
+    ohm; from Rs and Cp on the capacitive branch; or the gain. shown: quantities of sweeps as the
+    file has them, and Cp in F in any case; NaN where a reading failed. pair: the columns that gave
+    Z, one for magnitudes of gains alone. compared: columns that agree with it. failed: True for
+    lines whose frequency is known and whose reading failed; Z is NaN there. kind: of the readings.
     """
 
     table: ImportedTable
     frequency: Reals
     Z: NDArray[np.complex128]
-    Cp: Reals
+    shown: dict[str, Reals]
     frequency_column: Column
-    pair: tuple[Column, Column]
+    pair: tuple[Column, ...]
     compared: list[Column]
     failed: NDArray[np.bool_]
+    kind: ReadingKind = IMPEDANCE
 
     @property
-    def quantities(self) -> tuple[str, str]:
+    def quantities(self) -> tuple[str, ...]:
         """What the columns of the pair hold."""
-        return self.pair[0].holds, self.pair[1].holds
+        return tuple(each.holds for each in self.pair)
 
 
-def impedance_readings(table: ImportedTable) -> ImportedReadings:
-    """Frequency and impedance of every line.
+def imported_readings(table: ImportedTable) -> ImportedReadings:
+    """Frequency and impedance of every line, or gain if no columns give an impedance.
 
-    Raises InputError naming the file, and the line if there is one: no pair of columns that gives
-    an impedance, a cell that is no number, a frequency < 0, |Z| < 0 or Z = 0, a phase beyond 180
-    degrees, a pair (Rs, Cp) without a solution for the reactance, a column that contradicts Z.
+    Raises InputError naming the file, and the line if there is one: no columns that give an
+    impedance or a gain, a cell that is no number, a frequency < 0, a modulus < 0, a reading of 0, a
+    phase beyond 180 degrees, a pair (Rs, Cp) without a solution for the reactance, a column that
+    contradicts the reading.
     """
-    by, pair = table.holding("frequency")[0], _pair(table)
+    by, gains = table.holding("frequency")[0], gain_columns(table)
+    pair = gains or _pair(table)
     table = table.written([by, *pair])
     f = _frequencies(table, by)
     idle = ["the frequency is 0" if each == 0 else "" for each in f]
@@ -61,24 +67,31 @@ def impedance_readings(table: ImportedTable) -> ImportedReadings:
             for reason, each in zip(idle, f, strict=True)]  # fmt: skip
     table, f = table.without(idle), f[[not reason for reason in idle]]
     refuse(table, f <= 0, f"the frequency must be > 0 Hz (`{by.name}`)")
-    first, second = (table.numbers(column) for column in pair)
+    numbers = [table.numbers(column) for column in pair]
     status = status_reasons(table)
-    failing = failure_reasons(table, {pair[0].name: first, pair[1].name: second})
+    failing = failure_reasons(table, {c.name: n for c, n in zip(pair, numbers, strict=True)})
     reasons = [one or other for one, other in zip(status, failing, strict=True)]
     good = np.array([not reason for reason in reasons])
     checked = table.without(reasons)
-    first, second = first[good], second[good]
-    _check_numbers(checked, pair, first, second)
-    Z = _impedance(checked, pair, first, second, f[good])
-    refuse(checked, Z == 0, "Z is 0 ohm, which no reading is")
-    refuse(checked, ~np.isfinite(Z), "Z is infinite, which no reading is")
+    numbers = [each[good] for each in numbers]
+    _check_numbers(checked, pair, numbers)
+    kind = gain_kind(gains) if gains else IMPEDANCE
+    Z = _complex(checked, pair, numbers, f[good], kind)
+    zero, letter = ("the gain is 0", "the gain") if gains else ("Z is 0 ohm", "Z")
+    refuse(checked, Z == 0, f"{zero}, which no reading is")
+    refuse(checked, ~np.isfinite(Z), f"{letter} is infinite, which no reading is")
     compared = agreeing_columns(checked, pair, by, Z, f[good])
     filled = np.full(len(f), np.nan, dtype=np.complex128)
     filled[good] = Z
-    Cp = np.full(len(f), np.nan)
-    Cp[good] = _capacitance(checked, pair, compared, Z, f[good])
+    if kind is IMPEDANCE:
+        shown = {"Cp": _capacitance(checked, pair, compared, Z, f[good])}
+    else:
+        shown = shown_gains(tuple(each.holds for each in pair), numbers)
+    every = {name: np.full(len(f), np.nan) for name in shown}
+    for name, values in shown.items():
+        every[name][good] = values
     whole = replace(table, left_out=checked.left_out)
-    return ImportedReadings(whole, f, filled, Cp, by, pair, compared, ~good)
+    return ImportedReadings(whole, f, filled, every, by, pair, compared, ~good, kind)
 
 
 def _frequencies(table: ImportedTable, column: Column) -> Reals:
@@ -110,8 +123,8 @@ def _pair(table: ImportedTable) -> tuple[Column, Column]:
     listed = ", ".join(f"`{column.name}`" for column in known)
     raise InputError(
         f"{table.path}: needs columns of Rs and X, of |Z| and phase, of Cs or Cp and D, Rs or Rp, "
-        f"of Ls or Lp and Rs, Rp or Q, of G and B, or of |Y| and phase; in the header in line "
-        f"{table.header} only {listed} are understood{_not_understood(table)}"
+        f"of Ls or Lp and Rs, Rp or Q, of G and B, of |Y| and phase, or of a gain; in the header "
+        f"in line {table.header} only {listed} are understood{_not_understood(table)}"
     )
 
 
@@ -121,11 +134,9 @@ def _not_understood(table: ImportedTable) -> str:
     return f", not {', '.join(others)}" if others else ""
 
 
-def _check_numbers(
-    table: ImportedTable, pair: tuple[Column, Column], first: Reals, second: Reals
-) -> None:
-    for column, values in zip(pair, (first, second), strict=True):
-        kind = {"magnitude": "|Z|", "admittance": "|Y|"}.get(column.holds)
+def _check_numbers(table: ImportedTable, pair: tuple[Column, ...], numbers: list[Reals]) -> None:
+    for column, values in zip(pair, numbers, strict=True):
+        kind = {"magnitude": "|Z|", "admittance": "|Y|", "gain": "|V / V_s|"}.get(column.holds)
         if kind is not None:
             refuse(table, values < 0, f"{kind} must be >= 0 (`{column.name}`)")
         if column.holds in ("Cs", "Lp", "Rp", "Q"):
@@ -139,10 +150,17 @@ def _check_numbers(
             )
 
 
-def _impedance(
-    table: ImportedTable, pair: tuple[Column, Column], first: Reals, second: Reals, f: Reals
+def _complex(
+    table: ImportedTable,
+    pair: tuple[Column, ...],
+    numbers: list[Reals],
+    f: Reals,
+    kind: ReadingKind,
 ) -> NDArray[np.complex128]:
-    kinds = pair[0].holds, pair[1].holds
+    """Readings from the numbers of the columns: Z in ohm, or gains."""
+    if kind is not IMPEDANCE:
+        return gain_of(tuple(each.holds for each in pair), numbers, f)
+    kinds, (first, second) = (pair[0].holds, pair[1].holds), numbers
     try:
         return impedance_of(kinds, first, second, f)
     except InputError:
@@ -156,7 +174,7 @@ def _impedance(
 
 def _capacitance(
     table: ImportedTable,
-    pair: tuple[Column, Column],
+    pair: tuple[Column, ...],
     compared: list[Column],
     Z: NDArray[np.complex128],
     f: Reals,
