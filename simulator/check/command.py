@@ -270,10 +270,13 @@ def plot(
     ],
     what: Annotated[
         list[str] | None,
-        typer.Option(help="Rs, Cp, change-Rs, change-Cp, phase or nyquist; may be repeated."),
+        typer.Option(
+            help="Rs, Cp, change-Rs, change-Cp, phase or nyquist, or gain, change-gain or phase of "
+            "gains; may be repeated."
+        ),
     ] = None,
 ) -> None:
-    """Plot simulated or measured sweeps: Rs, Cp, changes from the baseline, phase, Nyquist."""
+    """Plot simulated or measured sweeps: Rs, Cp or gains, their changes, phase, Nyquist."""
     from ..requests.console import note, report_written
     from ..sweeps import sizes_text
     from .curve_page import checked_drawing, draw

@@ -1,4 +1,4 @@
-"""Plots of sweeps: Rs, Cp and their changes from the baseline, phase, and Nyquist plot."""
+"""Plots of sweeps: Rs, Cp, gains, their changes from the baseline, phase, and Nyquist plot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from ..chart_style import (
     unit_axis,
 )
 from ..sweeps import UNPRESSED, InputError
+from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, kind_of
 from ..sweeps.reading_subset import read_at
+from ..sweeps.schema import complex_readings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,18 +61,39 @@ QUANTITIES = {
     "change-Cp": CurveQuantity("change of Cp", "%", _capacitance, change=True),
     "phase": CurveQuantity("phase", "°", lambda Z, f: np.degrees(np.angle(Z))),
     "nyquist": CurveQuantity("-X", "ohm", lambda Z, f: -Z.imag),
+    "gain": CurveQuantity("|V / V_s|", "V/V", lambda G, f: np.abs(G)),
+    "change-gain": CurveQuantity("change of |V / V_s|", "%", lambda G, f: np.abs(G), change=True),
 }
-Quantity = Literal["Rs", "Cp", "change-Rs", "change-Cp", "phase", "nyquist"]
+Quantity = Literal["Rs", "Cp", "change-Rs", "change-Cp", "phase", "nyquist", "gain", "change-gain"]
 """A key of QUANTITIES."""
-DEFAULT = ("Rs", "Cp", "change-Rs", "change-Cp")
+DEFAULTS = {
+    IMPEDANCE.name: ("Rs", "Cp", "change-Rs", "change-Cp"),
+    GAIN.name: ("gain", "phase", "change-gain"),
+    MAGNITUDE.name: ("gain", "change-gain"),
+}
+"""Quantities that are drawn by default, by kind of the readings."""
+CHOICES = {**DEFAULTS, IMPEDANCE.name: (*DEFAULTS[IMPEDANCE.name], "phase", "nyquist")}
+"""Quantities that can be drawn."""
 
 
-def checked_quantities(names: Sequence[str]) -> tuple[str, ...]:
-    """Returns the names, or DEFAULT; raises InputError for a name that is no quantity."""
+def checked_quantities(names: Sequence[str]) -> None:
+    """Raises InputError for a name that is no quantity."""
     for name in names:
         if name not in QUANTITIES:
             raise InputError(f"--what must be of {', '.join(QUANTITIES)}, got {name!r}")
-    return tuple(names) or DEFAULT
+
+
+def _chosen(recordings: Sequence[xr.Dataset], what: Sequence[str]) -> tuple[str, ...]:
+    """The quantities to draw; raises InputError if the readings are of another kind."""
+    checked_quantities(what)
+    kinds = list(dict.fromkeys(kind_of(each.variables).name for each in recordings))
+    if len(kinds) > 1:
+        raise InputError(f"recordings of {kinds[0]} and of {kinds[1]} cannot share a chart")
+    for name in what:
+        if name not in CHOICES[kinds[0]]:
+            allowed = ", ".join(CHOICES[kinds[0]])
+            raise InputError(f"--what of {kinds[0]} must be of {allowed}, got {name!r}")
+    return tuple(what) or DEFAULTS[kinds[0]]
 
 
 def draw_curves(
@@ -114,7 +137,7 @@ def panels_of(
     recordings: Sequence[xr.Dataset], what: Sequence[str]
 ) -> tuple[list[tuple[CurveQuantity, str]], int]:
     """Quantity and interface of each panel, and the number of panels per row."""
-    chosen = checked_quantities(what)
+    chosen = _chosen(recordings, what)
     if not what and not all(_has_baseline(each) for each in recordings):
         chosen = tuple(name for name in chosen if not QUANTITIES[name].change)
     interfaces = [str(name) for name in recordings[0]["interface"].values]
@@ -128,9 +151,9 @@ def curves_of(
     """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
     if interface not in sweeps["interface"].values:
         return
-    own = read_at(sweeps, interface).isel(interface=0)
+    own = read_at(sweeps, interface)
     f = own["frequency"].values.astype(np.float64)
-    Z = own["Rs"].values.astype(np.float64) + 1j * own["X"].values
+    Z = complex_readings(own)[:, 0]
     values = shown.of(Z, f)
     if shown.change:
         values = 100 * (values / _baseline(values, own) - 1)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.check.sweep_curves import (
+    CHOICES,
     MAX_DRAWN,
     MAX_NAMED,
     QUANTITIES,
@@ -13,7 +14,8 @@ from rcskin.simulator.check.sweep_curves import (
     labels_of,
     rows_of,
 )
-from rcskin.simulator.sweeps import read, write
+from rcskin.simulator.sweeps import build, read, write
+from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
 
 
 @pytest.fixture
@@ -26,10 +28,26 @@ def file(make_sweeps, tmp_path):
 @pytest.mark.parametrize("ending", [pytest.param("png", marks=pytest.mark.slow), "svg"])
 def test_every_quantity_is_drawn(run, file, tmp_path, ending):
     output = tmp_path / f"out.{ending}"
-    asked = [word for name in QUANTITIES for word in ("--what", name)]
+    asked = [word for name in CHOICES["impedance"] for word in ("--what", name)]
     code, out, err = run("plot", file, "-o", output, *asked)
     assert (code, err) == (0, "") and output.stat().st_size > 5_000
     assert out == f"3 sweeps x 2 interfaces x 3 frequencies -> {output}\n"
+
+
+@pytest.mark.parametrize("magnitude_only", [False, True])
+def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_only):
+    kind = MAGNITUDE if magnitude_only else GAIN
+    presses = {"press": ["none", "1,1", "none"], "row": [0, 1, 0], "column": [0, 1, 0]}
+    gains = 0.5 * np.exp(-0.3j) * np.ones((3, 1, 3))
+    sweeps = build(gains, [1e3, 2e3, 3e3], interface=["left"], kind=kind, **presses)
+    write(sweeps, tmp_path / "gains.nc")
+    output = tmp_path / "gains.svg"
+    assert run("plot", tmp_path / "gains.nc", "-o", output)[0] == 0
+    assert ("phase (°)" in output.read_text()) != magnitude_only
+    wrong = refused("plot", tmp_path / "gains.nc", "-o", output, "--what", "Rs")
+    assert f"--what of {kind.name} must be of gain, " in wrong and "got 'Rs'" in wrong
+    mixed = refused("plot", tmp_path / "gains.nc", file, "-o", output)
+    assert f"recordings of {kind.name} and of impedance cannot share a chart" in mixed
 
 
 def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
@@ -129,13 +147,13 @@ def test_the_legend_distinguishes_measured_and_simulated_sweeps(run, two_files, 
 
 def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path):
     output = tmp_path / "page.html"
-    asked = [word for name in QUANTITIES for word in ("--what", name)]
+    asked = [word for name in CHOICES["impedance"] for word in ("--what", name)]
     code, out, err = run("plot", *two_files, "-o", output, *asked)
     assert (code, out, err) == (0, f"2 recordings -> {output}\n", "")
     text = output.read_text()
     assert "<script src=" not in text and "plotly.js v" in text
     for name in ("unpressed, all.nc (simulated)", "1,1, run.nc (measured)"):
-        assert text.count(f'"name":"{name}"') == 2 * len(QUANTITIES)
+        assert text.count(f'"name":"{name}"') == 2 * len(CHOICES["impedance"])
 
 
 def test_a_page_without_plotly_is_refused_in_one_line(refused, file, tmp_path, monkeypatch):
