@@ -191,7 +191,16 @@ def test_intervals_hold_the_truth(scene, model):
 @pytest.mark.parametrize(
     ("around", "also", "told"),
     [
-        (None, "bodies", "`also` must be one of body, rim, finger, leak, got 'bodies'"),
+        (
+            None,
+            "bodies",
+            "`also` must be one of body, rim, finger, leak, series_resistance, .*'bodies'",
+        ),
+        (
+            None,
+            "series_resistance",
+            r"cannot have series_resistance: no \[\[interface\]\] has reader",
+        ),
         ("solved", "body", "cannot have body: it needs .surroundings.body., not solved"),
         ({"body": {"side": "top", "distance": 5e-3}}, "finger", "cannot have finger: it needs"),
     ],
