@@ -8,7 +8,7 @@ from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE, kind_of
 from rcskin.simulator.sweeps.schema import complex_readings
 
 F = np.array([1e3, 2e3, 5e3])
-G = np.array([0.95 * np.exp(-0.1j), 0.8 * np.exp(-0.5j), 0.4 * np.exp(-1.1j)])
+G = np.array([0.95 * np.exp(-0.1j), 0.8 * np.exp(-0.5j), 0.4 * np.exp(-1.1j)], np.complex128)
 
 
 @pytest.fixture
