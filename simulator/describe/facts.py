@@ -207,7 +207,9 @@ def _press(scene: Scene) -> str:
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
     times = f"{press.capacitance_factor:g} times the unpressed capacitance{spread}"
-    return f"adds {prefixed(press.capacitance, 'F')} to earth: {times}" if press.adds else times
+    if press.capacitance is None:
+        return times
+    return f"adds {prefixed(press.capacitance, 'F')} to earth: {times}"
 
 
 def _depths(scene: Scene) -> str:
