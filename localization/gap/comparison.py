@@ -21,7 +21,7 @@ from .distance import ReadingDeviation, meter_error
 from .model_accuracy import MODEL_FEATURES
 from .options import GapOptions
 from .pair import SweepPair, pixel_of
-from .paired_samples import FEATURE_LABELS, FEATURE_SETS, PairedSamples, paired_samples
+from .paired_samples import FEATURE_LABELS, PairedSamples, feature_sets, paired_samples
 from .splits import Split, largest_k, reserved_for_calibration, touch_splits
 from .versions import Version, versions_of
 
@@ -81,7 +81,7 @@ def prepare_comparison(
     predicted.
     """
     estimator = chosen(options.estimator, options.target)
-    sets = FEATURE_SETS if model is None else {MODEL_FEATURES: model.quantities}
+    sets = feature_sets(pair.other) if model is None else {MODEL_FEATURES: model.quantities}
     row, column, session = (pair.other[name].values for name in ("row", "column", "session"))
     reserved = reserved_for_calibration(row, column, options.calibration_touches, session)
     splits, left_out = _splits(pair, options, reserved)

@@ -9,16 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.measure.simulate import ReadingError
-from ...simulator.sweeps import impedance
 from ...simulator.sweeps.laws.noise import repeatability
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
 from ...simulator.sweeps.reading_subset import read_mask
+from ...simulator.sweeps.schema import complex_readings
 from ..inputs.targets import labels
 from .pair import pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-QUANTITIES = {"Rs": "ohm", "Cp": "F"}
+UNITS = {"Rs": "ohm", "Cp": "F", "gain": "1", "gain_phase": "rad"}
+"""Units of the compared quantities: of impedances, and of gains."""
 MIN_SEPARATION_SHARE = 1e-3
 """Share of the largest class separation at any frequency below which a separation is ignored.
 
@@ -30,7 +32,7 @@ MIN_FREQUENCIES = 3
 
 @dataclass(frozen=True, eq=False)
 class ReadingDeviation:
-    """Standard deviation of one reading at each frequency: of |Z|, and of the phase in rad.
+    """Standard deviation of one reading at each frequency: of its modulus, and of its phase in rad.
 
     Both of shape (frequency,). source: origin of the numbers.
     """
@@ -77,8 +79,8 @@ class Distance:
 def meter_error(other: xr.Dataset, given: ReadingError | None) -> ReadingDeviation | None:
     """Error of the meter, from the scene or from repeated sweeps; None if neither gives it.
 
-    From repeated sweeps it is the noise of real and imaginary part divided by |Z|. The noise is the
-    difference between neighbouring frequencies, on which unequal presses have little effect.
+    From repeated sweeps it is the noise of real and imaginary part over the modulus. The noise is
+    the difference between neighbouring frequencies, on which unequal presses have little effect.
     """
     count = other.sizes["frequency"]
     if given is not None:
@@ -98,7 +100,7 @@ def distances(
     target: str,
     pressed: bool,
 ) -> dict[str, Distance] | None:
-    """Distances of Rs and Cp over the pixels that both sides have; None if there are none.
+    """Distances over the pixels that both sides have, of Rs and Cp, or of gains; None without any.
 
     pressed: True for the pressed pixels, False for the unpressed skin. target: whose classes are
     separated.
@@ -107,7 +109,8 @@ def distances(
     pixels = pixels[(pixels > 0) == pressed]
     if not pixels.size:
         return None
-    return {name: _distance(name, simulated, other, error, target, pixels) for name in QUANTITIES}
+    names = [name for name in kind_of(simulated.variables).names if name in UNITS]
+    return {name: _distance(name, simulated, other, error, target, pixels) for name in names}
 
 
 def _distance(
@@ -119,13 +122,15 @@ def _distance(
     pixels: NDArray[np.int64],
 ) -> Distance:
     ours, theirs = (_means(part, name, pixels) for part in (simulated, other))
-    Z = np.mean([impedance(simulated)[pixel_of(simulated) == each].mean(0) for each in pixels], 0)
+    readings, pixel = complex_readings(simulated), pixel_of(simulated)
+    mean = np.mean([readings[pixel == each].mean(0) for each in pixels], 0)
+    of = _errors_of_gains if kind_of(simulated.variables) is not IMPEDANCE else _errors
     frequency = simulated["frequency"].values
     return Distance(
         simulated=ours.mean(axis=0),
         mean=(theirs - ours).mean(axis=0),
         rms=np.sqrt(np.mean((theirs - ours) ** 2, axis=0)),
-        meter_error=None if error is None else _errors(Z, frequency, error)[name],
+        meter_error=None if error is None else of(mean, frequency, error)[name],
         separation=_separation(simulated, name, target),
     )
 
@@ -148,6 +153,16 @@ def _errors(
     return {
         "Rs": np.hypot(Z.real * error.magnitude, Z.imag * error.phase),
         "Cp": np.hypot(Y.imag * error.magnitude, Y.real * error.phase) / omega,
+    }
+
+
+def _errors_of_gains(
+    G: NDArray[np.complex128], _: NDArray[np.float64], error: ReadingDeviation
+) -> dict[str, NDArray[np.float64]]:
+    """Errors of modulus and phase of gains."""
+    return {
+        "gain": np.abs(G) * error.magnitude,
+        "gain_phase": np.broadcast_to(error.phase, G.shape),
     }
 
 
@@ -184,7 +199,7 @@ def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
     None if it is unknown at any frequency.
     """
     groups = list(zip(other["session"].values.tolist(), pixel_of(other).tolist(), strict=True))
-    Z, read = impedance(other), read_mask(other)
+    Z, read = complex_readings(other), read_mask(other)
     square, count = np.zeros(Z.shape[2]), np.zeros(Z.shape[2])
     for interface, own in enumerate(read):
         if own.sum() < MIN_FREQUENCIES:

@@ -32,7 +32,7 @@ ALL = "all"
 class CalibrationStage:
     """Findings before or after calibration.
 
-    pressed, rest: distances of Rs and Cp; None if there is no such press on both sides. transfer:
+    pressed, rest: distances by quantity; None if there is no such press on both sides. transfer:
     accuracy by set of features and by number of added sweeps of every pixel. discrepancies: by set
     of features and by class, ALL of them first.
     """

@@ -12,6 +12,7 @@ from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...simulator.sweeps.same_frequency import same_frequencies
 from .side_label import SideLabel, label_of_side
@@ -47,6 +48,12 @@ def pair_sweeps(
     if they have no interface or pressed pixel in common, or if frequencies differ and the scene is
     unknown.
     """
+    ours, theirs = (kind_of(each.variables).name for each in (simulated, other))
+    if ours != theirs:
+        raise InputError(
+            f"the simulated sweeps hold the {ours}, the others the {theirs}; sweeps of one kind of "
+            "reading can be compared"
+        )
     notes: list[str] = []
     scene = scene or scene_of_sweeps(simulated)
     label, noise_free = (
@@ -78,7 +85,7 @@ def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
 
 def _is_noise_free(sweeps: xr.Dataset) -> bool:
     """True if the sweeps have numerical errors, as only noise-free simulated sweeps do."""
-    return "Rs_error" in sweeps
+    return any(name in sweeps for name in kind_of(sweeps.variables).error_names)
 
 
 def _single(sweeps: xr.Dataset, called: str, notes: list[str]) -> xr.Dataset:

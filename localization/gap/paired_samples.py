@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..inputs.feature_names import OF_IMPEDANCE, names_of
 from ..inputs.samples import LocalizationProblem
 from ..inputs.samples import samples_of as learnable
 from ..inputs.targets import labels
@@ -17,13 +18,23 @@ from .pair import pixel_of
 if TYPE_CHECKING:
     import xarray as xr
 
-FEATURE_SETS = {"absolute": ("Rs", "Cp"), "relative": ("dlnZ", "dphase")}
-"""The paper's features, and those relative to the baseline of the same session."""
 FEATURE_LABELS = {
     "absolute": "Rs and Cp",
     "relative": "changes of ln|Z| and phase from the unpressed skin",
+    "gains": "the gain",
+    "gain-changes": "changes of the gain from the unpressed skin",
     "model": "the model's own features",
 }
+
+
+def feature_sets(sweeps: xr.Dataset) -> dict[str, tuple[str, ...]]:
+    """Features of the sweeps as they are, and relative to the baseline of the same session.
+
+    Of impedances the first are the paper's.
+    """
+    names = names_of(sweeps.variables)
+    sets = ("absolute", "relative") if names is OF_IMPEDANCE else ("gains", "gain-changes")
+    return dict(zip(sets, (names.default, names.relative), strict=True))
 
 
 @dataclass(frozen=True, eq=False)

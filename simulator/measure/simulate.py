@@ -16,9 +16,10 @@ from ..press.press import Press, check_press, label_of, press_on
 from ..scene.changed_readings import with_frequencies
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from ..sweeps import InputError, SweepTable, concatenate, impedance, tabled
+from ..sweeps import InputError, SweepTable, concatenate, tabled
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
+from ..sweeps.schema import complex_readings
 from .creeping_sweeps import solved_in_time
 from .readout import read_out
 
@@ -147,7 +148,7 @@ def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
 
 
 class ReadingError(NamedTuple):
-    """Standard deviation of one reading: of |Z|, as a fraction, and of the phase, rad.
+    """Standard deviation of one reading: of its modulus, as a fraction, and of its phase, rad.
 
     Each is one number, or has shape (frequency,).
     """
@@ -163,8 +164,8 @@ def reading_error(scene: Scene, sweeps: xr.Dataset) -> ReadingError | None:
     """
     meter = scene.readout
     if not meter.uniform:
-        Z, frequency = impedance(sweeps), sweeps["frequency"].values
-        square = meter.accuracy(Z, frequency) ** 2 + meter.noise(Z, frequency) ** 2
+        readings, frequency = complex_readings(sweeps), sweeps["frequency"].values
+        square = meter.accuracy(readings, frequency) ** 2 + meter.noise(readings, frequency) ** 2
         return ReadingError(*np.sqrt(np.nanmean(square, axis=(1, 2))))
     magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
     phase = math.hypot(meter.phase_accuracy, meter.phase_noise)

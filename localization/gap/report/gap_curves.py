@@ -9,7 +9,6 @@ import numpy as np
 
 from ....simulator.chart_style import COLOURS, chart, frequency_axis
 from ....simulator.sweeps.reading_subset import read_mask
-from ..distance import QUANTITIES
 from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
@@ -34,13 +33,17 @@ FAR = 30
 
 
 def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
-    """Draw Rs and Cp, a row for each unit, a colour for each interface. kind: pressed or rest."""
+    """Draw each quantity, a row for each unit, a colour for each interface.
+
+    kind: pressed or rest.
+    """
     shown = {name: getattr(stage, kind) for name, stage in findings.stages.items()}
-    units = [unit for unit in UNITS if _known(shown[BEFORE]["Rs"], unit)]
+    quantities = list(shown[BEFORE])
+    units = [unit for unit in UNITS if _known(shown[BEFORE][quantities[0]], unit)]
     with chart(path, 10, 2.4 * len(units) + 0.5) as figure:
-        panels = figure.subplots(len(units), len(QUANTITIES), sharex=True, squeeze=False)
+        panels = figure.subplots(len(units), len(quantities), sharex=True, squeeze=False)
         for row, unit in zip(panels, units, strict=True):
-            for axes, quantity in zip(row, QUANTITIES, strict=True):
+            for axes, quantity in zip(row, quantities, strict=True):
                 found = {name: each[quantity] for name, each in shown.items()}
                 _draw_distance(axes, findings, found, unit)
                 axes.set_ylabel(f"{quantity} {UNITS[unit]}")

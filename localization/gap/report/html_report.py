@@ -90,8 +90,9 @@ def _accuracies(findings: GapFindings) -> ReportSection:
     explanation = (
         f"k {adjective} sweeps of each pixel {done}; ± is one standard deviation over "
         f"{findings.trial.options.draws} draws of them. No tested sweep was used for training or "
-        "calibration; the sweeps that calibrated are the first of the k. dlnZ and dphase are "
-        "changes of ln|Z| and phase from the unpressed skin in the same session."
+        "calibration; the sweeps that calibrated are the first of the k. dlnZ and dphase, or dlnG "
+        "and dphaseG, are changes of ln|Z| or ln|V / V_s| and phase from the unpressed skin in "
+        "the same session."
     )
     numbered = range(1, 1 + len(columns))
     title = f"Accuracy on {adjective} sweeps"
@@ -104,6 +105,6 @@ def _error(findings: GapFindings) -> str:
         return "The meter's error is unknown: neither a scene nor repeated sweeps give it."
     return (
         f"The meter's error of one reading, from {error.source}, is at most "
-        f"{100 * error.magnitude.max():.2g} % of |Z| and "
+        f"{100 * error.magnitude.max():.2g} % of its modulus and "
         f"{np.degrees(error.phase.max()):.2g}°."
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..distance import QUANTITIES, Distance
+from ..distance import UNITS, Distance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,14 +28,15 @@ KEYS = {
     "of the other side; calibrating, number of its sweeps that calibrated",
     "question": "target, estimator, seed, draws, calibration_touches: as given on the command line",
     "interfaces, frequency_Hz": "those that both sides have; the order of every table below",
-    "meter_error": "standard deviation of one reading at each frequency: magnitude, of |Z| (a "
-    "fraction), and phase_rad; source, their origin; null if unknown",
+    "meter_error": "standard deviation of one reading at each frequency: magnitude, of |Z| or "
+    "the gain (a fraction), and phase_rad; source, their origin; null if unknown",
     "features": "quantities of each set of features",
-    "distance": "stage -> pressed or rest -> Rs or Cp -> tables over (interface, frequency), other "
-    "side minus simulation: simulated (mean over the pixels), mean, rms (over the pixels), "
-    "meter_error (of one reading) and separation (root mean square distance of neighbouring "
-    "classes' means) in ohm for Rs and F for Cp; percent of the simulated; in_meter_errors; "
-    "in_separations (null where classes do not differ); all null where an interface was not read",
+    "distance": "stage -> pressed or rest -> Rs or Cp, or gain or gain_phase -> tables over "
+    "(interface, frequency), other side minus simulation: simulated (mean over the pixels), "
+    "mean, rms (over the pixels), meter_error (of one reading) and separation (root mean square "
+    "distance of neighbouring classes' means) in ohm for Rs, F for Cp, 1 and rad for gains; "
+    "percent of the simulated; in_meter_errors; in_separations (null where classes do not "
+    "differ); all null where an interface was not read",
     "accuracy.transfer": "stage -> features -> k: trained on simulation and on k sweeps of every "
     "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
     "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
@@ -143,7 +144,7 @@ def _distance(stage: CalibrationStage) -> dict[str, Any]:
 def _tables(quantity: str, distance: Distance) -> dict[str, Any]:
     names = ("simulated", "mean", "rms", "separation", "percent")
     found: dict[str, Any] = {name: _known(getattr(distance, name)) for name in names}
-    found["unit"] = QUANTITIES[quantity]
+    found["unit"] = UNITS[quantity]
     if distance.meter_error is not None and distance.meter_errors is not None:
         found["meter_error"] = _known(distance.meter_error)
         found["in_meter_errors"] = _known(distance.meter_errors)

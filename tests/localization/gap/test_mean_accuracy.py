@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.gap.mean_accuracy import cross_validated, transfer_accuracy
-from rcskin.localization.gap.paired_samples import FEATURE_SETS, PairedSamples, paired_samples
+from rcskin.localization.gap.paired_samples import PairedSamples, feature_sets, paired_samples
 from rcskin.localization.gap.splits import Split
 from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.estimators import chosen
@@ -57,7 +57,7 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 ):
     sweeps = make_skin_sweeps(rows=2, sessions=sessions)
     sweeps = sweeps.isel(sweep=np.isin(sweeps["row"].values, rows))
-    samples = paired_samples(sweeps, FEATURE_SETS["absolute"], target)
+    samples = paired_samples(sweeps, feature_sets(sweeps)["absolute"], target)
     found = cross_validated(sweeps, samples, KSVM, 0)
     assert found.grouping == grouping
     assert found.accuracy.confusion.total == sweeps.sizes["sweep"]
@@ -66,5 +66,5 @@ def test_the_hardest_grouping_that_can_be_is_taken(
 
 def test_a_class_of_one_sweep_cannot_be_cross_validated(make_skin_sweeps):
     sweeps = make_skin_sweeps(1)
-    samples = paired_samples(sweeps, FEATURE_SETS["absolute"], "pixel")
+    samples = paired_samples(sweeps, feature_sets(sweeps)["absolute"], "pixel")
     assert cross_validated(sweeps, samples, KSVM, 0) is None
