@@ -65,7 +65,7 @@ def draw(found: pd.DataFrame, experiment: Experiment, path: Path) -> None:
     axes.set_yticks(place, effects)
     axes.invert_yaxis()
     axes.set_xlabel(
-        "median distance (mm), from the best skin to the worst; no bar: half of the touches are "
+        "median distance (mm), from the best skin to the worst\nno bar: half of the touches are "
         "unanswered; dashed: goal"
         if placed
         else "right answers (%); an unanswered touch is not right; dashed: goal"
