@@ -14,7 +14,7 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.meter_bands import METER_BANDS
 from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
-from .keysight_settings import NumbersSetting
+from .keysight_settings import NumbersFormat, NumbersSetting
 from .meter_reading import MeterReading
 from .setting import Setting
 from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat
@@ -62,7 +62,7 @@ class E4990A(KeysightMeter):
     trace_1 = Setting(":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1")
     trace_2 = Setting(":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2")
     sweep_type = Setting(":SENSe1:SWEep:TYPE", TokenFormat(), "Type of the sweep")
-    segments = NumbersSetting(":SENSe1:SEGMent:DATA", "Table of the segments")
+    segments = NumbersSetting(":SENSe1:SEGMent:DATA", NumbersFormat(), "Table of the segments")
     continuous = Setting(
         ":INITiate1:CONTinuous", OnOffFormat(), "True if the analyser waits for triggers by itself"
     )

@@ -24,7 +24,7 @@ from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state
 from .keysight_settings import (
     AmplitudeSetting,
     FrequencyListFormat,
-    FrequencyListSetting,
+    NumbersSetting,
 )
 from .meter_reading import MeterReading, ReadingStatus
 from .setting import Setting, SettingPart
@@ -83,7 +83,7 @@ class KeysightLcrMeter(KeysightMeter):
         "open": ":CORRection:OPEN:STATe",
         "short": ":CORRection:SHORt:STATe",
     }
-    list_frequencies: ClassVar[FrequencyListSetting]
+    list_frequencies: ClassVar[NumbersSetting]
     seconds_at: ClassVar[Mapping[str, tuple[tuple[float, float], ...]]]
 
     data_format = Setting(":FORMat", TokenFormat(), "Format of answers")
@@ -260,6 +260,11 @@ def _range_number(full_scale: float) -> int:
     return int(np.clip(round(np.log10(full_scale)) + 2, RANGES[0], RANGES[-1]))
 
 
+def _list_setting(model: str, digits: int, points: int, clear: str = "") -> NumbersSetting:
+    allowed = FrequencyListFormat(NumberFormat("Hz", *METER_BANDS[model], digits), points)
+    return NumbersSetting(":LIST:FREQuency", allowed, "Frequencies of the list sweep", clear)
+
+
 def _range_setting(*numbers: float) -> Setting[float]:
     return Setting(
         ":FUNCtion:IMPedance:RANGe",
@@ -275,10 +280,7 @@ class E4980A(KeysightLcrMeter):
     model = "E4980A"
     max_points = 201
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["E4980A"], 4), "Frequency")
-    list_frequencies = FrequencyListSetting(
-        FrequencyListFormat(NumberFormat("Hz", *METER_BANDS["E4980A"], 4), max_points),
-        ":LIST:CLEar:ALL",
-    )
+    list_frequencies = _list_setting("E4980A", 4, max_points, ":LIST:CLEar:ALL")
     range = _range_setting(0.1, 1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)
     seconds_at: ClassVar = {
         "SHORT": ((20, 0.33), (100, 0.1), (1e3, 0.02), (1e4, 7.7e-3), (1e5, 5.7e-3), (2e6, 5.6e-3)),
@@ -292,9 +294,7 @@ class E4980AL(E4980A):
 
     model = "E4980AL"
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["E4980AL"], 4), "Frequency")
-    list_frequencies = FrequencyListSetting(
-        FrequencyListFormat(NumberFormat("Hz", *METER_BANDS["E4980AL"], 4), 201), ":LIST:CLEar:ALL"
-    )
+    list_frequencies = _list_setting("E4980AL", 4, 201, ":LIST:CLEar:ALL")
 
 
 class HP4284A(KeysightLcrMeter):
@@ -303,9 +303,7 @@ class HP4284A(KeysightLcrMeter):
     model = "4284A"
     max_points = 10
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["4284A"], 6), "Frequency")
-    list_frequencies = FrequencyListSetting(
-        FrequencyListFormat(NumberFormat("Hz", *METER_BANDS["4284A"], 6), max_points)
-    )
+    list_frequencies = _list_setting("4284A", 6, max_points)
     range = _range_setting(1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)
     seconds_at: ClassVar = {
         "SHORT": ((20, 1.35), (100, 0.27), (1e3, 0.04), (1e4, 0.03), (1e6, 0.03)),

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from .errors import RefusedError
 from .keysight_meter import NO_VALUE
 from .setting import Setting, SettingsOwner
-from .setting_formats import NumberFormat
+from .setting_formats import NumberFormat, ValueFormat
 
 
 class AmplitudeFormat:
@@ -86,32 +86,6 @@ class FrequencyListFormat:
         return tuple(number for number in numbers if number < NO_VALUE)
 
 
-class FrequencyListSetting(Setting[tuple[float, ...]]):
-    """Frequencies of the list sweep; empty if the meter's list is empty or no list of frequencies.
-
-    clear: command that empties the list; empty if the model has none, and then its list keeps the
-    last frequencies.
-    """
-
-    def __init__(self, allowed: FrequencyListFormat, clear: str = "") -> None:
-        super().__init__(":LIST:FREQuency", allowed, "Frequencies of the list sweep")
-        self._clear = clear
-
-    def current_value(self, meter: SettingsOwner) -> tuple[float, ...]:
-        """Present frequencies."""
-        try:
-            return self.__get__(meter, type(meter))
-        except RefusedError:
-            return ()
-
-    def restore(self, meter: SettingsOwner, found: Any) -> None:
-        """Set frequencies that `current_value` gave earlier."""
-        if found:
-            self.__set__(meter, found)
-        elif self._clear:
-            meter.talk.send(self._clear)
-
-
 class NumbersFormat:
     """Any numbers."""
 
@@ -128,10 +102,17 @@ class NumbersFormat:
 
 
 class NumbersSetting(Setting[tuple[float, ...]]):
-    """A table of numbers; empty if the meter has none, and then the table of the driver stays."""
+    """A table of numbers; empty if the meter has none.
 
-    def __init__(self, command: str, meaning: str) -> None:
-        super().__init__(command, NumbersFormat(), meaning)
+    clear: command that empties the table; empty if the model has none, and then the table of the
+    driver stays.
+    """
+
+    def __init__(
+        self, command: str, allowed: ValueFormat[tuple[float, ...]], meaning: str, clear: str = ""
+    ) -> None:
+        super().__init__(command, allowed, meaning)
+        self._clear = clear
 
     def current_value(self, meter: SettingsOwner) -> tuple[float, ...]:
         """Present numbers."""
@@ -144,3 +125,5 @@ class NumbersSetting(Setting[tuple[float, ...]]):
         """Set numbers that `current_value` gave earlier."""
         if found:
             self.__set__(meter, found)
+        elif self._clear:
+            meter.talk.send(self._clear)
