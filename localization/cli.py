@@ -1,4 +1,4 @@
-"""Commands of the localizer: study, train, evaluate, localize, adapt, gap and reproduce."""
+"""Commands of the localizer: study, train, evaluate, localize, adapt, gap, export, reproduce."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import typer
 
 from .commands.adapt import adapt
 from .commands.evaluate import evaluate
+from .commands.export import export
 from .commands.gap import gap
 from .commands.localize import localize
 from .commands.train import train
@@ -20,6 +21,7 @@ EXAMPLES = {
     adapt: "rcskin adapt columns.skops run.nc -o better.skops",
     evaluate: "rcskin evaluate columns.skops all.nc -o found",
     localize: "rcskin localize columns.skops all.nc",
+    export: "rcskin export skins.zarr -o skins.csv",
 }
 
 

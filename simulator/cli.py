@@ -13,7 +13,7 @@ import typer
 from .calibration.command import calibrate
 from .check.command import check, import_sweeps, plot
 from .check.join_command import join
-from .dataset.command import dataset, export
+from .dataset.command import dataset
 from .describe.command import describe
 from .design.command import design
 from .interrupt import EndSignal, end_on_signals, leave
@@ -215,7 +215,6 @@ app.command(epilog="Example: rcskin join monday.nc tuesday.nc -o all.nc")(join)
 app.command(epilog="Example: rcskin check all.nc -o report.png")(check)
 app.command(epilog="Example: rcskin plot all.nc -o all.png")(plot)
 app.command(epilog="Example: rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zarr")(dataset)
-app.command(epilog="Example: rcskin export skins.zarr -o skins.csv")(export)
 app.command(epilog="Example: rcskin calibrate sheet-5x5 run.nc -o found")(calibrate)
 app.command(epilog="Example: rcskin limits sheet-5x5 -o limits")(limits)
 app.command(epilog="Example: rcskin frequencies sheet-5x5 -n 8")(frequencies)

@@ -1,4 +1,4 @@
-"""The commands of data sets: make one, and write one in other formats."""
+"""The command `rcskin dataset`."""
 
 from __future__ import annotations
 
@@ -92,20 +92,3 @@ def _cpu_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def export(
-    data: Annotated[Path, typer.Argument(help="A data set, DATA.zarr, or sweeps, .nc or .csv.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc, OUT.csv or OUT.parquet.")],
-) -> None:
-    """Write a data set or sweeps as NetCDF, CSV or Parquet.
-
-    NetCDF keeps everything. CSV is the long form of sweeps, a line for each
-    frequency. Parquet has one row a sweep: labels, touches, and columns
-    Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
-    """
-    from ..requests.console import report_written
-    from ..sweeps import sizes_text
-    from .export import export as write_as
-
-    report_written(sizes_text(write_as(data, output)), output)

@@ -1,4 +1,4 @@
-"""`rcskin dataset` and `rcskin export` as their user meets them, with the reduced model."""
+"""`rcskin dataset` as its user meets it, with the reduced model."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
-from rcskin.simulator.sweeps import impedance, parallel_capacitance, read, write
+from rcskin.simulator.sweeps import impedance, parallel_capacitance, read
 
 ALIKE = """
 [dataset.session]
@@ -131,11 +131,3 @@ def test_workers_make_the_same_data_set_on_windows(scene_file, tmp_path):
         made.append(read(output)["Cp"])
     np.testing.assert_array_equal(*made)
     assert {path.suffix for path in tmp_path.iterdir()} == {".toml", ".zarr"}
-
-
-def test_export_writes_the_format_of_its_ending(run, make_sweeps, tmp_path):
-    write(make_sweeps(), tmp_path / "data.zarr")
-    code, out, err = run("export", tmp_path / "data.zarr", "-o", tmp_path / "out.nc")
-    told = f"2 sweeps x 2 interfaces x 3 frequencies -> {tmp_path / 'out.nc'}\n"
-    assert (code, out, err) == (0, told, "")
-    np.testing.assert_array_equal(read(tmp_path / "out.nc")["Cp"], make_sweeps()["Cp"])
