@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
 from rcskin.localization.inputs.sweep_files import read_first
-from rcskin.localization.inputs.sweep_touches import counts_of
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
+from rcskin.simulator.measure.sweep_touches import counts_of
 from rcskin.simulator.scene.draw_distributions import Fixed, Lognormal, Normal, Uniform
 from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene import Scene

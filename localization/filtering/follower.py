@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs.sweep_touches import pixel_pitch
+from ...simulator.measure.sweep_touches import pixel_pitch
 from ..inversion.position import GRID
 from ..inversion.region import Region
 from ..model.localizer_model import Model

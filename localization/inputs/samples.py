@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
 from .baselines import check_baselines
 from .feature_names import RELATIVE, names_beside
@@ -20,7 +21,6 @@ from .features import (
     packed,
     taken_rows,
 )
-from .sweep_touches import counts_of
 from .targets import PIXELS, has_target, labels, positions
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from ...simulator.measure.sweep_touches import MAX_TOUCHES, counts_of, pressed_pixels, touches_of
 from ...simulator.sweeps import InputError
-from .sweep_touches import MAX_TOUCHES, counts_of, pressed_pixels, touches_of
 
 if TYPE_CHECKING:
     import xarray as xr

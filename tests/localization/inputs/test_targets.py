@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.sweep_touches import touches_of
 from rcskin.localization.inputs.targets import has_target, labels, positions
+from rcskin.simulator.measure.sweep_touches import touches_of
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 

@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.hardware.record.press_order import parse_step
-from rcskin.localization.inputs.sweep_touches import pressed_pixels, touches_of
+from rcskin.simulator.measure.sweep_touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.importing.labels import _pixel

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.scene.scene_files import scene_of_sweeps
-from ...simulator.sweeps import InputError
-from ...simulator.sweeps.press_text import WrittenTouch, parse_touches
+from ..scene.scene_files import scene_of_sweeps
+from ..sweeps import InputError
+from ..sweeps.press_text import WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...simulator.scene.scene import Scene
+    from ..scene.scene import Scene
 
 MAX_TOUCHES = 2
 """Maximum number of touches that a localizer distinguishes."""
@@ -106,7 +106,7 @@ def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> lis
     stated = (known if each.strength is None else not each.strength.unit for each in written)
     if scene is None or all(stated):
         return [_factor(each, text, scene) for each in written]
-    from ...simulator.measure.touch_factors import factors_under
+    from .touch_factors import factors_under
 
     return factors_under(scene, text)
 
