@@ -12,6 +12,9 @@
     rcskin.evaluate(model, recorded).accuracy
     rcskin.localize(model, recorded).labels
 
+    sensor = rcskin.Sensor(scene)
+    sensor.step("2,3", dt=0.1).Cp  # F, shape (skin, interface, frequency)
+
 The names in `__all__` are public; all modules of the package are internal and may change. Nothing
 is imported before it is used.
 """
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
     from .localization.model.localizer_model import Model
     from .simulator.press.press import Press
     from .simulator.scene.scene import Scene
+    from .simulator.sensor.sensor import Sensor
     from .simulator.sweeps.errors import InputError, ToleranceError
 
 __all__ = [
@@ -38,6 +42,7 @@ __all__ = [
     "Model",
     "Press",
     "Scene",
+    "Sensor",
     "ToleranceError",
     "__version__",
     "calibrate",
@@ -63,6 +68,7 @@ _CLASSES = {
     "Model": "localization.model.localizer_model",
     "Press": "simulator.press.press",
     "Scene": "simulator.scene.scene",
+    "Sensor": "simulator.sensor.sensor",
     "ToleranceError": "simulator.sweeps.errors",
 }
 """The module of each class, which is imported when the class is asked for."""

@@ -51,6 +51,14 @@ print(study.best)""",
 CLASSES = {
     "Scene": ("simulator.scene.scene", ("with_",)),
     "Press": ("simulator.press.press", ()),
+    "Sensor": (
+        "simulator.sensor.sensor",
+        ("step", "reset", "copy", "time", "names", "units", "error", "sweeps", "last_sweep"),
+    ),
+    "SensorReading": (
+        "simulator.sensor.sensor_reading",
+        ("Rs", "X", "Cp", "gain", "gain_phase", "vector"),
+    ),
     "Model": ("localization.model.localizer_model", ("probabilities", "positions", "regions")),
     "Answers": ("localization.trust.answers", ("answered",)),
     "Evaluation": (

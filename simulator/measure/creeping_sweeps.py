@@ -42,18 +42,28 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
     Times are in the middle of a reading, see `reading_time`, or of the frames of a multisine; those
     of skipped readings are at the end.
     """
+    starts, durations, end = reading_spans(scene, scene.experiment.timed.before)
+    return np.where(scene.reading.read, starts + durations / 2, end), end
+
+
+def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Array, Array, float]:
+    """Start and duration of each reading of a sweep, s, and the end of the last one.
+
+    Starts and durations have the shape (interface, frequency) and are 0 for skipped readings. A
+    multisine reads all frequencies of an interface at the same time. start: of the sweep, s.
+    """
     timing, reading, multisine = scene.experiment.timed, scene.reading, scene.readout.multisine
-    moment, now = np.zeros(reading.shape), timing.before
+    starts, durations, now = np.zeros(reading.shape), np.zeros(reading.shape), start
     for i, own in enumerate(reading.read):
         now += SETTLE * (len(reading.interfaces) > 1)
         if multisine:
-            moment[i], now = now + multisine.seconds / 2, now + multisine.seconds
+            starts[i], durations[i], now = now, multisine.seconds, now + multisine.seconds
             continue
         for k in np.flatnonzero(own):
             takes = timing.averaging * reading_time(reading.frequency[k], timing.speed)
-            moment[i, k] = now + takes / 2
+            starts[i, k], durations[i, k] = now, takes
             now += takes
-    return np.where(reading.read, moment, now), now
+    return starts, durations, now
 
 
 def describe_timing(scene: Scene) -> list[str]:

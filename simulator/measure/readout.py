@@ -36,18 +36,42 @@ class Meter:
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> NDArray[np.complex128]:
         """Readings with errors. Z is in ohm; shape (sweep, interface, frequency)."""
-        magnitude, phase = self._random.standard_normal((2, *reading.shape))
-        gain, turn = self.fixed_errors(reading, frequency)
-        of_magnitude, of_phase = self._readout.noise(reading, frequency)
-        gain = gain * (1 + of_magnitude * magnitude)
-        return reading * gain * np.exp(1j * (turn + of_phase * phase))
+        noise = self._random.standard_normal((2, *reading.shape))
+        return with_errors(self._readout, reading, frequency, self._fixed, noise)
 
     def fixed_errors(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Errors of the session: factors on |reading|, and what is added to the phase, rad."""
-        magnitude, phase = self._readout.accuracy(reading, frequency)
-        return 1 + magnitude * self._fixed[0], phase * self._fixed[1]
+        return _fixed_errors(self._readout, reading, frequency, self._fixed)
+
+
+def with_errors(
+    readout: ReadoutErrors,
+    reading: NDArray[np.complex128],
+    frequency: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+    noise: NDArray[np.float64],
+) -> NDArray[np.complex128]:
+    """Readings with errors. reading: Z in ohm or gains, shape (..., frequency). frequency: Hz.
+
+    fixed, noise: standard normal numbers of the session and of each reading, for magnitude and for
+    phase, broadcasting to shape (2, ..., frequency).
+    """
+    gain, turn = _fixed_errors(readout, reading, frequency, fixed)
+    of_magnitude, of_phase = readout.noise(reading, frequency)
+    gain = gain * (1 + of_magnitude * noise[0])
+    return reading * gain * np.exp(1j * (turn + of_phase * noise[1]))
+
+
+def _fixed_errors(
+    readout: ReadoutErrors,
+    reading: NDArray[np.complex128],
+    frequency: NDArray[np.float64],
+    fixed: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    magnitude, phase = readout.accuracy(reading, frequency)
+    return 1 + magnitude * fixed[0], phase * fixed[1]
 
 
 def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:

@@ -1,0 +1,1 @@
+"""A mounted skin in time: contacts in, readings of its meter out, step by step."""

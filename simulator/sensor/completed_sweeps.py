@@ -1,0 +1,64 @@
+"""Whole sweeps that a sensor's meter completed, in the schema of sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene
+from ..scene.scene_files import scene_text
+from ..sweeps import build
+from .given_press import PressLabel
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class CompletedSweep(NamedTuple):
+    """One sweep of all skins. time: of its middle, s.
+
+    presses: label of the press on each skin. values: shape (quantity, skin, interface, frequency).
+    """
+
+    time: float
+    presses: tuple[PressLabel, ...]
+    values: NDArray[np.float64]
+
+
+def as_dataset(
+    scene: Scene, sweeps: Sequence[CompletedSweep], numbers: Sequence[int], seed: int, error: float
+) -> xr.Dataset:
+    """Sweeps in the schema: those of the first skin, then those of the next one.
+
+    numbers: of the skins; they become sessions. error: estimated relative numerical error.
+    """
+    values = np.stack([sweep.values for sweep in sweeps], axis=2)
+    quantities, skins, count = values.shape[:3]
+    flat = values.reshape(quantities, skins * count, *values.shape[3:])
+    kind = scene.reading.kind
+    shown = dict(zip(kind.names, flat, strict=True))
+    presses = [sweep.presses[skin] for skin in range(skins) for sweep in sweeps]
+    return build(
+        kind.reading(shown),
+        scene.frequencies,
+        interface=[each.name for each in scene.interfaces],
+        press=[press.text for press in presses],
+        row=[press.row for press in presses],
+        column=[press.column for press in presses],
+        session=np.repeat(numbers, count).tolist(),
+        time=np.tile([sweep.time for sweep in sweeps], skins).tolist(),
+        shown=shown,
+        kind=kind,
+        taken=scene.taken,
+        attributes={
+            "scene": scene_text(scene),
+            "model": "sensor",
+            "rtol": error,
+            "seed": seed,
+            "software": f"rcskin {version('rcskin')}",
+        },
+    )

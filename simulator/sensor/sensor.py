@@ -1,0 +1,225 @@
+"""A skin with its meter in time: contacts of a moment in, readings out."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from copy import copy, deepcopy
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self
+
+import numpy as np
+
+from ..dataset.dataset_plan import MAX_SEED
+from ..measure.readout import shown_values
+from ..scene.scene import Scene
+from ..scene.scene_files import load_scene
+from ..sweeps import InputError
+from .completed_sweeps import CompletedSweep, as_dataset
+from .given_press import UNKNOWN, GivenPress, PressLabel, PressReader
+from .meter_errors import MeterErrors
+from .mounted_skins import MountedSkins
+from .reading_clock import PER_SECOND, DueReading, ReadingClock, in_ticks
+from .sensor_reading import SensorReading, VectorLayout
+from .skin_family import family_scene, highest_factor, trained_family
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from .given_press import AnyContacts
+
+
+class TakenReading(NamedTuple):
+    """A reading whose middle is past. values: shape (quantity, skin, frequency)."""
+
+    due: DueReading
+    values: NDArray[np.float64]
+    labels: tuple[PressLabel, ...]
+
+
+class Sensor:
+    """A scene, mounted: a skin, or a batch of skins, that its meter reads without end.
+
+    `step` takes the contacts of a moment and returns the latest readings. The meter reads one
+    frequency after the other and one interface after the other, or all frequencies at once by a
+    multisine, and then begins again. A reading is that of the contacts at its middle, and is there
+    from its end on. Results depend on contacts, times and seed alone, not on how steps are divided.
+
+    scene: the scene, its name or the path of its file. skins: their number, or a list of their
+    numbers in the session: skin k of a batch equals the sensor of `skins=[k]`. seed: of all random
+    numbers. rtol: relative tolerance of readings, without the errors of the meter. session:
+    "nominal", the scene's own skin, or "drawn", each skin as `dataset.session` draws it. noise:
+    False for readings without errors of the meter and without rounding to its digits. Raises
+    InputError for a value out of range and for a scene that cannot be mounted, ToleranceError if
+    rtol is not reached.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path,
+        *,
+        skins: int | Sequence[int] = 1,
+        seed: int = 1,
+        rtol: float = 1e-3,
+        session: Literal["nominal", "drawn"] = "nominal",
+        noise: bool = True,
+    ) -> None:
+        self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        if session not in ("nominal", "drawn"):
+            raise InputError(f'`session` must be "nominal" or "drawn", got {session!r}')
+        numbers = range(skins) if isinstance(skins, int) else [*skins]
+        if len(numbers) < 1 or min(numbers) < 0:
+            raise InputError(f"`skins` must be >= 1, or numbers >= 0, got {skins!r}")
+        self.numbers, self.rtol, self.noise = numbers, rtol, noise
+        own = family_scene(self.scene, session == "drawn")
+        self._own, self._family = own, trained_family(own, rtol)
+        self._press = PressReader(
+            self.scene, self._family.grid, len(numbers), highest_factor(self.scene)
+        )
+        self._clock = ReadingClock.of(self.scene)
+        self._layout = VectorLayout.of(self.scene.reading)
+        self._begin(seed)
+
+    def reset(self, seed: int | None = None) -> None:
+        """Start again at 0 s with unpressed skins. seed: a new one, which draws other skins."""
+        self._begin(self.seed if seed is None else seed)
+
+    def copy(self) -> Self:
+        """An independent sensor in the same state, which continues in the same way."""
+        other = copy(self)
+        other._errors = deepcopy(self._errors)
+        other._pending, other._sweeps = deque(self._pending), [*self._sweeps]
+        other._labels = [*self._labels]
+        return other
+
+    @property
+    def skins(self) -> int:
+        """Number of skins."""
+        return len(self.numbers)
+
+    @property
+    def time(self) -> float:
+        """Time by the sensor's clock, s."""
+        return self._now / PER_SECOND
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers in `reading.vector`."""
+        return self._layout.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the numbers in `reading.vector`."""
+        return self._layout.units
+
+    def step(self, contacts: AnyContacts | Sequence[AnyContacts], dt: float) -> SensorReading:
+        """Latest readings after `dt` seconds with these contacts.
+
+        contacts: None, the text of a press ("2,3", "disc(0.03,0.05,0.008):1.5"), a Press,
+        PointContacts, a DepthImage or a PressureImage; one for all skins, or a list of one for each
+        skin. They stay the same during the step. Raises InputError for contacts that the scene does
+        not take, and for a time that is not > 0.
+        """
+        if not 0 < dt < np.inf:
+            raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")
+        self._hold(self._press(contacts))
+        until, before = self._now + in_ticks(dt), self._now
+        for due in self._clock.due(before, until):
+            self._pending.append(TakenReading(due, self._taken(due), self._held.labels))
+        self._now = until
+        self._deliver()
+        return SensorReading(
+            self.time,
+            self._values,
+            self._taken_at / PER_SECOND,
+            self._taken_at > before,
+            self.error,
+            self._layout,
+        )
+
+    @property
+    def error(self) -> float:
+        """Estimated relative error of readings by the models, without the errors of the meter."""
+        return self.rtol
+
+    def sweeps(self) -> xr.Dataset:
+        """All whole sweeps since the start, those of each skin together.
+
+        Skins are sessions. Raises InputError if no sweep is complete.
+        """
+        if not self._sweeps:
+            period = self._clock.period / PER_SECOND
+            raise InputError(
+                f"no sweep is complete at {self.time:g} s: a sweep of {self.scene.name} takes "
+                f"{period:g} s"
+            )
+        return self._dataset(self._sweeps)
+
+    @property
+    def last_sweep(self) -> xr.Dataset | None:
+        """Latest whole sweep of each skin, or None before the first one."""
+        return self._dataset(self._sweeps[-1:]) if self._sweeps else None
+
+    def _dataset(self, sweeps: list[CompletedSweep]) -> xr.Dataset:
+        return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.error)
+
+    def _begin(self, seed: int) -> None:
+        if not 0 <= seed <= MAX_SEED:
+            raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
+        setup, count = self.scene.reading, self.skins
+        self.seed, self._now = seed, 0
+        self._mounted = MountedSkins(self._own, self._family, seed, self.numbers)
+        self._errors = MeterErrors(self.scene, seed, self.numbers)
+        self._held = self._press(None)
+        self._known: NDArray[np.complex128] | None = None
+        self._pending: deque[TakenReading] = deque()
+        self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
+        self._values.flags.writeable = False
+        self._taken_at = np.full(setup.shape, np.nan)
+        self._labels: list[tuple[PressLabel, ...]] = []
+        self._sweeps: list[CompletedSweep] = []
+
+    def _hold(self, given: GivenPress) -> None:
+        if not given.equals(self._held):
+            self._held, self._known = given, None
+
+    def _taken(self, due: DueReading) -> NDArray[np.float64]:
+        """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
+        slot, scene = due.slot, self.scene
+        if self._known is None:
+            self._known = self._mounted.readings(self._held.batch)
+        reading = self._known[:, slot.interface, slot.frequencies]
+        frequency, kind = scene.frequencies[slot.frequencies], scene.reading.kind
+        if not self.noise:
+            values = kind.values(reading, frequency)
+        else:
+            sweep = due.number // len(self._clock.slots)
+            measured = self._errors.measured(
+                reading, frequency, sweep, slot.interface, slot.frequencies
+            )
+            values = shown_values(measured, frequency, kind, scene.readout)
+        return np.stack([values[name] for name in kind.names])
+
+    def _deliver(self) -> None:
+        """Makes readings visible that have ended."""
+        if not (self._pending and self._pending[0].due.end <= self._now):
+            return
+        self._values, self._taken_at = self._values.copy(), self._taken_at.copy()
+        while self._pending and self._pending[0].due.end <= self._now:
+            due, values, labels = self._pending.popleft()
+            slot = due.slot
+            self._values[:, :, slot.interface, slot.frequencies] = values
+            self._taken_at[slot.interface, slot.frequencies] = due.end
+            self._labels.append(labels)
+            if len(self._labels) == len(self._clock.slots):
+                self._complete(due.end)
+        self._values.flags.writeable = False
+
+    def _complete(self, end: int) -> None:
+        """Stores the whole sweep that ends at a time in ticks."""
+        each = [labels * (self.skins // len(labels)) for labels in self._labels]
+        labels = tuple(own[0] if len({*own}) == 1 else UNKNOWN for own in zip(*each, strict=True))
+        middle = (end - self._clock.period / 2) / PER_SECOND
+        self._sweeps.append(CompletedSweep(middle, labels, self._values.copy()))
+        self._labels = []

@@ -1,0 +1,93 @@
+"""Latest readings of a sensor at a moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.reading_setup import ReadingSetup
+
+
+@dataclass(frozen=True, eq=False)
+class VectorLayout:
+    """Order of the numbers in `SensorReading.vector`: quantity by quantity, in the meter's order.
+
+    read: mask of the readings, shape (interface, frequency).
+    """
+
+    quantities: tuple[str, ...]
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    read: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, setup: ReadingSetup) -> VectorLayout:
+        """Layout for the readings of a scene."""
+        each = [
+            (
+                f"{quantity.name} {setup.interfaces[i].name} {setup.frequency[k]:g} Hz",
+                quantity.units,
+            )
+            for quantity in setup.kind.quantities
+            for i, k in np.argwhere(setup.read)
+        ]
+        names, units = zip(*each, strict=True)
+        return cls(setup.kind.names, names, units, setup.read)
+
+
+@dataclass(frozen=True, eq=False)
+class SensorReading:
+    """Latest value of each reading of a batch of skins, NaN before the first one.
+
+    time: s of the sensor's clock. values: shape (quantity, skin, interface, frequency), read-only.
+    taken_at: end of each reading, s, shape (interface, frequency), NaN before the first one. fresh:
+    True for readings that ended within the last step, shape (interface, frequency). error:
+    estimated relative numerical error of readings, without those of the meter.
+    """
+
+    time: float
+    values: NDArray[np.float64]
+    taken_at: NDArray[np.float64]
+    fresh: NDArray[np.bool_]
+    error: float
+    layout: VectorLayout
+
+    @property
+    def Rs(self) -> NDArray[np.float64]:
+        """Series resistance, ohm, shape (skin, interface, frequency)."""
+        return self._quantity("Rs")
+
+    @property
+    def X(self) -> NDArray[np.float64]:
+        """Series reactance, ohm, shape (skin, interface, frequency)."""
+        return self._quantity("X")
+
+    @property
+    def Cp(self) -> NDArray[np.float64]:
+        """Parallel capacitance, F, shape (skin, interface, frequency)."""
+        return self._quantity("Cp")
+
+    @property
+    def gain(self) -> NDArray[np.float64]:
+        """Gain at the node, |V / V_s|, shape (skin, interface, frequency)."""
+        return self._quantity("gain")
+
+    @property
+    def gain_phase(self) -> NDArray[np.float64]:
+        """Phase of V / V_s, rad, shape (skin, interface, frequency)."""
+        return self._quantity("gain_phase")
+
+    @cached_property
+    def vector(self) -> NDArray[np.float64]:
+        """All readings of each skin in the order of `Sensor.names`, shape (skin, n)."""
+        read = self.values[:, :, self.layout.read]
+        return np.ascontiguousarray(read.swapaxes(0, 1)).reshape(read.shape[1], -1)
+
+    def _quantity(self, name: str) -> NDArray[np.float64]:
+        if name not in self.layout.quantities:
+            known = ", ".join(self.layout.quantities)
+            raise AttributeError(f"readings of this scene have no {name}: they have {known}")
+        return self.values[self.layout.quantities.index(name)]

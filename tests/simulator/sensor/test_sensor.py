@@ -1,0 +1,127 @@
+"""Readings of a mounted skin in time."""
+
+import numpy as np
+import pytest
+import rcskin
+
+STRIP = "strip-1x4"
+
+
+def sensor(**options):
+    return rcskin.Sensor(STRIP, **options)
+
+
+def test_readings_of_a_constant_press_are_those_of_the_solver():
+    own = sensor(noise=False, rtol=1e-3)
+    reading = own.step("1,2+1,4:1.5", dt=0.05)
+    exact = rcskin.sweep(STRIP, ["1,2+1,4:1.5"], rtol=1e-6)
+    for name in ("Rs", "X", "Cp"):
+        np.testing.assert_allclose(getattr(reading, name), exact[name].values, rtol=own.error)
+
+
+def test_a_reading_is_there_from_its_end_on():
+    own = sensor(noise=False)
+    first = own.step(None, dt=0.0049)
+    assert np.isnan(first.vector).all() and not first.fresh.any()
+    second = own.step(None, dt=0.0002)
+    assert second.fresh.tolist() == [[True, False, False, False]]
+    assert second.taken_at[0, 0] == 0.005 and np.isfinite(second.Cp[0, 0, 0])
+    assert not own.step(None, dt=0.001).fresh.any()
+
+
+def test_a_reading_takes_the_contacts_at_its_middle():
+    own, other = sensor(noise=False), sensor(noise=False)
+    own.step("1,1", dt=0.0025)
+    before = own.step(None, dt=0.0025)
+    other.step("1,1", dt=0.0024)
+    after = other.step(None, dt=0.0026)
+    pressed, unpressed = (
+        rcskin.sweep(STRIP, [press], rtol=1e-5).Cp.values[0, 0, 0] for press in ("1,1", "none")
+    )
+    assert before.Cp[0, 0, 0] == pytest.approx(pressed, rel=1e-3)
+    assert after.Cp[0, 0, 0] == pytest.approx(unpressed, rel=1e-3)
+
+
+def test_results_do_not_depend_on_how_steps_are_divided():
+    whole, parts = sensor(skins=2, session="drawn"), sensor(skins=2, session="drawn")
+    one = whole.step("1,3", dt=0.1)
+    for _ in range(10):
+        many = parts.step("1,3", dt=0.01)
+    assert whole.time == parts.time == 0.1
+    np.testing.assert_array_equal(one.values, many.values)
+    assert whole.sweeps().identical(parts.sweeps())
+
+
+def test_a_skin_of_a_batch_is_the_sensor_of_its_number():
+    batch = sensor(skins=3, session="drawn", seed=5)
+    alone = sensor(skins=[2], session="drawn", seed=5)
+    presses = ["1,1", None, "1,4:1.5"]
+    together, own = batch.step(presses, dt=0.1), alone.step("1,4:1.5", dt=0.1)
+    np.testing.assert_array_equal(together.values[:, 2:], own.values)
+    assert len({*together.vector[:, 0]}) == 3
+
+
+def test_copies_go_on_in_the_same_way_and_apart():
+    own = sensor()
+    own.step("1,2", dt=0.033)
+    other = own.copy()
+    np.testing.assert_array_equal(own.step(None, 0.05).values, other.step(None, 0.05).values)
+    other.step("1,1", 0.05)
+    assert own.time == pytest.approx(0.083) and len(own.sweeps().sweep) < len(other.sweeps().sweep)
+
+
+def test_reset_begins_again_and_seeds_give_other_noise():
+    own = sensor(seed=3)
+    first = own.step("1,2", dt=0.05)
+    own.reset()
+    assert own.time == 0 and own.last_sweep is None
+    np.testing.assert_array_equal(own.step("1,2", dt=0.05).values, first.values)
+    own.reset(seed=4)
+    assert (own.step("1,2", dt=0.05).values != first.values).all()
+
+
+def test_whole_sweeps_are_in_the_schema():
+    own = sensor(skins=2)
+    assert own.last_sweep is None
+    own.step("1,2", dt=0.06)
+    own.step("1,3", dt=0.041)
+    sweeps = own.sweeps()
+    assert sweeps.sizes["sweep"] == 10 and sweeps.session.values.tolist() == [0] * 5 + [1] * 5
+    assert sweeps.press.values[:5].tolist() == ["1,2:2.0"] * 3 + ["1,3:2.0"] * 2
+    np.testing.assert_allclose(sweeps.time.values[:5], [0.01, 0.03, 0.05, 0.07, 0.09])
+    assert own.last_sweep.press.values.tolist() == ["1,3:2.0"] * 2
+
+
+def test_a_press_that_changes_within_a_sweep_has_no_label():
+    own = sensor()
+    own.step("1,2", dt=0.01)
+    own.step("1,3", dt=0.01)
+    assert own.last_sweep.press.values.tolist() == ["unknown"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"skins": 0}, "`skins` must be >= 1"),
+        ({"session": "mine"}, '`session` must be "nominal" or "drawn"'),
+        ({"seed": -1}, "`seed` must be in 0.."),
+        ({"rtol": 2.0}, "`rtol` must be between 0 and 1"),
+    ],
+)
+def test_refused_arguments(change, message):
+    with pytest.raises(rcskin.InputError, match=message):
+        sensor(**change)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "dt", "message"),
+    [
+        ("2,1", 0.1, "row must be in 1..1"),
+        ("1,2:9", 0.1, "at most 6 times"),
+        (["1,2"], 0.1, "a list of one for each of the 2 skins"),
+        (None, 0.0, "`dt` must be > 0 s"),
+    ],
+)
+def test_refused_contacts(contacts, dt, message):
+    with pytest.raises(rcskin.InputError, match=message):
+        sensor(skins=2).step(contacts, dt)
