@@ -106,7 +106,7 @@ def uninterrupted() -> Iterator[None]:
 
     These inherit the mask and never receive the signal. Windows has no such mask.
     """
-    if not hasattr(signal, "pthread_sigmask"):
+    if sys.platform == "win32" or not hasattr(signal, "pthread_sigmask"):
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 PREFIXES = ("\0", "\xe0")
@@ -25,12 +26,12 @@ def key_reader() -> Iterator[Callable[[], str]]:
     if not sys.stdin.isatty():
         yield lambda: ""
         return
-    try:
-        import termios
-        import tty
-    except ImportError:  # Windows
+    if sys.platform == "win32" or find_spec("termios") is None:
         yield partial(_last_console_key, import_module("msvcrt"))
         return
+    import termios
+    import tty
+
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
     restore = partial(termios.tcsetattr, terminal, termios.TCSADRAIN, before)

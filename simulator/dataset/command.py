@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -89,6 +90,6 @@ def dataset(
 
 def _cpu_count() -> int:
     """Number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
+    if sys.platform == "linux" and hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -53,7 +53,9 @@ def free_memory() -> float:
     if sys.platform == "win32":
         return _free_on_windows()
     found = [each for each in (_free_on_linux(), _free_in_group(), _limit()) if each is not None]
-    return min(found, default=_all_memory())
+    if found:
+        return min(found)
+    return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))  # macOS: all memory
 
 
 def _free_on_linux() -> float | None:
@@ -77,17 +79,14 @@ def _free_in_group() -> float | None:
 
 def _limit() -> float | None:
     """The limit of `ulimit -v`; None if the system has no such limit."""
+    if sys.platform == "win32":
+        return None
     try:
         import resource
     except ImportError:
         return None
     soft, _ = resource.getrlimit(resource.RLIMIT_AS)
     return None if soft == resource.RLIM_INFINITY else float(soft)
-
-
-def _all_memory() -> float:
-    """Memory of the whole machine, for macOS, which does not report free memory."""
-    return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
 def _free_on_windows() -> float:
