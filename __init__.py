@@ -34,13 +34,17 @@ if TYPE_CHECKING:
     from .localization.model.localizer_model import Model
     from .simulator.press.press import Press
     from .simulator.scene.scene import Scene
+    from .simulator.sensor.contacts.contact_types import DepthImage, PointContacts, PressureImage
     from .simulator.sensor.sensor import Sensor
     from .simulator.sweeps.errors import InputError, ToleranceError
 
 __all__ = [
+    "DepthImage",
     "InputError",
     "Model",
+    "PointContacts",
     "Press",
+    "PressureImage",
     "Scene",
     "Sensor",
     "ToleranceError",
@@ -64,9 +68,12 @@ __all__ = [
 ]
 
 _CLASSES = {
+    "DepthImage": "simulator.sensor.contacts.contact_types",
     "InputError": "simulator.sweeps.errors",
     "Model": "localization.model.localizer_model",
+    "PointContacts": "simulator.sensor.contacts.contact_types",
     "Press": "simulator.press.press",
+    "PressureImage": "simulator.sensor.contacts.contact_types",
     "Scene": "simulator.scene.scene",
     "Sensor": "simulator.sensor.sensor",
     "ToleranceError": "simulator.sweeps.errors",

@@ -59,6 +59,9 @@ CLASSES = {
         "simulator.sensor.sensor_reading",
         ("Rs", "X", "Cp", "gain", "gain_phase", "vector"),
     ),
+    "PointContacts": ("simulator.sensor.contacts.contact_types", ()),
+    "DepthImage": ("simulator.sensor.contacts.contact_types", ()),
+    "PressureImage": ("simulator.sensor.contacts.contact_types", ()),
     "Model": ("localization.model.localizer_model", ("probabilities", "positions", "regions")),
     "Answers": ("localization.trust.answers", ("answered",)),
     "Evaluation": (

@@ -45,7 +45,7 @@ def touched(
             for i in range(span[2], span[3]):
                 for j in range(span[0], span[1]):
                     sides = x[j], x[j + 1], y[i], y[i + 1]
-                    part = _covered_fraction(boxes[press, touch], radius[press, touch], sides)
+                    part = covered_fraction(boxes[press, touch], radius[press, touch], sides)
                     total[i, j] *= (1 - part) + factor[press, touch] * part
         for i in range(bottom, top):
             for j in range(left, right):
@@ -58,7 +58,7 @@ def touched(
 
 
 @compiled()
-def _covered_fraction(
+def covered_fraction(
     box: NDArray, radius: float, sides: tuple[float, float, float, float]
 ) -> float:  # pragma: no cover
     """Fraction of a cell within a touch. sides: left, right, bottom, top of the cell, m."""

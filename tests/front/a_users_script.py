@@ -49,6 +49,10 @@ reduced = rcskin.reduce(strip, rtol=1e-3)
 Z = reduced.impedance("1,1", np.array([1e3, 2e3]))
 print(reduced, Z.shape, rcskin.__version__)
 
+contacts = rcskin.PointContacts([0.02, 0.05], [0.01, 0.02], force=[1.0, 2.0], radius=5e-3)
+images = rcskin.DepthImage(np.full((20, 30), 1e-3)), rcskin.PressureImage([[0.0, 1e3]])
+print(contacts, *images)
+
 try:
     rcskin.sweep("strip.toml", "9,9")
 except rcskin.InputError as error:

@@ -1,0 +1,1 @@
+"""Contacts of a moment as cells and rises of c, by the law of the foam."""

@@ -1,0 +1,179 @@
+"""Contacts of a moment: points with a force, and images of depth or pressure on the skin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...sweeps import InputError
+
+STRENGTHS = ("force", "depth", "factor")
+KINDS = (*STRENGTHS, "depth image", "pressure image")
+COLUMNS = ("x", "y", "strength", "radius", "curvature_radius", "width", "height")
+
+
+@dataclass(frozen=True, eq=False)
+class PointContacts:
+    """Contacts at points of the skin, each pressing a patch around its point.
+
+    Exactly one strength is given: force, depth or factor. The end of the indenter is flat and round
+    (radius), a sphere (curvature_radius) or a flat rectangle (size). Arrays have the shape
+    (contact,), or (skin, contact) for many skins; one number applies to all contacts.
+
+    x, y: position on the flat skin, m; x runs along the length and y along the width. force:
+    normal to the skin, >= 0, N. radius: of a round patch, m; with curvature_radius, the limit of
+    the sphere's patch. curvature_radius: of a spherical indenter, m; the foam's law gives its patch
+    (Hertz's contact on a Winkler foundation). size: width along x and height along y, m, shape
+    (..., 2). depth: indentation of the foam under the point, m. factor: capacitance of the patch
+    over the unpressed one. count: number of valid contacts of each skin, the first in its row,
+    shape (skin,); all by default. Raises InputError unless exactly one strength is given, and if
+    arrays do not match.
+    """
+
+    x: ArrayLike
+    y: ArrayLike
+    force: ArrayLike | None = None
+    radius: ArrayLike | None = None
+    curvature_radius: ArrayLike | None = None
+    size: ArrayLike | None = None
+    depth: ArrayLike | None = None
+    factor: ArrayLike | None = None
+    count: ArrayLike | None = None
+    by: str = field(init=False, repr=False)
+    values: NDArray[np.float64] = field(init=False, repr=False)
+    counts: NDArray[np.int64] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        by = self._strength()
+        if self.radius is None and self.curvature_radius is None and self.size is None:
+            raise InputError("PointContacts: needs radius, curvature_radius or size, in m")
+        if self.size is not None and (self.radius, self.curvature_radius) != (None, None):
+            raise InputError("PointContacts: takes size, or radius and curvature_radius, not both")
+        try:
+            values = self._table(getattr(self, by))
+            counts = _counts(self.count, *values.shape[:2])
+        except (ValueError, TypeError) as error:
+            raise InputError(f"PointContacts: arrays do not match: {error}") from None
+        object.__setattr__(self, "by", by)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "counts", counts)
+
+    @property
+    def kind(self) -> str:
+        """One of KINDS."""
+        return self.by
+
+    @property
+    def skins(self) -> int:
+        """Number of skins; 1 if the contacts apply to any number."""
+        return len(self.values)
+
+    def _strength(self) -> str:
+        given = [name for name in STRENGTHS if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise InputError(
+                f"PointContacts: takes one of {', '.join(STRENGTHS)}, "
+                f"got {' and '.join(given) or 'none'}"
+            )
+        return given[0]
+
+    def _table(self, strength: ArrayLike) -> NDArray[np.float64]:
+        """Columns x, y, strength, radius, curvature_radius, width and height: (skin, contact, 7).
+
+        A radius that is not given is infinite, a size 0.
+        """
+        width, height = (0.0, 0.0) if self.size is None else _sides(self.size)
+        radius = np.inf if self.radius is None else self.radius
+        curvature = np.inf if self.curvature_radius is None else self.curvature_radius
+        columns = self.x, self.y, strength, radius, curvature, width, height
+        shape = np.broadcast(*columns).shape
+        if len(shape) > 2:
+            raise ValueError(f"shape must be (contact,) or (skin, contact), got {shape}")
+        table = np.empty(((1, 1)[len(shape) :] + shape) + (len(columns),))
+        for k, column in enumerate(columns):
+            table[..., k] = column
+        return table
+
+
+def _sides(size: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    sides = np.asarray(size, dtype=np.float64)
+    if sides.shape[-1:] != (2,):
+        raise ValueError(f"size must have the shape (..., 2), got {sides.shape}")
+    return sides[..., 0], sides[..., 1]
+
+
+def _counts(count: ArrayLike | None, skins: int, contacts: int) -> NDArray[np.int64]:
+    if count is None:
+        return np.full(skins, contacts)
+    counts = np.asarray(count)
+    if counts.shape != (skins,) or counts.dtype.kind not in "iu":
+        raise ValueError(f"count must be a whole number for each of {skins} skins, got {count}")
+    if counts.min(initial=0) < 0 or counts.max(initial=0) > contacts:
+        raise ValueError(f"count must be in 0..{contacts}, got {count}")
+    return counts.astype(np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class SkinImage:
+    """Values on equal rectangles over the whole length and width of the skin.
+
+    Row 0 lies at y = 0, column 0 at x = 0. `values` has the shape (skin, row, column). kind: one of
+    KINDS.
+    """
+
+    kind: ClassVar[str]
+    values: NDArray[np.float64] = field(init=False, repr=False)
+
+    @property
+    def skins(self) -> int:
+        """Number of skins; 1 if the image applies to any number."""
+        return len(self.values)
+
+    def _keep(self, name: str, given: ArrayLike) -> None:
+        values = np.asarray(given, dtype=np.float64)
+        if values.ndim not in (2, 3) or 0 in values.shape:
+            raise InputError(
+                f"{type(self).__name__}: {name} must have the shape (row, column) or "
+                f"(skin, row, column), got {values.shape}"
+            )
+        object.__setattr__(self, "values", values if values.ndim == 3 else values[None])
+
+
+@dataclass(frozen=True, eq=False)
+class DepthImage(SkinImage):
+    """Indentation of the skin on equal rectangles over its whole length and width.
+
+    Row 0 lies at y = 0, column 0 at x = 0.
+
+    depth: m, >= 0, shape (row, column), or (skin, row, column) for many skins. Raises InputError
+    for another shape.
+    """
+
+    kind = "depth image"
+    depth: ArrayLike = field()
+
+    def __post_init__(self) -> None:
+        self._keep("depth", self.depth)
+
+
+@dataclass(frozen=True, eq=False)
+class PressureImage(SkinImage):
+    """Pressure on the skin on equal rectangles over its whole length and width.
+
+    Row 0 lies at y = 0, column 0 at x = 0.
+
+    pressure: Pa, >= 0, shape (row, column), or (skin, row, column) for many skins. Raises
+    InputError for another shape.
+    """
+
+    kind = "pressure image"
+    pressure: ArrayLike = field()
+
+    def __post_init__(self) -> None:
+        self._keep("pressure", self.pressure)
+
+
+Contacts = PointContacts | DepthImage | PressureImage

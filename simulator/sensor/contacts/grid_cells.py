@@ -1,0 +1,46 @@
+"""Cells of a grid on the skin of a scene, with samples where the skin's edge passes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.scene import Scene
+from ...scene.skin_region import covers
+from .cell_samples import SAMPLES
+
+
+class GridCells(NamedTuple):
+    """Lines between the cells of a grid, and which part of each cell is skin.
+
+    x, y: lines, m, ascending. cut: number of a cell's samples in `mask`, -1 for a cell that is all
+    skin, shape (row, column). mask: True where a sample is on the skin, shape (cut cell, SAMPLES,
+    SAMPLES). part: part of each cell that is skin, shape (row, column). whole: True if all is.
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    cut: NDArray[np.int64]
+    mask: NDArray[np.bool_]
+    part: NDArray[np.float64]
+    whole: bool
+
+
+def grid_cells(scene: Scene, grid: tuple[int, int]) -> GridCells:
+    """Cells of a grid (rows, columns) over the length and width of the skin of a scene."""
+    (rows, columns), (length, width) = grid, scene.skin.sides
+    x, y = np.linspace(0, length, columns + 1), np.linspace(0, width, rows + 1)
+    cut, mask = np.full(grid, -1), np.zeros((0, SAMPLES, SAMPLES), dtype=bool)
+    if scene.skin.rectangular:
+        return GridCells(x, y, cut, mask, np.ones(grid), True)
+    across, along = ((np.arange(n * SAMPLES) + 0.5) / (n * SAMPLES) for n in grid)
+    there = covers(
+        scene.skin, np.stack(np.broadcast_arrays(along * length, across[:, None] * width))
+    )
+    samples = there.reshape(rows, SAMPLES, columns, SAMPLES).swapaxes(1, 2)
+    part = samples.mean(axis=(2, 3))
+    edge = part < 1
+    cut[edge] = np.arange(np.count_nonzero(edge))
+    return GridCells(x, y, cut, np.ascontiguousarray(samples[edge]), part, False)

@@ -1,0 +1,114 @@
+"""Contacts of a moment as cells of a grid and rises of c."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...press.batch import PressBatch
+from ...scene.scene import Scene
+from ...sweeps import InputError
+from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
+from .fingers import with_fingers
+from .foam_tables import FoamTables, foam_tables
+from .grid_cells import GridCells, grid_cells
+from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
+
+TooDeep = Literal["limit", "refuse"]
+
+
+class ContactCells(NamedTuple):
+    """Contacts as cells of a grid, and presses whose foam was limited to its largest strain.
+
+    batch: one press if the contacts apply to any skin, else one of each skin. limited: shape
+    (press,).
+    """
+
+    batch: PressBatch
+    limited: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRasterizer:
+    """Turns contacts into cells of a grid and rises of c there, for one scene.
+
+    too_deep: "limit" compresses foam at most to its largest strain, and `ContactCells.limited`
+    says so; "refuse" raises InputError.
+    """
+
+    scene: Scene
+    grid: tuple[int, int]
+    too_deep: TooDeep
+    foam: FoamTables
+    cells: GridCells
+    refusals: dict[str, str]
+
+    @classmethod
+    def of(
+        cls, scene: Scene, grid: tuple[int, int] | None = None, too_deep: TooDeep = "limit"
+    ) -> ContactRasterizer:
+        """Rasterizer on a grid (rows, columns), by default the scene's pixels."""
+        if too_deep not in ("limit", "refuse"):
+            raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
+        grid = grid or scene.pixels.shape
+        foam, cells = foam_tables(scene.skin.foam), grid_cells(scene, grid)
+        return cls(scene, grid, too_deep, foam, cells, refusals(scene))
+
+    def __call__(self, contacts: Contacts) -> ContactCells:
+        """Cells and rises of contacts.
+
+        Raises InputError for contacts that are invalid or that the scene does not take.
+        """
+        if contacts.kind in self.refusals:
+            raise InputError(self.refusals[contacts.kind])
+        found = (
+            self._points(contacts) if isinstance(contacts, PointContacts) else self._image(contacts)
+        )
+        if self.too_deep == "refuse" and found.limited.any():
+            raise InputError(too_deep_message(self.scene, contacts, found.limited))
+        return found
+
+    def _points(self, contacts: PointContacts) -> ContactCells:
+        from .point_kernel import ADDED, FACTOR, pressed_cells
+
+        by = STRENGTHS.index(contacts.by)
+        added = by == FACTOR and self.scene.press.adds is not None
+        *batch, limited, patches, fault = pressed_cells(
+            contacts.values, contacts.counts, ADDED if added else by, *self.foam, *self.cells
+        )
+        if fault[2]:
+            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
+        found = PressBatch(*batch)
+        if self.scene.press.finger:
+            found = with_fingers(self.scene, contacts, found, patches, self.grid)
+        return ContactCells(found, limited)
+
+    def _image(self, contacts: Contacts) -> ContactCells:
+        from .image_kernel import imaged_cells
+
+        by_pressure = isinstance(contacts, PressureImage)
+        cut, mask = self.cells.cut, self.cells.mask
+        *batch, limited, fault = imaged_cells(
+            contacts.values, by_pressure, *self.foam, self.grid, cut, mask
+        )
+        if fault[3]:
+            raise InputError(invalid_value(contacts, *fault[:3].tolist()))
+        return ContactCells(PressBatch(*batch), limited)
+
+
+def to_cells(scene: Scene, grid: tuple[int, int], contacts: Contacts) -> PressBatch:
+    """Cells of a grid (rows, columns) that contacts press, and the rises of c there.
+
+    Foam is compressed at most to its largest strain. `ContactRasterizer` is faster for many calls.
+    Raises InputError for contacts that are invalid or that the scene does not take.
+    """
+    return _rasterizer(scene, grid)(contacts).batch  # pyright: ignore[reportArgumentType]
+
+
+@lru_cache(maxsize=8)
+def _rasterizer(scene: Scene, grid: tuple[int, int]) -> ContactRasterizer:
+    return ContactRasterizer.of(scene, grid)
