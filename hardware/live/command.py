@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...simulator.safe_text import say, terminal
+from ...simulator.safe_text import say
 from ..options import (
     Accuracy,
     Baud,
@@ -97,6 +96,10 @@ def live(
     port: Annotated[
         int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
+    ros: Annotated[
+        str | None,
+        typer.Option(metavar="NAMESPACE", help="Publish in ROS 2, in a namespace such as /skin."),
+    ] = None,
 ) -> None:
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
@@ -109,6 +112,7 @@ def live(
     from .live_localizer import localizer_of
     from .live_meter import LiveMeter
     from .live_session import LiveSession
+    from .session_displays import other_displays, session_display
     from .session_log import SessionLog
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
@@ -144,11 +148,11 @@ def live(
     )
     baseline = _baseline(localizer, rest, rest_file, force)
     kept = SessionLog(journal)
-    paged = _serve_page(localizer, port or 0) if page else nullcontext(())
+    others = other_displays(localizer, port or 0 if page else None, ros)
     try:
         with orderly_termination() as report, journal.lock() if journal else nullcontext():
             link = connect(report=report)
-            with paged as others, _session_display(localizer, plain, others) as (show, key):
+            with others as more, session_display(localizer, plain, more) as (show, key):
                 shown.append(show)
                 _run(LiveSession(localizer, link, baseline, show, kept, key), sweeps)
     finally:
@@ -208,47 +212,6 @@ def _run(session: LiveSession, answers: int | None) -> None:
     finally:
         session.meter.release()
         session.log.write(session.meter.header)
-
-
-@contextmanager
-def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[Sequence[SessionDisplay]]:
-    """Serve a page of the localizer's skin. Raises InputError if the scene has none."""
-    from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
-    from ..event_counter import counted_events
-    from ..page.page_document import PageDocument
-    from ..page.page_thread import serve_in_thread
-    from ..record.recording_dataset import measured_mask
-    from .page_display import PageDisplay
-
-    model = localizer.model
-    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
-    scene = with_frequencies(
-        restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
-    )
-    document = PageDocument.of(scene, "live")
-    shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
-    with shown, serve_in_thread(document, port) as (address, post):
-        say(f"rcskin: page {address.url}", err=True)
-        yield (PageDisplay(model, post),)
-
-
-@contextmanager
-def _session_display(
-    localizer: LiveLocalizer, plain: bool, others: Sequence[SessionDisplay]
-) -> Iterator[tuple[SessionDisplay, Callable[[], str]]]:
-    import sys
-
-    from .key_input import key_reader
-    from .line_output import LineOutput
-    from .live_screen import LiveScreen
-    from .page_display import CombinedDisplay
-
-    console = terminal()
-    if plain or not console.is_terminal:
-        yield CombinedDisplay((LineOutput(sys.stdout, sys.stderr), *others)), lambda: ""
-        return
-    with key_reader() as key, LiveScreen(console, localizer) as screen:
-        yield CombinedDisplay((screen, *others)), key
 
 
 def _baseline(

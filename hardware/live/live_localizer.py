@@ -123,4 +123,6 @@ def _position_answer(found: NDArray, deviations: NDArray, region: Region | None)
 
 
 def _answer_without_position(label: str, probability: float) -> TouchAnswer:
-    return TouchAnswer(NOTHING_PRESSED, probability) if label == "0" else TouchAnswer(CANNOT_TELL)
+    if label == "0":
+        return TouchAnswer(NOTHING_PRESSED, probability, pixel=(0, 0))
+    return TouchAnswer(CANNOT_TELL)

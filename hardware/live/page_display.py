@@ -12,7 +12,7 @@ import numpy as np
 
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep
-from .live_session import AnswerSource, SessionDisplay, TimedAnswer
+from .live_session import AnswerSource, TimedAnswer
 from .touch_answer import TouchAnswer, reading_count
 
 if TYPE_CHECKING:
@@ -21,33 +21,6 @@ if TYPE_CHECKING:
 NOTES = 5
 UPDATE_INTERVAL = 0.25
 """Seconds between two updates of a sweep's progress."""
-
-
-@dataclass
-class CombinedDisplay:
-    """Several displays of one session."""
-
-    displays: Sequence[SessionDisplay]
-
-    def reading(self, frequency: float, reading: MeterReading) -> None:
-        """Show a reading at a frequency in Hz."""
-        for show in self.displays:
-            show.reading(frequency, reading)
-
-    def answer(self, moment: TimedAnswer) -> None:
-        """Show an answer."""
-        for show in self.displays:
-            show.answer(moment)
-
-    def no_answer(self, why: str) -> None:
-        """Show why there is no answer."""
-        for show in self.displays:
-            show.no_answer(why)
-
-    def note(self, text: str) -> None:
-        """Show a note."""
-        for show in self.displays:
-            show.note(text)
 
 
 @dataclass

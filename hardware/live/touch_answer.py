@@ -29,8 +29,9 @@ class TouchAnswer:
     pressed, shape (row, column), row 1 first. position: x, y in mm. deviation: its standard
     deviations, mm. region: function of x, y in mm; 0 outside the region that holds 95 % of the
     probability, up to 1 inside. remark: a note, or empty. shared: "column" or "row" if its pixels
-    are pressed together and share one probability. Raises ValueError if a length is not finite or
-    a probability is outside 0 to 1.
+    are pressed together and share one probability. pixel: row and column of the only pressed pixel,
+    from 1; 0: nothing is pressed; -1: unknown, or several. Raises ValueError if a length is not
+    finite or a probability is outside 0 to 1.
     """
 
     label: str
@@ -41,6 +42,7 @@ class TouchAnswer:
     region: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
     remark: str = ""
     shared: str = ""
+    pixel: tuple[int, int] = (-1, -1)
 
     def __post_init__(self) -> None:
         probabilities = np.append(
@@ -88,14 +90,30 @@ def answer_of_classes(
         pressed = np.array([_pressed_pixels(target, each, shape) for each in classes])
         pixels = np.tensordot(probabilities, pressed, 1)
     shared = target if target in ("column", "row") else ""
-    return TouchAnswer(_label_text(target, label), known.get(label), pixels, shared=shared)
+    return TouchAnswer(
+        _label_text(target, label),
+        known.get(label),
+        pixels,
+        shared=shared,
+        pixel=_only_pixel(target, label),
+    )
+
+
+def _only_pixel(target: str, label: str) -> tuple[int, int]:
+    """Row and column of a class with one pressed pixel; see `TouchAnswer`."""
+    pixels = named_pixels(label)
+    if label == "0" or (pixels and all(pixel == (0, 0) for pixel in pixels)):
+        return 0, 0
+    if target in ("column", "row") and label.isdigit():
+        return (-1, int(label)) if target == "column" else (int(label), -1)
+    return pixels[0] if len(pixels) == 1 else (-1, -1)
 
 
 def _label_text(target: str, label: str) -> str:
     if label == CANNOT_TELL:
         return label
     pixels = named_pixels(label)
-    if label == "0" or (pixels and all(pixel == (0, 0) for pixel in pixels)):
+    if _only_pixel(target, label) == (0, 0):
         return NOTHING_PRESSED
     if pixels:
         return ("pixel " if len(pixels) == 1 else "pixels ") + label.replace("+", " and ")

@@ -1,16 +1,18 @@
 """Types, topics and definitions of the ROS 2 messages.
 
-The two messages of the skin are the `.msg` files in this folder, of the package `rcskin_msgs`. All
-others are standard.
+The two messages of the skin are the `.msg` files of the ROS package in the folder `rcskin_msgs`.
+All others are standard.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from importlib.resources import files
+from pathlib import Path
 
 PACKAGE = "rcskin_msgs"
+PACKAGE_FOLDER = Path(__file__).with_name(PACKAGE)
+"""The package as ROS 2 builds it."""
 READINGS = f"{PACKAGE}/msg/SkinReadings"
 TOUCH = f"{PACKAGE}/msg/SkinTouch"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
@@ -67,4 +69,4 @@ def _fields(message: str) -> str:
     package, name = message.split("/")
     if package != PACKAGE:
         return STANDARD[message]
-    return files(__package__).joinpath(f"{name}.msg").read_text(encoding="utf-8")
+    return (PACKAGE_FOLDER / "msg" / f"{name}.msg").read_text(encoding="utf-8")
