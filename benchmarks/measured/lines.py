@@ -47,6 +47,8 @@ MODELS: Mapping[str, Options] = {
 """Fits of every sweep: three by least squares, and that of `rcskin calibrate` without options."""
 TICKS = (2, 5, 10, 20, 50)
 """% on the axis of residuals."""
+RESISTANCE_TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10)
+MARGIN = 1.1
 EXPECTED = {"Im Z <= 0"}
 """Law that every sweep breaks where its leads are inductive."""
 
@@ -208,12 +210,28 @@ def _draw_resistances(axes: Axes, every: list[Fitted]) -> None:
     axes.axvline(1, color="0.6", linewidth=1)
     for k, each in enumerate(every):
         if each.published:
-            found, known = each.quantity("both in series"), each.published["r_ion_ohm"]
-            ends = [[found.value - found.low], [found.high - found.value]]
-            spread = np.array(ends) / known
-            axes.errorbar(found.value / known, k, xerr=spread, fmt="o", color=COLOURS[2])
-    axes.set_xlim(0.7, 1.3)
+            low, value, high = resistance_over_published(each)
+            ends = [[value - low], [high - value]]
+            axes.errorbar(value, k, xerr=ends, fmt="o", color=COLOURS[2])
+    axes.set_xscale("log")
+    axes.set_xticks(RESISTANCE_TICKS, list(map(str, RESISTANCE_TICKS)))
+    axes.set_xticks([], minor=True)
+    axes.set_xlim(resistance_range(every))
     axes.set_xlabel("resistance over the published one, 95 % interval")
+
+
+def resistance_over_published(each: Fitted) -> tuple[float, float, float]:
+    """Lower end, value and upper end of the resistance's interval over the published value."""
+    found, known = each.quantity("both in series"), each.published["r_ion_ohm"]
+    return found.low / known, found.value / known, found.high / known
+
+
+def resistance_range(every: list[Fitted]) -> tuple[float, float]:
+    """Range that shows the interval of every sweep that passes the check, with a margin."""
+    shown = [resistance_over_published(each) for each in every if each.published]
+    passing = [resistance_over_published(e) for e in every if e.published and not e.broken]
+    ends = np.array(passing or shown or [(0.5, 1, 2)])
+    return float(ends.min()) / MARGIN, float(ends.max()) * MARGIN
 
 
 if __name__ == "__main__":
