@@ -11,6 +11,7 @@ import numpy as np
 from ...simulator.meters.accuracy_table import ReadingConditions, full_scale
 from ...simulator.sweeps import parallel_capacitance
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
+from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:
@@ -44,10 +45,10 @@ class SweepLimits:
     errors: tolerance of the laws, as a multiple of the bounds on the meter's error. With noise of
     the size of the bounds, 22 of 300 sweeps broke a law at the factor 2, and none at 3.
 
-    repeatability: fraction by which |Z| may differ from the mean of earlier sweeps of the same
-    press. drift: fraction by which |Z| of the unpressed skin may differ from that of the first
-    baseline sweep. two_terminal: True if all current that enters the skin leaves it through the
-    meter; otherwise the laws of passive skins do not apply to the readings.
+    repeatability: fraction by which |Z| or a gain may differ from the mean of earlier sweeps of
+    the same press. drift: fraction by which it may differ, on the unpressed skin, from that of the
+    first baseline sweep. two_terminal: True if all current that enters the skin leaves it through
+    the meter; otherwise the laws of passive skins do not apply to the readings.
     """
 
     errors: float = 4.0
@@ -149,7 +150,8 @@ class SweepChecker:
         worst = int(departure.argmax())
         if departure[worst] <= limit:
             return []
+        size = "|Z|" if trace.kind == IMPEDANCE.name else "|V / V_s|"
         return [
-            f"{what} by {100 * departure[worst]:.1f} % of |Z| at {self.frequency[worst]:.5g} Hz "
+            f"{what} by {100 * departure[worst]:.1f} % of {size} at {self.frequency[worst]:.5g} Hz "
             f"(allowed: {100 * limit:g} %)"
         ]

@@ -98,7 +98,16 @@ def test_departures_are_measured_in_Z(unpressed, expected):
     assert JUDGE.remarks(sweep_of(1.04 * LINE), earlier, unpressed) == []
     (remark,) = JUDGE.remarks(sweep_of(1.08 * LINE), earlier, unpressed)
     assert remark.startswith(expected)
-    assert "(allowed: 5 %)" in remark
+    assert "% of |Z| at" in remark and "(allowed: 5 %)" in remark
+
+
+def test_departures_of_gains_are_named_as_gains():
+    earlier, later = (
+        MeasuredSweep((dataclasses.replace(sweep_of(Z).traces[0], kind="gain"),))
+        for Z in (LINE, 1.08 * LINE)
+    )
+    (remark,) = JUDGE.remarks(later, [earlier], unpressed=True)
+    assert "% of |V / V_s| at" in remark
 
 
 def test_drift_is_counted_from_the_first_sweep_at_rest():
