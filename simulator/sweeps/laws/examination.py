@@ -118,7 +118,8 @@ def check_limits(noise: float | None, tolerance: float, frequencies: int) -> Non
     if noise is None and frequencies < MIN_FREQUENCIES:
         raise InputError(
             f"noise cannot be estimated from {frequencies} frequencies: at least "
-            f"{MIN_FREQUENCIES} are needed; give `noise` instead"
+            f"{MIN_FREQUENCIES} are needed; give the relative noise of a reading by --noise "
+            "(0.001 is 0.1 %)"
         )
 
 

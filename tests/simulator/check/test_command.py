@@ -125,6 +125,6 @@ def test_bad_input_ends_with_one_line_and_code_2(refused, two_sweeps, arguments,
 
 def test_too_few_frequencies_name_the_file(refused, make_sweeps, tmp_path):
     write(make_sweeps(), tmp_path / "few.nc")
-    assert f"{tmp_path / 'few.nc'}: noise cannot be estimated from 3 frequencies" in refused(
-        "check", tmp_path / "few.nc"
-    )
+    told = refused("check", tmp_path / "few.nc")
+    assert f"{tmp_path / 'few.nc'}: noise cannot be estimated from 3 frequencies" in told
+    assert "by --noise" in told, "an option of the command"
