@@ -15,8 +15,8 @@
     sensor = rcskin.Sensor(scene)
     sensor.step("2,3", dt=0.1).Cp  # F, shape (skin, interface, frequency)
 
-The names in `__all__` are public; all modules of the package are internal and may change. Nothing
-is imported before it is used.
+The names in `__all__`, and `SkinModule` of the extra `torch`, are public; all modules of the
+package are internal and may change. Nothing is imported before it is used.
 """
 # pyright: standard
 
@@ -32,6 +32,7 @@ from .localization.api.simulation import dataset, load, measured, reduce, sweep
 if TYPE_CHECKING:
     __version__: str
     from .localization.model.localizer_model import Model
+    from .simulator.differentiable.skin_module import SkinModule as SkinModule
     from .simulator.press.press import Press
     from .simulator.scene.scene import Scene
     from .simulator.sensor.contacts.contact_types import DepthImage, PointContacts, PressureImage
@@ -80,6 +81,12 @@ _CLASSES = {
 }
 """The module of each class, which is imported when the class is asked for."""
 
+_OF_EXTRAS = {
+    "SkinModule": ("torch", "simulator.differentiable.skin_module"),
+}
+"""The extra and the module of each class that needs one. The extra has the name of its library.
+These names are public, but not in `__all__`, as `from rcskin import *` needs no extra."""
+
 
 def __dir__() -> list[str]:
     return __all__
@@ -96,4 +103,10 @@ if not TYPE_CHECKING:  # a checker of types would take any name for one of the p
             return version("rcskin")
         if name in _CLASSES:
             return getattr(import_module(f".{_CLASSES[name]}", __name__), name)
+        if name in _OF_EXTRAS:
+            from .simulator.sweeps.optional_packages import require_packages
+
+            extra, module = _OF_EXTRAS[name]
+            require_packages(f"rcskin.{name}", extra, extra)
+            return getattr(import_module(f".{module}", __name__), name)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,1 @@
+"""The reduced skin in PyTorch: batches of presses, with exact gradients."""

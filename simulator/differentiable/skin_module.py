@@ -1,0 +1,241 @@
+"""Reduced skin as a PyTorch module: presses, skin parameters and frequencies in, readings out."""
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from ..fem.terminal_network import allowed_potentials
+from ..models.heterogeneous.materials import gauged
+from ..models.reduced.forward import Forward
+from ..models.reduced.forward_training import REACH
+from ..models.reduced.indentation.indentation_draws import spreading
+from ..models.reduced.reduced_model import Reduced
+from ..press.capacitance import touched_cells
+from ..press.parts import parts_of
+from ..press.press import Press, press_on
+from ..scene.scene import Scene
+from ..scene.scene_files import load_scene
+from ..sweeps import InputError
+from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
+from .meter_tensors import at_meter, check_reading, quantities
+from .skin_tensors import all_tensors, check_names, check_surroundings, known_values, skin_of
+
+ROUNDING = 1e-5
+"""Relative distance beyond the range of the training that is taken as rounding."""
+
+
+class SkinModule(nn.Module):
+    """Reduced skin of a scene with exact gradients by presses, parameters and frequencies.
+
+    The gradients follow from the adjoint solution. All tensors are on the device, and in the
+    precision, that `to` sets; double by default. values: the free parameters by name.
+    """
+
+    conductance: Tensor
+    stiffness: Tensor
+    masses: Tensor
+    combination: Tensor
+    frequency: Tensor
+    nominal_weights: Tensor
+
+    def __init__(
+        self,
+        scene: Scene | str | Path | Reduced,
+        free: Iterable[str] = (),
+        *,
+        rtol: float = 1e-4,
+        cells_per_pixel: int = 1,
+        modes: int = 1,
+    ) -> None:
+        """scene: a scene, its name or path, or a reduced model.
+
+        free: names of parameters that become `torch.nn.Parameter`, with the scene's own values, in
+        `values`. rtol: largest relative error of Rs and Cp for parameters within a factor of 3,
+        and for factors of c from 0.5 to 3 on pixels. cells_per_pixel: along each side, for touches
+        that are no pixels. modes: 4 for sheets with cosine modes, else 1. Raises InputError for
+        scenes that have no gradient here.
+        """
+        super().__init__()
+        own = scene.scene if isinstance(scene, Reduced) else scene
+        self.scene = own if isinstance(own, Scene) else load_scene(own)
+        _check_scene(self.scene)
+        self.reduced = (
+            scene
+            if isinstance(scene, Reduced)
+            else Forward(self.scene, cells_per_pixel, rtol, modes=modes).reduced
+        )
+        self.parts = parts_of(self.reduced.scene)
+        free = tuple(free)
+        check_names(self.reduced, free)
+        start = known_values(self.reduced)
+        self.values = nn.ParameterDict(
+            {name: nn.Parameter(torch.tensor(start[name], dtype=torch.float64)) for name in free}
+        )
+        self._add_arrays()
+
+    def _add_arrays(self) -> None:
+        """Buffers of the model's arrays."""
+        reduced, field = self.reduced, self.reduced.terminal_field.tolist()
+        N, m = len(field), reduced.stiffness.shape[-1]
+        K = np.eye(m)
+        K[:N, :N] = reduced.conductance
+        arrays = {
+            "conductance": K,
+            "stiffness": reduced.stiffness,
+            "masses": np.concatenate(
+                [reduced.factors.transpose(0, 2, 1) @ reduced.factors, *_some(reduced.fixed)]
+            ),
+            "combination": reduced.circuit.combination.weights,
+            "frequency": self.scene.frequencies,
+        }
+        nominal = skin_of(reduced, self._tensors({}, 1, torch.zeros(1, dtype=torch.float64)))
+        self.register_buffer("nominal_weights", nominal.weights(reduced).detach(), False)
+        for name, array in arrays.items():
+            self.register_buffer(name, torch.as_tensor(array, dtype=torch.float64), False)
+        self._common = []
+        for k, excitation in enumerate(reduced.circuit.excitations):
+            columns, common = allowed_potentials(tuple(field), excitation)
+            self.register_buffer(f"columns_{k}", torch.as_tensor(columns), False)
+            self._common.append(tuple(common.tolist()))
+        self._fields = tuple(
+            tuple(np.flatnonzero(np.equal(field, each)).tolist()) for each in sorted(set(field))
+        )
+
+    def forward(
+        self,
+        rises: Tensor,
+        given: Mapping[str, Tensor | float] | None = None,
+        frequency: Tensor | None = None,
+    ) -> Tensor:
+        """Complex readings, ohm or gains, shape (press, interface, frequency).
+
+        rises: of c of each cell over its unpressed value, shape (press, cell), see `rises`. given:
+        parameters by name, of shape () or (press,): the names and meanings are those of
+        `rcskin calibrate`. `capacitance` may have the shape (1 or press, cell), and
+        `contact_resistance` (1 or press, contact). frequency: Hz, shape (frequency,); by default
+        those of the scene. Raises InputError for a shape that does not fit, an unknown name, and
+        values beyond those that the model is trained for.
+        """
+        rises = self._checked(rises)
+        f = self.frequency if frequency is None else self._on_device(frequency)
+        values = self._tensors(given or {}, len(rises), rises)
+        skin = skin_of(self.reduced, values)
+        self._check_reach(values, f)
+        change = skin.weights(self.reduced) - self.nominal_weights
+        K = self.conductance + torch.tensordot(change, self.stiffness, dims=1)
+        M = torch.tensordot(skin.amounts(self.parts, rises), self.masses, dims=1)
+        Q = AdmittanceForms.apply(K, M, skin.s(f), self._terminals())
+        Z = 1 / torch.einsum("ie,pef->pif", self.combination.to(Q.dtype), Q)
+        return at_meter(Z, f, self.scene.reading, values)
+
+    def quantities(self, reading: Tensor, frequency: Tensor | None = None) -> dict[str, Tensor]:
+        """Rs in ohm, X in ohm and Cp in F of readings, or gain and gain_phase, by name.
+
+        reading: from `forward`, at the same frequencies.
+        """
+        f = self.frequency if frequency is None else self._on_device(frequency)
+        return quantities(reading, f, self.scene.reading)
+
+    def rises(self, presses: Sequence[Press | str]) -> Tensor:
+        """Rises of presses or their texts, shape (press, cell); behind them fingers in F, if any.
+
+        Raises InputError for a text that is no press on the scene.
+        """
+        found = np.zeros((len(presses), self.parts.foam + self.parts.fingers))
+        for row, press in zip(found, presses, strict=True):
+            own = press_on(self.scene, press) if isinstance(press, str) else press
+            np.add.at(row, *touched_cells(self.reduced.scene, own))
+        return self._on_device(torch.as_tensor(found))
+
+    def error(
+        self, rises: Tensor, given: Mapping[str, Tensor | float] | None = None
+    ) -> list[float]:
+        """Bound on the relative error of Rs and Cp of each press, mesh included, in double.
+
+        Arguments: see `forward`; at the frequencies of the scene.
+        """
+        rises = self._checked(rises)
+        skin = skin_of(self.reduced, self._tensors(given or {}, len(rises), rises))
+        s, found = skin.s(self.frequency), []
+        for press, row in enumerate(rises.detach().cpu().double().numpy()):
+            own = self.reduced.skin(skin.variation(self.reduced.scene, press))
+            cells = np.flatnonzero(row)
+            each = s[min(press, len(s) - 1)].detach().cpu().to(torch.complex128).numpy()
+            bound = float(own.certificate(cells, row[cells], each).max())
+            found.append(bound + self.reduced.mesh_error)
+        return found
+
+    def _tensors(
+        self, given: Mapping[str, Tensor | float], presses: int, like: Tensor
+    ) -> dict[str, Tensor]:
+        return all_tensors(self.reduced, {**self.values, **given}, presses, like)
+
+    def _on_device(self, tensor: Tensor) -> Tensor:
+        return torch.as_tensor(tensor, dtype=self.conductance.dtype, device=self.conductance.device)
+
+    def _checked(self, rises: Tensor) -> Tensor:
+        """Rises as a tensor of the module's kind. Raises InputError for another shape."""
+        rises, foam, both = self._on_device(rises), self.parts.foam, self.parts.fingers
+        if rises.ndim != 2 or rises.shape[1] not in (foam, foam + both):
+            fingers = f", or (press, {foam + both}) with fingers" if both else ""
+            raise InputError(
+                f"`rises` must have shape (press, {foam}){fingers}, got {tuple(rises.shape)}"
+            )
+        return rises
+
+    def _terminals(self) -> Terminals:
+        each = enumerate(self._common)
+        allowed = (AllowedPotentials(getattr(self, f"columns_{k}"), own) for k, own in each)
+        return Terminals(self._fields, tuple(allowed))
+
+    @torch.no_grad()
+    def _check_reach(self, values: Mapping[str, Tensor], frequency: Tensor) -> None:
+        """Raises InputError beyond the training: of resistances, or of f times both R and c."""
+        band = self.reduced.frequency
+        scale = torch.exp(values["sheet_resistance"] + values["capacitance"].mean(1, keepdim=True))
+        low, high = (float(each) for each in torch.aminmax(frequency * scale))
+        if not band[0] * (1 - ROUNDING) <= low <= high <= band[-1] * (1 + ROUNDING):
+            raise InputError(
+                "`frequency` times the factors on sheet resistance and capacitance must be in "
+                f"{band[0]:g}..{band[-1]:g} Hz, got {low:g}..{high:g}; make the SkinModule of a "
+                "scene nearer to it"
+            )
+        for name in ("sheet_mismatch", "contact_resistance"):
+            largest = float(torch.exp(values[name].abs().max()))
+            if not largest <= REACH * (1 + ROUNDING):
+                raise InputError(
+                    f"`{name}` must change by a factor of at most {REACH:g}, got {largest:g}; "
+                    "make the SkinModule of a scene nearer to it"
+                )
+
+
+def _some(arrays: np.ndarray) -> list[np.ndarray]:
+    """The arrays; none of them where there are none."""
+    return [arrays] if len(arrays) else []
+
+
+def _check_scene(scene: Scene) -> None:
+    """Raises InputError for scenes that have no gradient here."""
+    if gauged(scene.skin):
+        raise InputError(
+            f"{scene.name}: SkinModule takes no sheets that a press changes; leave out "
+            "`piezoresistance`"
+        )
+    if scene.skin.foam.in_time:
+        raise InputError(
+            f"{scene.name}: SkinModule takes no foam that creeps; leave out "
+            f"`{scene.skin.foam.in_time[0]}`"
+        )
+    if spreading(scene):
+        raise InputError(
+            f"{scene.name}: SkinModule takes presses by a factor on c; give "
+            "`press.capacitance_factor` in place of `press.depth` or `press.force`"
+        )
+    check_surroundings(scene)
+    check_reading(scene.name, scene.reading)

@@ -1,0 +1,197 @@
+"""Tensors of a skin's parameters: weights of K, amounts of M, and s."""
+# pyright: reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ..models.parameters import (
+    BOTTOM_MODES,
+    FOAM_MODES,
+    FURTHER_LOSSES,
+    SHEET_MODES,
+    TOP_MODES,
+    Variation,
+    own_values,
+)
+from ..models.reduced.families.family import resistive
+from ..models.reduced.reduced_model import Reduced
+from ..press.parts import Parts, foam_parts, parts_of
+from ..scene.frequency import REFERENCE, Loss
+from ..scene.scene import Scene
+from ..sweeps import InputError
+
+WITH_AXIS = {"capacitance": "cell", "contact_resistance": "contact"}
+"""Parameters that may have a value for each cell, or for each contact."""
+
+
+@dataclass(frozen=True)
+class SkinTensors:
+    """`Variation` in tensors: one skin, or one for each press.
+
+    top, bottom: shape (skin, mode). films: (skin, contact). foam: capacitance of each part of the
+    foam over nominal, (skin, part). tangent, exponent, leak, exponent_slope: see `Loss`, (skin, 1).
+    body, rim: (skin, 1).
+    """
+
+    top: Tensor
+    bottom: Tensor
+    films: Tensor
+    foam: Tensor
+    tangent: Tensor
+    exponent: Tensor
+    leak: Tensor
+    exponent_slope: Tensor
+    body: Tensor
+    rim: Tensor
+
+    def weights(self, reduced: Reduced) -> Tensor:
+        """Weights of the terms of K, shape (skin, term), see `weights_of`."""
+        scene, circuit = reduced.scene, reduced.circuit
+        names = [contact.name for contact in scene.contacts]
+        used = [names.index(contact.name) for contact in resistive(circuit)]
+        return _joined([*self._conductances(reduced), self.films[:, used]])
+
+    def _conductances(self, reduced: Reduced) -> list[Tensor]:
+        if reduced.circuit.fields == 2:
+            return [self.top, self.bottom]
+        of_top, of_bottom = reduced.scene.skin.sheet_resistances
+        under = of_top / self.top[:, :1] + of_bottom / self.bottom[:, :1]
+        return [(of_top + of_bottom) / under * self.top / self.top[:, :1]]
+
+    def amounts(self, parts: Parts, rises: Tensor) -> Tensor:
+        """Amount of each part of M over the scene's own, shape (press, part), see `Parts`.
+
+        rises: of c of each part of the foam, then fingers in F, shape (press, touched part).
+        """
+        foam = self.foam * (1 + rises[:, : parts.foam])
+        fingers = rises[:, parts.foam :]
+        if fingers.shape[1] < parts.fingers:
+            fingers = rises.new_zeros((len(rises), parts.fingers))
+        return _joined([foam, fingers, *(getattr(self, name) for name in parts.fixed)])
+
+    def s(self, frequency: Tensor) -> Tensor:
+        """s in rad/s, shape (skin, frequency), see `laplace_variable`. frequency: Hz."""
+        decades = torch.log(frequency / REFERENCE) + 0.5j * math.pi
+        bent = (self.exponent - 1) * decades
+        bent = bent + self.exponent_slope * decades**2 / (2 * math.log(10))
+        return 2 * math.pi * frequency * (self.tangent + 1j) * torch.exp(bent) + self.leak
+
+    def variation(self, scene: Scene, skin: int) -> Variation:
+        """One of the skins in numpy."""
+
+        def one(values: Tensor) -> np.ndarray:
+            return values[min(skin, len(values) - 1)].detach().cpu().double().numpy()
+
+        foam, grid = one(self.foam), scene.pixels.shape
+        losses = (self.tangent, self.exponent, self.leak, self.exponent_slope)
+        return Variation(
+            one(self.top),
+            one(self.bottom),
+            one(self.films),
+            foam[: grid[0] * grid[1]].reshape(grid),
+            Loss(*(float(one(each)[0]) for each in losses)),
+            float(foam[-1]),
+            float(one(self.body)[0]),
+            float(one(self.rim)[0]),
+        )
+
+
+def _joined(each: list[Tensor]) -> Tensor:
+    """Values of skins side by side; those of one skin are repeated."""
+    count = max(len(values) for values in each)
+    return torch.cat([values.expand(count, -1) for values in each], dim=1)
+
+
+def known_values(reduced: Reduced) -> dict[str, float]:
+    """Names and nominal values of the parameters that gradients are computed by."""
+    scene = reduced.scene
+    own = dict.fromkeys(FURTHER_LOSSES, 0.0) | own_values(scene)
+    own |= dict.fromkeys(SHEET_MODES, 0.0) if reduced.modes > 1 else {}
+    return {name: value for name, value in own.items() if name != "finger"}
+
+
+def check_names(reduced: Reduced, names: Iterable[str]) -> None:
+    """Raises InputError for a name that is not one of `known_values`."""
+    known = known_values(reduced)
+    for name in names:
+        if name in FOAM_MODES:
+            raise InputError(
+                f"{name}: has no gradient here; give `capacitance` with a value for each cell"
+            )
+        if name == "finger":
+            raise InputError("finger: give fingers in F beside the rises, see `SkinModule.rises`")
+        if name in SHEET_MODES and name not in known:
+            raise InputError(f"{name}: needs SkinModule(..., modes=4)")
+        if name not in known:
+            raise InputError(f"`parameter` must be one of {', '.join(known)}, got {name!r}")
+
+
+def all_tensors(
+    reduced: Reduced, given: Mapping[str, Any], presses: int, like: Tensor
+) -> dict[str, Tensor]:
+    """All parameters, given or nominal, each of shape (1 or press, 1 or own axis).
+
+    like: a tensor of the dtype and the device. Raises InputError for an unknown name or a shape
+    that does not fit.
+    """
+    check_names(reduced, given)
+    scene = reduced.scene
+    axes = {"capacitance": foam_parts(scene), "contact_resistance": len(scene.contacts)}
+    found = {name: like.new_full((1, 1), value) for name, value in known_values(reduced).items()}
+    for name, value in given.items():
+        tensor = torch.as_tensor(value, dtype=like.dtype, device=like.device)
+        tensor = tensor.reshape(1, 1) if tensor.ndim == 0 else tensor
+        tensor = tensor[:, None] if tensor.ndim == 1 else tensor
+        rows, columns = {1, presses}, {1, axes.get(name, 1)}
+        if tensor.ndim != 2 or len(tensor) not in rows or tensor.shape[1] not in columns:
+            more = f", or (press, {WITH_AXIS[name]}) = (1 or {presses}, {axes[name]})"
+            raise InputError(
+                f"`{name}` must have shape () or (press,) = ({presses},)"
+                f"{more if name in WITH_AXIS else ''}, got {tuple(torch.as_tensor(value).shape)}"
+            )
+        found[name] = tensor
+    return found
+
+
+def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
+    """Skin of these parameters, see `variation_of`. values: from `all_tensors`."""
+    scene, one = reduced.scene, torch.ones_like(next(iter(values.values()))[:1, :1])
+    common, half = torch.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
+    sheets, both = [], ((common * torch.exp(-half), TOP_MODES), (common * half.exp(), BOTTOM_MODES))
+    for mean, names in both:
+        modes = [values[name] for name in names if name in values]
+        sheets.append(mean * _joined([one, *modes]))
+    films, foam = torch.exp(-values["contact_resistance"]), torch.exp(values["capacitance"])
+    top, bottom = sheets
+    return SkinTensors(
+        top=top,
+        bottom=bottom,
+        films=films.expand(-1, len(scene.contacts)),
+        foam=foam.expand(-1, foam_parts(scene)),
+        tangent=values["loss_tangent"],
+        exponent=values["phase_exponent"],
+        leak=values["leak"],
+        exponent_slope=values["exponent_slope"],
+        body=torch.exp(values["body"]) if "body" in values else one,
+        rim=torch.exp(values["rim"]) if "rim" in values else one,
+    )
+
+
+def check_surroundings(scene: Scene) -> None:
+    """Raises InputError for parts of M whose amount has no gradient here."""
+    parts = parts_of(scene)
+    if parts.thickness or parts.walls.count:
+        key = "edges" if parts.walls.count else "thickness"
+        key = "solved" if scene.surroundings and scene.surroundings.solved else key
+        raise InputError(
+            f"{scene.name}: SkinModule takes no field along the foam under a press; leave out "
+            f"`surroundings.{key}`"
+        )
