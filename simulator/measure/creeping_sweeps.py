@@ -20,6 +20,8 @@ from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
 from ..press.press import Press, check_press
+from ..scene.meter import Timing
+from ..scene.multisine.reader import Multisine
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
 from ..sweeps.reading_time import SETTLE, reading_time
@@ -47,20 +49,32 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
 
 
 def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Array, Array, float]:
+    """Start and duration of each reading, and the end of the last one, s; see `spans_of`."""
+    reading, multisine = scene.reading, scene.readout.multisine
+    return spans_of(reading.frequency, reading.read, scene.experiment.timed, multisine, start)
+
+
+def spans_of(
+    frequency: Array,
+    read: NDArray[np.bool_],
+    timing: Timing,
+    multisine: Multisine | None = None,
+    start: float = 0.0,
+) -> tuple[Array, Array, float]:
     """Start and duration of each reading of a sweep, s, and the end of the last one.
 
-    Starts and durations have the shape (interface, frequency) and are 0 for skipped readings. A
-    multisine reads all frequencies of an interface at the same time. start: of the sweep, s.
+    frequency: Hz. read: mask of the readings, shape (interface, frequency), the shape of starts and
+    durations, which are 0 for skipped readings. A multisine reads all frequencies of an interface
+    at the same time. start: of the sweep, s.
     """
-    timing, reading, multisine = scene.experiment.timed, scene.reading, scene.readout.multisine
-    starts, durations, now = np.zeros(reading.shape), np.zeros(reading.shape), start
-    for i, own in enumerate(reading.read):
-        now += SETTLE * (len(reading.interfaces) > 1)
+    starts, durations, now = np.zeros(read.shape), np.zeros(read.shape), start
+    for i, own in enumerate(read):
+        now += SETTLE * (len(read) > 1)
         if multisine:
             starts[i], durations[i], now = now, multisine.seconds, now + multisine.seconds
             continue
         for k in np.flatnonzero(own):
-            takes = timing.averaging * reading_time(reading.frequency[k], timing.speed)
+            takes = timing.averaging * reading_time(frequency[k], timing.speed)
             starts[i, k], durations[i, k] = now, takes
             now += takes
     return starts, durations, now

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.reading_setup import ReadingSetup
+from ..sweeps.reading_quantities import reading_name
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class VectorLayout:
         """Layout for the readings of a scene."""
         each = [
             (
-                f"{quantity.name} {setup.interfaces[i].name} {setup.frequency[k]:g} Hz",
+                reading_name(quantity.name, setup.interfaces[i].name, setup.frequency[k]),
                 quantity.units,
             )
             for quantity in setup.kind.quantities

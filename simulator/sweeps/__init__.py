@@ -7,7 +7,7 @@ from .input_files import loaded, open_zarr, read, sizes_text
 from .joining import read_joined
 from .laws.passivity import Violation, violations
 from .optional_packages import require_packages
-from .output_files import checked_folder, checked_output, made_folder, write
+from .output_files import checked_data_folder, checked_folder, checked_output, made_folder, write
 from .schema import (
     OPENING,
     UNPRESSED,
@@ -31,6 +31,7 @@ __all__ = [
     "build",
     "check",
     "require_packages",
+    "checked_data_folder",
     "checked_folder",
     "checked_output",
     "concatenate",

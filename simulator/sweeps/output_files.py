@@ -80,6 +80,23 @@ def checked_folder(path: Path, *names: str) -> Path:
     return path
 
 
+def checked_data_folder(path: Path, marker: str) -> Path:
+    """Returns the path if a folder of data that holds the file `marker` can be written there.
+
+    Raises InputError if it is a file, a folder without that file, or may not be overwritten.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{path}: is a file, not a folder")
+    _check_parent(path)
+    if path.exists() and not (path / marker).is_file():
+        raise InputError(
+            f"{path}: is a folder without {marker}, so it holds other files than such a data set; "
+            "give a new name"
+        )
+    check_replaceable(path)
+    return path
+
+
 def made_folder(path: Path) -> Path:
     """Makes the folder and its parents if needed, and returns it.
 

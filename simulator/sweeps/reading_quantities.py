@@ -144,3 +144,8 @@ def kind_of(names: Container[object]) -> ReadingKind:
     if "gain_phase" in names:
         return GAIN
     return MAGNITUDE if "gain" in names else IMPEDANCE
+
+
+def reading_name(quantity: str, interface: str, frequency: float) -> str:
+    """Name of one number of a sweep. frequency: Hz."""
+    return f"{quantity} {interface} {frequency:.10g} Hz"

@@ -12,15 +12,16 @@ from .whole import kept_file
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """Yields a new file or folder that is renamed to `path` at the end of the block, as
-    `kept_file`.
+def whole_file(path: Path, folder: bool = False) -> Iterator[Path]:
+    """Yields a new file or folder that is renamed to `path` at the end of the block.
+
+    Arguments as in `kept_file`.
 
     Raises InputError if `path` may not be overwritten (see `check_replaceable`), InputError or
     OutputError if it cannot be written.
     """
     check_replaceable(path)
-    with kept_file(path) as unfinished:
+    with kept_file(path, folder) as unfinished:
         yield unfinished
         log_replaced(path)
     if write_context() != UNFINISHED:

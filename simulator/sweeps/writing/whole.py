@@ -22,19 +22,20 @@ SWAPS = 10
 
 
 @contextmanager
-def kept_file(path: Path) -> Iterator[Path]:
+def kept_file(path: Path, folder: bool = False) -> Iterator[Path]:
     """Yields a new, empty file or folder next to `path`, and renames it to `path` after the block.
 
-    Its name cannot be guessed. The data are on the disk before the renaming, and the new name is
-    before the block ends. If `path` is a symbolic link, its target is replaced. After an error or a
-    signal nothing is renamed and nothing is left behind.
+    folder: True if a folder is needed whatever the ending; those in FOLDERS always are. The name
+    cannot be guessed. The data are on the disk before the renaming, and the new name is before the
+    block ends. If `path` is a symbolic link, its target is replaced. After an error or a signal
+    nothing is renamed and nothing is left behind.
 
     Raises InputError or OutputError naming `path` if it cannot be written.
     """
     with named_failures(path):
         place = Path(os.path.realpath(path))
         clear_left_overs(place.parent)
-        unfinished = _new(place)
+        unfinished = _new(place, folder or place.suffix in FOLDERS)
         remove = partial(delete, unfinished)
         atexit.register(remove)
         try:
@@ -124,9 +125,9 @@ def delete(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def _new(place: Path) -> Path:
+def _new(place: Path, folder: bool) -> Path:
     unfinished = place.with_name(f"{own_prefix()}{secrets.token_hex(8)}{place.suffix}")
-    if place.suffix in FOLDERS:
+    if folder:
         unfinished.mkdir()
     else:
         os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))

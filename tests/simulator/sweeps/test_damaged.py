@@ -5,7 +5,7 @@ import shutil
 import pytest
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.localizer_file import load
-from rcskin.simulator.dataset.export import export
+from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
 from rcskin.simulator.sweeps import InputError, checked_output, read, write
 from rcskin.simulator.sweeps.press_text import parse_touches

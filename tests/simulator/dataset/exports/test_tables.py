@@ -1,11 +1,11 @@
-"""The same data set in other forms."""
+"""The same data set in tables."""
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from rcskin.simulator.dataset.export import export
-from rcskin.simulator.sweeps import InputError, read, write
+from rcskin.simulator.dataset.exports.export import export
+from rcskin.simulator.sweeps import read, write
 
 
 @pytest.fixture
@@ -51,17 +51,6 @@ def test_sweeps_of_other_origin_are_exported_too(make_sweeps, tmp_path):
     write(make_sweeps(), tmp_path / "data.zarr")
     export(tmp_path / "data.zarr", tmp_path / "out.parquet")
     assert list(pd.read_parquet(tmp_path / "out.parquet")["press"]) == ["none", "1,1:2.0"]
-
-
-def test_unsupported_exports_are_refused(data, tmp_path):
-    with pytest.raises(InputError, match=r"must end in \.nc or \.csv or \.parquet, got '\.txt'"):
-        export(data, tmp_path / "out.txt")
-    with pytest.raises(InputError, match=r"absent\.zarr: no such file"):
-        export(tmp_path / "absent.zarr", tmp_path / "out.nc")
-    (tmp_path / "empty.zarr").mkdir()
-    with pytest.raises(InputError, match=r"empty\.zarr: cannot be read as \.zarr"):
-        export(tmp_path / "empty.zarr", tmp_path / "out.nc")
-    assert not (tmp_path / "out.nc").exists()
 
 
 def test_sweeps_that_are_no_data_set_are_written_in_other_forms_too(make_sweeps, tmp_path):

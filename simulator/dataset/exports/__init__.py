@@ -1,0 +1,1 @@
+"""Sweeps in the formats of other programs: tables, and data sets of robot learning."""

@@ -1,0 +1,107 @@
+"""Sweeps as MCAP with messages of ROS 2, whose definitions the file contains."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ...sweeps import InputError
+from ...sweeps.ros_messages import (
+    DIAGNOSTICS,
+    DIAGNOSTICS_TOPIC,
+    READINGS,
+    READINGS_TOPIC,
+    TOUCH,
+    TOUCH_TOPIC,
+    definition,
+    diagnostic_array,
+    readings_message,
+    touch_message,
+)
+from .episodes import EpisodePart
+from .exported_sweeps import Exported
+from .reading_vector import quantities
+
+NANOSECONDS = 10**9
+SHORT = 200
+"""Largest number of characters of an attribute in diagnostics."""
+MAX_SECONDS = 2**31
+"""Seconds since 1970 that a stamp of ROS 2 can hold."""
+
+
+def write_mcap(exported: Exported, path: Path) -> None:
+    """Writes readings and touch of each sweep, and diagnostics at the begin of each session.
+
+    The description becomes metadata, the scene an attachment.
+
+    Raises InputError for times that stamps of ROS 2 cannot hold.
+    """
+    from mcap_ros2.writer import Writer
+
+    types = {DIAGNOSTICS_TOPIC: DIAGNOSTICS, READINGS_TOPIC: READINGS, TOUCH_TOPIC: TOUCH}
+    with path.open("wb") as stream, Writer(stream) as writer:
+        schemas = {
+            topic: writer.register_msgdef(name, definition(name)) for topic, name in types.items()
+        }
+        count = dict.fromkeys(types, 0)
+        for part in exported.parts():
+            for time, topic, message in _messages(exported, part):
+                moment = round(time * NANOSECONDS)
+                writer.write_message(topic, schemas[topic], message, moment, moment, count[topic])
+                count[topic] += 1
+        description = exported.description()
+        scene = str(description["attributes"].pop("scene", ""))
+        texts = {
+            name: value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+            for name, value in description.items()
+        }
+        writer.add_metadata("rcskin", texts)
+        if scene:
+            writer.add_attachment(0, 0, "scene.toml", "application/toml", scene.encode())
+
+
+def _messages(exported: Exported, part: EpisodePart) -> Iterator[tuple[float, str, dict[str, Any]]]:
+    """Yields time, topic and message of each sweep of a part."""
+    vector, clock, numbers = exported.vector, exported.clock, part.numbers
+    values, times = quantities(part.sweeps), clock.times(numbers)
+    labels = exported.labels.values(part.sweeps, numbers)
+    if not (0 <= times.min() and times.max() < MAX_SECONDS):
+        raise InputError(
+            f"{exported.data}: has times before 1970 or after 2038, which ROS 2 cannot stamp"
+        )
+    if part.first == part.episode.first:
+        yield times[0], DIAGNOSTICS_TOPIC, _session(exported, part, times[0])
+    for k, time in enumerate(times.tolist()):
+        own = {name: each[k] for name, each in values.items()}
+        yield (
+            time,
+            READINGS_TOPIC,
+            readings_message(time, own, vector.interfaces, vector.frequencies, clock.offsets),
+        )
+        touches = range(int(labels["touches"][k]) if "touches" in labels else 0)
+        yield (
+            time,
+            TOUCH_TOPIC,
+            touch_message(
+                time,
+                str(labels["press"][k]),
+                pixel=(labels["row"][k], labels["column"][k]),
+                probability=1.0,
+                positions=[(labels["touch_x"][k, t], labels["touch_y"][k, t]) for t in touches],
+                capacitance_factors=[labels["touch_factor"][k, t] for t in touches],
+            ),
+        )
+
+
+def _session(exported: Exported, part: EpisodePart, time: float) -> dict[str, Any]:
+    """Diagnostics at the begin of a session."""
+    attributes = exported.description()["attributes"]
+    values = {
+        "session": part.episode.session,
+        "sweeps": part.episode.sweeps,
+        "time": exported.clock.source,
+        **{name: each for name, each in attributes.items() if len(str(each)) <= SHORT},
+    }
+    return diagnostic_array(time, f"session {part.episode.session} begins", values)

@@ -1,0 +1,100 @@
+"""Times of exported sweeps: recorded ones, or those of the meter's own rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...measure.creeping_sweeps import reading_moments, spans_of
+from ...scene.meter import Timing
+from ...scene.scene_files import scene_of_sweeps
+from ...sweeps import InputError
+from ...sweeps.reading_subset import read_mask
+from ...sweeps.schema import TIME
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .episodes import Episode
+
+RECORDED = "recorded: middle of each sweep, s since 1970-01-01 UTC"
+BY_SCENE = (
+    "computed: middle of each sweep, s from the first one, at the meter's rate by the scene's "
+    "speed and averaging"
+)
+BY_RATE = (
+    "computed: middle of each sweep, s from the first one, at a meter's rate by its speed MEDIUM, "
+    "because the scene of these readings is unknown"
+)
+DIGITS = 6
+"""Number of decimal digits of the rate."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweepClock:
+    """Times of sweeps.
+
+    recorded: s since 1970-01-01 UTC, shape (sweep,), None if the times are computed. period: time
+    from one sweep to the next, s. source: origin of the times, in words. offsets: time of each
+    reading from the middle of its sweep, s, shape (interface, frequency); NaN where nothing is
+    read, None if unknown.
+    """
+
+    recorded: NDArray[np.float64] | None
+    period: float
+    source: str
+    offsets: NDArray[np.float64] | None
+
+    def times(self, sweeps: slice) -> NDArray[np.float64]:
+        """Middle of the sweeps of these numbers, s."""
+        if self.recorded is not None:
+            return self.recorded[sweeps]
+        return self.period * np.arange(sweeps.start, sweeps.stop)
+
+    @property
+    def rate(self) -> float:
+        """Sweeps per second, in DIGITS decimal digits."""
+        return float(f"{1 / self.period:.{DIGITS}g}")
+
+
+def clock_of(sweeps: xr.Dataset, episodes: list[Episode]) -> SweepClock:
+    """The clock of sweeps; a period between recorded times is the median within episodes."""
+    read = read_mask(sweeps)
+    moments, whole, period, source = _schedule(sweeps, read)
+    if TIME not in sweeps.variables:
+        return SweepClock(None, period, source, np.where(read, moments - whole / 2, np.nan))
+    time = sweeps[TIME].values.astype(np.float64)
+    steps = np.diff(time)
+    ends = [episode.stop - 1 for episode in episodes[:-1]]
+    within = np.delete(steps, ends)
+    forward = within[within > 0]
+    return SweepClock(time, float(np.median(forward)) if forward.size else whole, RECORDED, None)
+
+
+def _schedule(
+    sweeps: xr.Dataset, read: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], float, float, str]:
+    """Time of each reading from the begin of a sweep, the sweep's duration, the time from one
+    sweep to the next, all in s, and the origin of these times."""
+    frequency = sweeps["frequency"].values
+    try:
+        scene = scene_of_sweeps(sweeps)
+    except InputError:  # the sweeps are exported all the same
+        scene = None
+    setup = scene and scene.reading
+    if (
+        scene is None
+        or setup is None
+        or not np.array_equal(setup.frequency, frequency)
+        or [each.name for each in setup.interfaces] != list(map(str, sweeps["interface"].values))
+        or not np.array_equal(setup.read, read)
+    ):
+        starts, durations, whole = spans_of(frequency, read, Timing())
+        return starts + durations / 2, whole, whole, BY_RATE
+    moments, end = reading_moments(scene)
+    before = scene.experiment.timed.before
+    pause = scene.experiment.timed.pause if scene.skin.foam.in_time else 0.0
+    return moments - before, end - before, end + pause, BY_SCENE

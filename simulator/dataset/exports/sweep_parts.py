@@ -1,0 +1,36 @@
+"""Parts of sweeps that are read from a file one after the other, in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from ...sweeps import InputError
+from ...sweeps.formats import netcdf
+from ...sweeps.reading_quantities import kind_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+VALUES_AT_ONCE = 2**20
+"""Largest number of values of a variable that are in memory at once."""
+Part = TypeVar("Part", "xr.Dataset", "xr.Variable")
+
+
+def in_memory(part: Part, data: Path) -> Part:
+    """Loads a part of a data set. Raises InputError naming the data set if it is corrupt."""
+    try:
+        return part.load()
+    except netcdf.DAMAGED as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{data}: damaged, cannot be read: {reason}; use another copy") from error
+
+
+def parts(sweeps: xr.Dataset, data: Path) -> Iterator[tuple[int, xr.Dataset]]:
+    """Yields the number of the first sweep of each part, and the part in memory."""
+    readings = sweeps[kind_of(sweeps).names[0]]
+    at_once = max(1, VALUES_AT_ONCE * sweeps.sizes["sweep"] // max(1, readings.size))
+    chunk = readings.encoding.get("preferred_chunks", {}).get("sweep", at_once)
+    for first in range(0, sweeps.sizes["sweep"], chunk):
+        yield first, in_memory(sweeps.isel(sweep=slice(first, first + chunk)), data)

@@ -1,0 +1,84 @@
+"""Labels of exported sweeps: the press as text, its pixel, and the touches if they are known."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...measure.sweep_touches import MAX_TOUCHES, NUMBERS, SweepTouches, touches_of
+from ...sweeps import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label. dtype: name of a numpy type, or `string`. size: numbers of each sweep."""
+
+    name: str
+    dtype: str
+    size: int
+    units: str
+    meaning: str
+
+
+TEXTS = [
+    Label("press", "string", 1, "", "the press as text"),
+    Label("row", "int64", 1, "1", "pressed pixel's row from 1; 0 nothing pressed, -1 no pixel"),
+    Label("column", "int64", 1, "1", "pressed pixel's column from 1; 0 nothing pressed, -1 none"),
+]
+TOUCHES = [
+    Label("touches", "int64", 1, "1", "number of touches"),
+    Label("touch_x", "float32", MAX_TOUCHES, "m", "centre of each touch along the length"),
+    Label("touch_y", "float32", MAX_TOUCHES, "m", "centre of each touch along the width"),
+    Label("touch_factor", "float32", MAX_TOUCHES, "1", "capacitance over that of the unpressed"),
+]
+
+
+@dataclass(frozen=True, eq=False)
+class TouchLabels:
+    """Labels of sweeps. touches: of all sweeps, where the file has texts of presses only."""
+
+    labels: list[Label]
+    touches: SweepTouches | None
+
+    def values(self, sweeps: xr.Dataset, numbers: slice) -> Mapping[str, NDArray[Any]]:
+        """Labels by name, shape (sweep,) or (sweep, size). numbers: of the sweeps in all."""
+        texts = {
+            "press": sweeps["press"].values.astype(str).astype(object),
+            "row": sweeps["row"].values.astype(np.int64),
+            "column": sweeps["column"].values.astype(np.int64),
+        }
+        if len(self.labels) == len(TEXTS):
+            return texts
+        if self.touches is None:
+            found, numbers = touches_of(sweeps), slice(None)
+        else:
+            found = self.touches
+        return {
+            **texts,
+            "touches": found.count[numbers],
+            "touch_x": found.x[numbers].astype(np.float32),
+            "touch_y": found.y[numbers].astype(np.float32),
+            "touch_factor": found.factor[numbers].astype(np.float32),
+        }
+
+
+def touch_labels(sweeps: xr.Dataset, data: Path) -> TouchLabels:
+    """The labels of sweeps; a note says why the places of touches are unknown, if they are."""
+    if all(name in sweeps for name in NUMBERS):
+        return TouchLabels(TEXTS + TOUCHES, None)
+    try:
+        return TouchLabels(TEXTS + TOUCHES, touches_of(sweeps[["press"]]))
+    except InputError as error:
+        log.info("%s: the places of touches are left out: %s", data, error)
+        return TouchLabels(TEXTS, None)
