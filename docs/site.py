@@ -1,0 +1,91 @@
+"""Build the site: all pages with their pictures, search that works offline, and a skin to press.
+
+Run: python docs/site.py [FOLDER]     (by default `site`; needs pip install 'rcskin[site]')
+
+Pages keep their places relative to each other, so links need no change. A page or heading that a
+link does not find ends the build.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import tomli_w
+
+ROOT = Path(__file__).parents[1]
+ROOMS = ("docs", "benchmarks", "tests", "simulator", "localization", "hardware")
+"""Folders that hold pages or pictures."""
+SHOWN = {".md", ".png", ".svg", ".gif", ".mp4", ".html"}
+SCENE = "sheet-5x5"
+"""The skin on the front page."""
+FRAME = f"""
+<iframe src="skin.html" title="{SCENE}, to press" style="width: 100%; height: 46rem; border: 0">
+</iframe>
+
+Press a pixel: the curves are what an LCR meter would read at the edge.
+"""
+SECTION = re.compile(r"^## ([^:\n]+).*$", re.MULTILINE)
+LINK = re.compile(r"\[([^\]]+)\]\(((?!http)[^)#]+\.md)\)")
+
+
+def build(folder: Path) -> None:
+    """Write the site into a folder, which is emptied first."""
+    with tempfile.TemporaryDirectory() as scratch:
+        source = Path(scratch) / "source"
+        stage(source)
+        _run("rcskin", "page", SCENE, "-o", source / "skin.html")
+        settings = Path(scratch) / "zensical.toml"
+        settings.write_text(_settings(), encoding="utf-8")
+        _run("zensical", "build", "--strict", "--config-file", settings)
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(Path(scratch) / "site", folder)
+
+
+def stage(source: Path) -> None:
+    """Copy all pages and pictures into a folder; the skin follows the first paragraph of all."""
+    for file in (*ROOT.glob("*.md"), ROOT / "LICENSE", ROOT / "CITATION.cff", *_shown()):
+        place = source / file.relative_to(ROOT)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(file, place)
+    front = source / "README.md"
+    title, first, rest = front.read_text(encoding="utf-8").split("\n\n", 2)
+    front.write_text("\n\n".join([title, first, FRAME.strip(), rest]), encoding="utf-8")
+
+
+def _shown() -> Iterator[Path]:
+    for room in ROOMS:
+        yield from (file for file in (ROOT / room).rglob("*") if file.suffix in SHOWN)
+
+
+def _run(module: str, *arguments: str | Path) -> None:
+    if subprocess.run([sys.executable, "-m", module, *arguments]).returncode:
+        sys.exit(1)
+
+
+def _settings() -> str:
+    """Settings of `site.toml`, with the pages in the order in which `docs/index.md` lists them."""
+    settings = tomllib.loads((ROOT / "docs" / "site.toml").read_text(encoding="utf-8"))
+    settings["project"]["nav"] = list(navigation())
+    return tomli_w.dumps(settings)
+
+
+def navigation() -> Iterator[dict[str, object]]:
+    """The front page, then each section of `docs/index.md` with the pages that it links."""
+    yield {"Home": "README.md"}
+    _, *parts = SECTION.split((ROOT / "docs" / "index.md").read_text(encoding="utf-8"))
+    for title, text in zip(parts[::2], parts[1::2], strict=True):
+        paths = [(ROOT / "docs" / link).resolve() for _, link in LINK.findall(text)]
+        pages = [path.relative_to(ROOT).as_posix() for path in paths]
+        yield {title: list(dict.fromkeys(pages))}
+    yield {"Project": ["CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"]}
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1] if len(sys.argv) > 1 else "site"))
