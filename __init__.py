@@ -15,8 +15,8 @@
     sensor = rcskin.Sensor(scene)
     sensor.step("2,3", dt=0.1).Cp  # F, shape (skin, interface, frequency)
 
-The names in `__all__`, and `SkinModule` of the extra `torch`, are public; all modules of the
-package are internal and may change. Nothing is imported before it is used.
+The names in `__all__`, and `SkinModule` and `SweepStream` of the extra `torch`, are public; all
+modules of the package are internal and may change. Nothing is imported before it is used.
 """
 # pyright: standard
 
@@ -32,6 +32,7 @@ from .localization.api.simulation import dataset, load, measured, reduce, sweep
 if TYPE_CHECKING:
     __version__: str
     from .localization.model.localizer_model import Model
+    from .localization.streaming.sweep_stream import SweepStream as SweepStream
     from .simulator.differentiable.skin_module import SkinModule as SkinModule
     from .simulator.press.press import Press
     from .simulator.scene.scene import Scene
@@ -83,6 +84,7 @@ _CLASSES = {
 
 _OF_EXTRAS = {
     "SkinModule": ("torch", "simulator.differentiable.skin_module"),
+    "SweepStream": ("torch", "localization.streaming.sweep_stream"),
 }
 """The extra and the module of each class that needs one. The extra has the name of its library.
 These names are public, but not in `__all__`, as `from rcskin import *` needs no extra."""

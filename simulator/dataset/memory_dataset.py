@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..fem.factors import one_blas_thread
@@ -23,9 +24,19 @@ def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
     plan's tolerance is not reached.
     """
     family = reduced(plan.scene, plan.rtol) if family is None else family
+    return sweeps_of_sessions(plan, family, range(plan.sessions)).isel(sweep=slice(plan.sweeps))
+
+
+def sweeps_of_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -> xr.Dataset:
+    """Whole sessions of a plan by their numbers, also of numbers beyond the plan's last session.
+
+    family, errors: see `in_memory`.
+    """
     with one_blas_thread():
-        drawn = drawn_sessions(plan, family, range(plan.sessions))
-    arrays = joined_sessions([values(session) for session in drawn], plan.sweeps)
+        drawn = drawn_sessions(plan, family, numbers)
+    arrays = joined_sessions(
+        [values(session) for session in drawn], len(numbers) * plan.session_sweeps
+    )
     kind = plan.scene.reading.kind
     sweeps = build(
         kind.reading(arrays),

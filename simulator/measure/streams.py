@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-SKIN, PRESSES, METER, AUDIT, CELLS = range(5)
+SKIN, PRESSES, METER, AUDIT, CELLS, ORDER = range(6)
 
 
 def stream(seed: int, session: int, purpose: int) -> np.random.Generator:
-    """Random generator of one purpose (SKIN, PRESSES, METER, AUDIT, CELLS) in one session."""
+    """Random generator of one purpose (such as SKIN or METER) in one session."""
     return np.random.Generator(
         np.random.Philox(np.random.SeedSequence(seed, spawn_key=(session, purpose)))
     )

@@ -5,7 +5,7 @@ import rcskin
 from rcskin.simulator.sweeps import InputError, optional_packages
 
 
-@pytest.mark.parametrize("name", ["SkinModule"])
+@pytest.mark.parametrize("name", ["SkinModule", "SweepStream"])
 def test_the_extra_is_named_in_one_line(name, monkeypatch):
     monkeypatch.setattr(optional_packages, "find_spec", lambda library: None)
     with pytest.raises(InputError) as missing:

@@ -1,0 +1,1 @@
+"""Fresh sweeps for networks that train without a data set on disk."""
