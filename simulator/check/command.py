@@ -155,7 +155,8 @@ def check(
         float | None,
         typer.Option(
             help="Relative standard deviation of a reading, if known. Default: estimated from "
-            "repeated sweeps of one press, or from the residuals."
+            "repeated sweeps of one press, or from the residuals, and at least in proportion to "
+            "the scene's readout over frequency."
         ),
     ] = None,
     tolerance: Annotated[
@@ -182,6 +183,7 @@ def check(
     from ..sweeps.joining import join
     from ..sweeps.laws.examination import examine
     from ..sweeps.laws.gain_laws import examine_gains
+    from .noise_profiles import noise_profiles
     from .report import checked_report, explanations, verdict_table, write_report
 
     report = None if output is None else checked_report(output)
@@ -194,12 +196,15 @@ def check(
         )
         creeps = scene is not None and _creeps(scene, sweeps)
         bound = two_terminal and not creeps
+        profiles = noise_profiles(scene, sweeps)
         if gains:
             together = scene is not None and any(each.driven_with for each in scene.interfaces)
             bound = bound and not together
-            verdicts = examine_gains(sweeps, noise, tolerance, single_source=bound)
+            verdicts = examine_gains(
+                sweeps, noise, tolerance, single_source=bound, profiles=profiles
+            )
         else:
-            verdicts = examine(sweeps, noise, tolerance, two_terminal=bound)
+            verdicts = examine(sweeps, noise, tolerance, two_terminal=bound, profiles=profiles)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
     for each in backward_times(sweeps):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +15,7 @@ from ..impedance import contradicting
 from ..reading_subset import read_at
 from ..schema import DIMENSIONS, impedance
 from .kramers_kronig import RESOLUTION, fit_passive
-from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness
+from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness, scaled_by
 from .passivity import Violation
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ CP_CONSISTENCY = "Cp = Im(1/Z)/omega"
 DISPLAY_ROUNDING = 1e-3
 """Tolerance of Cp over |1/Z|/omega: the rounding of a display with four digits."""
 TOLERANCE = 0.02
+NO_PROFILES: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,7 @@ def examine(
     tolerance: float = TOLERANCE,
     *,
     two_terminal: bool = True,
+    profiles: Mapping[str, NDArray[np.float64]] = NO_PROFILES,
 ) -> list[Verdict]:
     """Checks every spectrum of the sweeps.
 
@@ -96,8 +100,10 @@ def examine(
     is a transfer impedance, no law of passive networks applies, and each reading is checked alone.
     noise: relative standard deviation of a reading, if known; otherwise it is estimated from
     repeated sweeps of one press, or from the residuals. tolerance: largest rms residual of the
-    Kramers-Kronig fit. Raises InputError if `noise` or `tolerance` is out of range, or if there are
-    too few frequencies to distinguish noise from a broken law.
+    Kramers-Kronig fit. profiles: noise at the frequencies of an interface up to a factor, > 0, by
+    name of the interface; an estimate of noise follows it. Raises InputError if `noise` or
+    `tolerance` is out of range, or if there are too few frequencies to distinguish noise from a
+    broken law.
     """
     names = [str(name) for name in sweeps["interface"].values]
     parts = {name: read_at(sweeps, name) for name in names}
@@ -106,7 +112,9 @@ def examine(
     return [
         judgement
         for name, part in parts.items()
-        for judgement in _examine_interface(part, name, noise, tolerance, readings, two_terminal)
+        for judgement in _examine_interface(
+            part, name, noise, tolerance, readings, two_terminal, profiles.get(name)
+        )
     ]
 
 
@@ -130,6 +138,7 @@ def _examine_interface(
     tolerance: float,
     readings: int,
     two_terminal: bool,
+    profile: NDArray[np.float64] | None,
 ) -> list[Verdict]:
     Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
     Cp = sweeps["Cp"].transpose(*DIMENSIONS).values[:, 0]
@@ -137,7 +146,7 @@ def _examine_interface(
         raise InputError(f"interface {name}: Z is 0 ohm at some frequency, which no reading is")
     groups = list(zip(sweeps["press"].values, sweeps["session"].values, strict=True))
     spectra = [fitted_spectrum(each, frequency, _inductive_end(each)) for each in Z]
-    limits = _limits(spectra, groups, noise, tolerance, readings)
+    limits = _limits(spectra, groups, noise, tolerance, readings, profile)
     spectra = [_without_chance_sign(each, limits) for each in spectra]
     return [
         Verdict(
@@ -186,6 +195,7 @@ def _limits(
     noise: float | None,
     tolerance: float,
     readings: int,
+    profile: NDArray[np.float64] | None,
 ) -> _Limits:
     points = spectra[0].frequency.size
     tests = 2 * LAWS * readings
@@ -193,11 +203,11 @@ def _limits(
         known = np.full(points, max(noise, RESOLUTION))
         return _Limits(known, known, Allowance(tests, np.inf).limit, tolerance, "given")
     residuals = np.array([_unbiased_residual(each) for each in spectra])
-    repeated = repeatability(np.array([each.Z for each in spectra]), groups)
-    rough = roughness(residuals) if repeated is None else repeated
+    repeated = repeatability(np.array([each.Z for each in spectra]), groups, profile)
+    rough = scaled_by(roughness, residuals, profile) if repeated is None else repeated
     observed = np.maximum(rough, RESOLUTION)
     limit = Allowance(tests, 2 * len(spectra) * min(points, NEIGHBOURS)).limit
-    spread = np.maximum(local_scale(residuals), observed)
+    spread = np.maximum(scaled_by(local_scale, residuals, profile), observed)
     return _Limits(observed, spread, limit, tolerance, "fit" if repeated is None else "repeats")
 
 

@@ -22,6 +22,7 @@ from ..reading_subset import read_at
 from ..schema import build, complex_readings, taken_of
 from .examination import (
     LAWS,
+    NO_PROFILES,
     TOLERANCE,
     Spectrum,
     Verdict,
@@ -29,7 +30,7 @@ from .examination import (
     deviates_from_decreasing,
     examine,
 )
-from .noise import NEIGHBOURS, Allowance, roughness
+from .noise import NEIGHBOURS, Allowance, roughness, scaled_by
 from .passivity import Violation
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def examine_gains(
     tolerance: float = TOLERANCE,
     *,
     single_source: bool = True,
+    profiles: Mapping[str, NDArray[np.float64]] = NO_PROFILES,
 ) -> list[Verdict]:
     """Checks every spectrum of gains; phases are checked only where they are known.
 
@@ -59,8 +61,9 @@ def examine_gains(
     its current; otherwise no law applies. The others: see `examine`. Raises InputError as it does.
     """
     if kind_of(sweeps.variables) is not GAIN:
-        return list(_of_magnitudes(sweeps, noise, tolerance, single_source))
-    found = examine(_as_impedances(sweeps), noise, tolerance, two_terminal=single_source)
+        return list(_of_magnitudes(sweeps, noise, tolerance, single_source, profiles))
+    as_impedances = _as_impedances(sweeps)
+    found = examine(as_impedances, noise, tolerance, two_terminal=single_source, profiles=profiles)
     if not single_source:
         return [replace(each, broken=()) for each in found]
     limit = _limit(sweeps, noise)
@@ -84,7 +87,11 @@ def _with_gain_laws(verdict: Verdict, limit: float) -> Verdict:
 
 
 def _of_magnitudes(
-    sweeps: xr.Dataset, noise: float | None, tolerance: float, single_source: bool
+    sweeps: xr.Dataset,
+    noise: float | None,
+    tolerance: float,
+    single_source: bool,
+    profiles: Mapping[str, NDArray[np.float64]],
 ) -> Iterator[Verdict]:
     """Verdicts on magnitudes alone."""
     limit = _limit(sweeps, noise)
@@ -96,7 +103,9 @@ def _of_magnitudes(
             raise InputError(f"interface {name}: V is 0 at some frequency, which no reading is")
         logarithms = np.log(gains)
         spread = (
-            roughness((1 + 1j) * logarithms) if noise is None else np.full(len(f), float(noise))
+            scaled_by(roughness, (1 + 1j) * logarithms, profiles.get(name))
+            if noise is None
+            else np.full(len(f), float(noise))
         )
         allowed = limit * spread
         for sweep, own in enumerate(gains):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,20 @@ EFFICIENCY = 0.37
 """Efficiency of a median of |x| as an estimate of the standard deviation."""
 FALSE_ALARM = 0.01
 """Probability that a file of valid sweeps is flagged at all."""
+
+
+def scaled_by(
+    scale: Callable[[NDArray[np.complex128]], NDArray[np.float64]],
+    deviations: NDArray[np.complex128],
+    profile: NDArray[np.float64] | None,
+) -> NDArray[np.float64]:
+    """A scale of deviations that is at least proportional to a known profile of the noise.
+
+    Neighbours of unequal noise hide that of the noisiest. profile: noise at each frequency up to a
+    factor, > 0, shape (frequency,); None: unknown.
+    """
+    own = scale(deviations)
+    return own if profile is None else np.maximum(own, profile * scale(deviations / profile))
 
 
 def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -46,12 +60,15 @@ def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
 
 
 def repeatability(
-    Z: NDArray[np.complex128], groups: Sequence[object]
+    Z: NDArray[np.complex128],
+    groups: Sequence[object],
+    profile: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64] | None:
     """Relative noise of Z at each frequency from repeated sweeps; None if nothing is repeated.
 
     Unequal strengths of presses and drift between sweeps are smooth in frequency and hardly
     contribute. Z: ohm, shape (sweep, frequency). groups: one for each sweep, equal where repeated.
+    profile: see `scaled_by`.
     """
     deviations = []
     for group in dict.fromkeys(groups):
@@ -59,7 +76,9 @@ def repeatability(
         if len(repeated) > 1:
             freedom = np.sqrt(len(repeated) / (len(repeated) - 1))
             deviations.append(freedom * (repeated / repeated.mean(axis=0) - 1))
-    return roughness(np.concatenate(deviations)) if deviations else None
+    if not deviations:
+        return None
+    return scaled_by(roughness, np.concatenate(deviations), profile)
 
 
 @dataclass(frozen=True)

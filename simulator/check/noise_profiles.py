@@ -1,0 +1,34 @@
+"""Noise over frequency as the scene of sweeps states it, to estimate their noise in proportion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..sweeps.reading_subset import read_at
+from ..sweeps.schema import complex_readings
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from ..scene.scene import Scene
+
+
+def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+    """Relative noise at the frequencies of each interface, by its name: rms over all sweeps.
+
+    Empty without a scene, and for a readout whose noise is 0 or the same at all frequencies.
+    """
+    if scene is None or scene.readout.uniform or not scene.readout.noisy:
+        return {}
+    names = map(str, sweeps["interface"].values)
+    return {name: _profile(scene, read_at(sweeps, name)) for name in names}
+
+
+def _profile(scene: Scene, sweeps: xr.Dataset) -> NDArray[np.float64]:
+    """Profile at the only interface of the sweeps, shape (frequency,)."""
+    reading, frequency = complex_readings(sweeps), sweeps["frequency"].values
+    noise = scene.readout.noise(reading, frequency)
+    return np.sqrt(np.mean(np.square(noise), axis=(0, 1, 2)))
