@@ -11,6 +11,7 @@ import numpy as np
 from ..method_cache import cached_method
 from ..press.batch import PressBatch, TouchedCells
 from ..press.capacitance import touched_cells
+from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Indentation
 from ..scene.scene import Scene
@@ -51,9 +52,10 @@ class GivenPress(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PressReader:
-    """Turns contacts into cells of a grid (rows, columns) of a scene.
+    """Turns contacts into cells of a scene.
 
-    skins: number of skins. highest: largest factor on c that the family is trained on.
+    grid: rows and columns of the cells. skins: number of skins. highest: largest factor on c that
+    the family is trained on.
     """
 
     scene: Scene
@@ -108,7 +110,7 @@ class PressReader:
         return replace(touch.place, factor=factor, finger=touch.finger)
 
     def _checked(self, given: GivenPress) -> GivenPress:
-        rises = given.batch.rises
+        rises = given.batch.rises[given.batch.cells < foam_parts(self.scene, self.grid)]
         if rises.size and not rises.max() <= self.highest - 1 + 1e-9:
             raise InputError(
                 f"{self.scene.name}: contacts must raise c to at most {self.highest:g} times the "

@@ -15,6 +15,7 @@ from ..measure.readout import shown_values
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
 from ..sweeps import InputError
+from .cell_spreading import SkinCells
 from .completed_sweeps import CompletedSweep, as_dataset
 from .given_press import UNKNOWN, GivenPress, PressLabel, PressReader
 from .meter_errors import MeterErrors
@@ -72,11 +73,11 @@ class Sensor:
         if len(numbers) < 1 or min(numbers) < 0:
             raise InputError(f"`skins` must be >= 1, or numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
-        own = family_scene(self.scene, session == "drawn")
+        own = family_scene(self.scene, session == "drawn", rtol)
         self._own, self._family = own, trained_family(own, rtol)
-        self._press = PressReader(
-            self.scene, self._family.grid, len(numbers), highest_factor(self.scene)
-        )
+        self._cells = SkinCells.of(self.scene, self._family.grid)
+        highest = highest_factor(self.scene)
+        self._press = PressReader(self.scene, self._cells.fine, len(numbers), highest)
         self._clock = ReadingClock.of(self.scene)
         self._layout = VectorLayout.of(self.scene.reading)
         self._begin(seed)
@@ -188,7 +189,7 @@ class Sensor:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
         slot, scene = due.slot, self.scene
         if self._known is None:
-            self._known = self._mounted.readings(self._held.batch)
+            self._known = self._mounted.readings(self._cells.spread(self._held.batch))
         reading = self._known[:, slot.interface, slot.frequencies]
         frequency, kind = scene.frequencies[slot.frequencies], scene.reading.kind
         if not self.noise:
