@@ -31,6 +31,11 @@ class FoamTables(NamedTuple):
     relative: NDArray[np.float64]
     strain: NDArray[np.float64]
 
+    def strains_under(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Strains under pressures in Pa, shape (...); at most the largest strain."""
+        at = np.log1p(pressure / self.law[7]) / np.log1p(self.law[6] / self.law[7])
+        return np.interp(at, np.linspace(0.0, 1.0, len(self.strain)), self.strain)
+
 
 def foam_tables(foam: Foam) -> FoamTables:
     """Law of a foam. Without mechanics it has no stress: its tables are for depths alone.

@@ -1,4 +1,4 @@
-"""Patches under point contacts as stacks of discs, and the part of cells that they cover."""
+"""Patches under contacts, and the part of cells that they cover, compiled."""
 
 from __future__ import annotations
 
@@ -8,53 +8,57 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...press.overlap_kernel import covered_fraction
 from .cell_samples import SAMPLES
-from .foam_kernel import edge_strain, mean_stress, patch_radius, rise_at
 
 X, Y, STRENGTH, RADIUS, CURVATURE, WIDTH, HEIGHT = range(7)
+"""Columns of a contact's numbers, see `contact_types.COLUMNS`."""
+FINE, BAD_PLACE, BAD_STRENGTH, BAD_PATCH, OFF_SKIN = range(5)
+FORCE, DEPTH, FACTOR, ADDED = range(4)
+"""How a contact is given; ADDED: factors of touches that add a capacitance to earth."""
+ROUNDING = 1e-9
+
+Box = tuple[float, float, float, float]
+"""Left, right, bottom and top, m."""
+Span = tuple[int, int, int, int]
+"""First and end of columns, first and end of rows."""
 
 
 @compiled()
-def patch_box(contact: NDArray, radius: float) -> NDArray:  # pragma: no cover
-    """Left, right, bottom and top of a patch, m. radius: of a disc, 0 for a rectangle, m."""
-    wide = radius if radius > 0.0 else contact[WIDTH] / 2
-    high = radius if radius > 0.0 else contact[HEIGHT] / 2
-    box = np.empty(4)
-    box[0], box[1] = contact[X] - wide, contact[X] + wide
-    box[2], box[3] = contact[Y] - high, contact[Y] + high
-    return box
+def patch_box(contact: NDArray, radius: float) -> Box:  # pragma: no cover
+    """Rectangle around a patch. radius: of a disc, 0 for a rectangle, m."""
+    wide, high = radius, radius
+    if radius == 0.0:
+        wide, high = contact[WIDTH] / 2, contact[HEIGHT] / 2
+    return contact[X] - wide, contact[X] + wide, contact[Y] - high, contact[Y] + high
 
 
 @compiled()
-def box_cells(box: NDArray, x: NDArray, y: NDArray, span: NDArray) -> None:  # pragma: no cover
-    """Columns and rows of the cells that a box meets: first, end, first, end into `span`."""
+def box_cells(box: Box, x: NDArray, y: NDArray) -> Span:  # pragma: no cover
+    """Cells that a rectangle meets. x, y: lines between cells, m."""
     columns, rows = len(x) - 1, len(y) - 1
-    across, along = x[columns] / columns, y[rows] / rows
-    span[0] = min(max(int(np.floor(box[0] / across)), 0), columns)
-    span[1] = max(min(int(np.ceil(box[1] / across)), columns), 0)
-    span[2] = min(max(int(np.floor(box[2] / along)), 0), rows)
-    span[3] = max(min(int(np.ceil(box[3] / along)), rows), 0)
+    along, across = columns / x[columns], rows / y[rows]
+    return (
+        min(max(int(np.floor(box[0] * along)), 0), columns),
+        max(min(int(np.ceil(box[1] * along)), columns), 0),
+        min(max(int(np.floor(box[2] * across)), 0), rows),
+        max(min(int(np.ceil(box[3] * across)), rows), 0),
+    )
 
 
 @compiled()
 def covered_part(
-    box: NDArray,
-    radius: float,
-    i: int,
-    j: int,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
+    box: Box, radius: float, i: int, j: int, x: NDArray, y: NDArray, cut: NDArray, mask: NDArray
 ) -> float:  # pragma: no cover
     """Part of the skin in a cell that a patch covers; from samples where the skin's edge passes.
 
-    cut: number of the cell's samples in `mask`, -1 for a cell that is all skin.
-    mask: True where a sample is on the skin, shape (cut cell, SAMPLES, SAMPLES).
+    cut: number of the cell's samples in `mask`, -1 for a cell that is all skin. mask: True where a
+    sample is on the skin, shape (cut cell, SAMPLES, SAMPLES).
     """
     own = cut[i, j]
-    sides = x[j], x[j + 1], y[i], y[i + 1]
     if own < 0:
-        return covered_fraction(box, radius, sides)
+        if box[0] >= x[j] and box[1] <= x[j + 1] and box[2] >= y[i] and box[3] <= y[i + 1]:
+            area = (box[1] - box[0]) * (box[3] - box[2]) * (np.pi / 4 if radius > 0.0 else 1.0)
+            return area / ((x[j + 1] - x[j]) * (y[i + 1] - y[i]))
+        return covered_fraction(box, radius, (x[j], x[j + 1], y[i], y[i + 1]))
     middle_x, middle_y = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
     there, under = 0, 0
     for k in range(SAMPLES):
@@ -82,47 +86,41 @@ def area_on_skin(
     part: NDArray,
 ) -> float:  # pragma: no cover
     """Area of the skin under a patch, m². part: of each cell that is skin, shape (row, column)."""
-    box, span, area = patch_box(contact, radius), np.empty(4, np.int64), 0.0
-    box_cells(box, x, y, span)
-    for i in range(span[2], span[3]):
-        for j in range(span[0], span[1]):
+    box, area = patch_box(contact, radius), 0.0
+    left, right, bottom, top = box_cells(box, x, y)
+    for i in range(bottom, top):
+        for j in range(left, right):
             own = (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * part[i, j]
             area += own * covered_part(box, radius, i, j, x, y, cut, mask)
     return area
 
 
 @compiled()
-def stack_of_discs(
-    contact: NDArray,
-    strain: float,
-    law: NDArray,
-    relative: NDArray,
-    radii: NDArray,
-    rises: NDArray,
-    pressures: NDArray,
-) -> int:  # pragma: no cover
-    """Discs whose rises and pressures add up to those under an indenter; returns their number.
+def within_skin(
+    contact: NDArray, radius: float, length: float, width: float, whole: bool
+) -> bool:  # pragma: no cover
+    """True if a patch lies on the skin entirely; also False where that is not certain."""
+    box = patch_box(contact, radius)
+    inside = box[0] >= 0.0 and box[1] <= length and box[2] >= 0.0 and box[3] <= width
+    return whole and inside
 
-    The patch is divided into rings of equal area; each takes the mean of the rise over it, by
-    Simpson's rule, and the mean pressure. Radii ascend, m; a rectangle has the radius 0.
-    """
-    if contact[WIDTH] > 0.0 or contact[CURVATURE] == np.inf:
-        radii[0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
-        rises[0] = rise_at(law, relative, strain)
-        pressures[0] = mean_stress(law, strain, strain) if law[1] > 0.0 else 0.0
-        return 1
-    rings = len(radii)
-    patch = patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
-    low = edge_strain(law, strain, contact[RADIUS], contact[CURVATURE])
-    outer = strain
-    for k in range(rings):
-        inner, outer = outer, strain - (strain - low) * (k + 1) / rings
-        radii[k] = patch * np.sqrt((k + 1) / rings)
-        middle = rise_at(law, relative, (inner + outer) / 2)
-        ends = rise_at(law, relative, inner) + rise_at(law, relative, outer)
-        rises[k] = (ends + 4 * middle) / 6
-        pressures[k] = mean_stress(law, outer, inner) if law[1] > 0.0 else 0.0
-    for k in range(rings - 1):
-        rises[k] -= rises[k + 1]
-        pressures[k] -= pressures[k + 1]
-    return rings
+
+@compiled()
+def reason_invalid(
+    contact: NDArray, by: int, length: float, width: float
+) -> int:  # pragma: no cover
+    """Number of the reason why a contact is invalid; FINE if it is not."""
+    near_x, near_y = ROUNDING * length, ROUNDING * width
+    if not (-near_x <= contact[X] <= length + near_x and -near_y <= contact[Y] <= width + near_y):
+        return BAD_PLACE
+    strength = contact[STRENGTH]
+    if not 0.0 <= strength < np.inf or (by >= FACTOR and strength == 0.0):
+        return BAD_STRENGTH
+    if contact[WIDTH] != 0.0 or contact[HEIGHT] != 0.0:
+        known = 0.0 < contact[WIDTH] < np.inf and 0.0 < contact[HEIGHT] < np.inf
+        return FINE if known else BAD_PATCH
+    if not (contact[RADIUS] > 0.0 and contact[CURVATURE] > 0.0):
+        return BAD_PATCH
+    if contact[RADIUS] == np.inf and (contact[CURVATURE] == np.inf or by >= FACTOR):
+        return BAD_PATCH
+    return FINE

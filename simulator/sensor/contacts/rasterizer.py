@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import PressBatch
 from ...scene.scene import Scene
 from ...sweeps import InputError
@@ -17,6 +18,7 @@ from .fingers import with_fingers
 from .foam_tables import FoamTables, foam_tables
 from .grid_cells import GridCells, grid_cells
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
+from .spread_points import PressedPoints, SpreadPoints
 
 TooDeep = Literal["limit", "refuse"]
 
@@ -46,6 +48,7 @@ class ContactRasterizer:
     foam: FoamTables
     cells: GridCells
     refusals: dict[str, str]
+    spread: SpreadPoints | None
 
     @classmethod
     def of(
@@ -56,7 +59,12 @@ class ContactRasterizer:
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
         grid = grid or scene.pixels.shape
         foam, cells = foam_tables(scene.skin.foam), grid_cells(scene, grid)
-        return cls(scene, grid, too_deep, foam, cells, refusals(scene))
+        refused, spread = refusals(scene), None
+        if spreads(scene) and "force" not in refused:
+            from .membrane_contacts import Membrane
+
+            spread = SpreadPoints(Membrane(scene, grid, foam, cells))
+        return cls(scene, grid, too_deep, foam, cells, refused, spread)
 
     def __call__(self, contacts: Contacts) -> ContactCells:
         """Cells and rises of contacts.
@@ -73,24 +81,35 @@ class ContactRasterizer:
         return found
 
     def _points(self, contacts: PointContacts) -> ContactCells:
-        from .point_kernel import ADDED, FACTOR, pressed_cells
+        if self.spread is not None and contacts.by != "factor":
+            pressed = self.spread(contacts)
+        else:
+            pressed = self._alone(contacts)
+        batch, limited, patches, fault = pressed
+        if fault[2]:
+            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
+        if self.scene.press.finger:
+            batch = with_fingers(self.scene, contacts, batch, patches, self.grid)
+        return ContactCells(batch, limited)
+
+    def _alone(self, contacts: PointContacts) -> PressedPoints:
+        """Cells of contacts of which each presses its patch alone."""
+        from .patch_kernel import ADDED, FACTOR
+        from .winkler_kernel import pressed_cells
 
         by = STRENGTHS.index(contacts.by)
         added = by == FACTOR and self.scene.press.adds is not None
         *batch, limited, patches, fault = pressed_cells(
             contacts.values, contacts.counts, ADDED if added else by, *self.foam, *self.cells
         )
-        if fault[2]:
-            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
-        found = PressBatch(*batch)
-        if self.scene.press.finger:
-            found = with_fingers(self.scene, contacts, found, patches, self.grid)
-        return ContactCells(found, limited)
+        return PressedPoints(PressBatch(*batch), limited, patches, fault)
 
     def _image(self, contacts: Contacts) -> ContactCells:
         from .image_kernel import imaged_cells
 
         by_pressure = isinstance(contacts, PressureImage)
+        if by_pressure and self.spread is not None:
+            return self._spread_image(contacts)
         cut, mask = self.cells.cut, self.cells.mask
         *batch, limited, fault = imaged_cells(
             contacts.values, by_pressure, *self.foam, self.grid, cut, mask
@@ -98,6 +117,15 @@ class ContactRasterizer:
         if fault[3]:
             raise InputError(invalid_value(contacts, *fault[:3].tolist()))
         return ContactCells(PressBatch(*batch), limited)
+
+    def _spread_image(self, image: PressureImage) -> ContactCells:
+        assert self.spread is not None
+        bad = ~((image.values >= 0) & (image.values < np.inf))
+        if bad.any():
+            raise InputError(invalid_value(image, *np.argwhere(bad)[0].tolist()))
+        each = [self.spread.membrane.under_pressure(image, skin) for skin in range(image.skins)]
+        limited = np.array([own.limited for own in each])
+        return ContactCells(PressBatch.of(own.touched for own in each), limited)
 
 
 def to_cells(scene: Scene, grid: tuple[int, int], contacts: Contacts) -> PressBatch:

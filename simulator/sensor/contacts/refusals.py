@@ -55,8 +55,8 @@ def _check_kind(scene: Scene, kind: str) -> None:
 def invalid_contact(
     scene: Scene, contacts: PointContacts, skin: int, contact: int, reason: int
 ) -> str:
-    """Message about one contact. reason: number from `point_kernel`."""
-    from .point_kernel import BAD_PATCH, BAD_PLACE, BAD_STRENGTH
+    """Message about one contact. reason: number from `patch_kernel`."""
+    from .patch_kernel import BAD_PATCH, BAD_PLACE, BAD_STRENGTH
 
     x, y, strength, radius, curvature, width, height = contacts.values[skin, contact].tolist()
     where = f"contact {contact}" + (f" of skin {skin}" if contacts.skins > 1 else "")

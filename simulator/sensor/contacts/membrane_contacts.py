@@ -1,0 +1,241 @@
+"""Contacts on foam under skins with tension, which deflect beside the contact as well.
+
+The skins are a membrane on the foam: T div grad w = p(w / d) - q, with the deflection w, the
+tension T, the foam's pressure p and thickness d, and the pressure q on the skin. It is solved on a
+lattice of nodes, see `models.mechanics.lattice`. Indenters are rigid; a force moves its indenter
+until foam and skins return it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.mechanics.lattice.relaxation_kernel import rasterized
+from ...models.mechanics.lattice.relaxed_presses import (
+    FAINT,
+    MAX_RELAXATION_SWEEPS,
+    SLOWEST,
+    STILL,
+    LatticeApplicators,
+    Window,
+    in_cells,
+    window,
+)
+from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
+from ...press.batch import NOTHING, TouchedCells
+from ...scene.scene import Scene
+from ...sweeps import ToleranceError
+from .contact_types import PointContacts, PressureImage
+from .foam_tables import FoamTables
+from .grid_cells import GridCells
+from .membrane_kernel import relaxed_under
+from .patch_kernel import CURVATURE, DEPTH, FORCE, HEIGHT, STRENGTH, WIDTH, X, Y, area_on_skin
+from .winkler_kernel import winkler_patch
+
+FINEST = 0.5
+"""Smallest size that nodes resolve, over the length in which the skins spread a press."""
+
+
+class MembraneCells(NamedTuple):
+    """Cells of one press.
+
+    depth, radius: of each contact and its patch, m; 0 for the radius of a rectangle. limited: True
+    if the foam was limited to its largest strain.
+    """
+
+    touched: TouchedCells
+    depth: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    limited: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Membrane:
+    """Skins with tension on the foam of a scene, and the grid (rows, columns) of cells."""
+
+    scene: Scene
+    grid: tuple[int, int]
+    foam: FoamTables
+    cells: GridCells
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance from a contact beyond which it has no influence, m."""
+        return self._lattice(np.inf).reach(self.deepest)
+
+    @property
+    def deepest(self) -> float:
+        """Largest deflection, m."""
+        return float(self.foam.law[4] * self.foam.law[5])
+
+    def under_points(self, contacts: PointContacts, skin: int) -> MembraneCells:
+        """Cells under the contacts of one skin. Raises ToleranceError without convergence."""
+        own = contacts.values[skin, : contacts.counts[skin]]
+        depth, rise = np.zeros(len(own)), np.zeros(self.grid)
+        if not (own[:, STRENGTH] > 0).any():
+            return MembraneCells(_touched(rise), depth, depth, False)
+        at_most, radius = self._patches(own, contacts.by)
+        lattice = self._lattice(
+            float(np.where(radius > 0, 2 * radius, own[:, WIDTH:].min(axis=1)).min())
+        )
+        applied = self._applied(own, radius, at_most)
+        for group in _groups(lattice, applied):
+            part = LatticeApplicators(*(each[group] for each in applied))
+            here = window(lattice, part)
+            w, depth[group] = self._relaxed(lattice, own[group], part, here, contacts.by)
+            rise[here] += in_cells(lattice, self._rise(w), here)
+        limited = bool((depth >= self.deepest).any())
+        if contacts.by == "depth":
+            limited = bool((own[:, STRENGTH] > self.deepest).any())
+        return MembraneCells(_touched(rise), depth, radius, limited)
+
+    def under_pressure(self, image: PressureImage, skin: int) -> MembraneCells:
+        """Cells under an image of pressure. Raises ToleranceError without convergence."""
+        values, (rows, columns) = image.values[skin], image.values.shape[1:]
+        lattice = self._lattice(np.inf)
+        here = slice(0, self.grid[0]), slice(0, self.grid[1])
+        if not values.any():
+            return MembraneCells(NOTHING, *np.zeros((2, 0)), False)
+        row, column = (
+            np.minimum(at / side * count, count - 1).astype(np.int64)
+            for at, side, count in (
+                (lattice.y, self.scene.skin.width, rows),
+                (lattice.x, self.scene.skin.length, columns),
+            )
+        )
+        pressure = values[np.ix_(row, column)]
+        alone = self.foam.strains_under(pressure) * self.foam.law[5]
+        nothing = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+        w, _ = self._relaxed(lattice, np.zeros((0, 7)), nothing, here, "force", alone, pressure)
+        touched = _touched(in_cells(lattice, self._rise(w), here))
+        return MembraneCells(touched, *np.zeros((2, 0)), bool((w >= self.deepest).any()))
+
+    def _patches(self, own: NDArray[np.float64], by: str) -> tuple[NDArray[np.float64], ...]:
+        """Largest depth of each contact, m, and the radius of its patch at that depth.
+
+        Without tension the indenter would go deeper. The radius is 0 for rectangles.
+        """
+        foam, cells = self.foam, self.cells
+        how = DEPTH if by == "depth" else FORCE
+        each = (winkler_patch(contact, how, foam.law, foam.strain, *cells) for contact in own)
+        strain, radius = np.array([*each]).T
+        return strain * foam.law[5], radius
+
+    def _lattice(self, smallest: float) -> Lattice:
+        mechanics = self.scene.skin.foam.mechanics
+        assert mechanics is not None
+        spread = np.sqrt(mechanics.tension * self.foam.law[5] / mechanics.young)
+        size = np.clip(smallest, FINEST * spread, min(self.scene.skin.sides))
+        return lattice_of(self.scene, self.grid, float(2.0 ** np.floor(np.log2(size))))
+
+    def _applied(
+        self, own: NDArray[np.float64], radius: NDArray[np.float64], depth: NDArray[np.float64]
+    ) -> LatticeApplicators:
+        wide = np.where(radius > 0, radius, own[:, WIDTH] / 2)
+        high = np.where(radius > 0, radius, own[:, HEIGHT] / 2)
+        x, y = own[:, X], own[:, Y]
+        return LatticeApplicators(
+            np.stack([x - wide, x + wide, y - high, y + high], axis=-1), radius, depth
+        )
+
+    def _relaxed(
+        self,
+        lattice: Lattice,
+        own: NDArray[np.float64],
+        applied: LatticeApplicators,
+        here: Window,
+        by: str,
+        w: NDArray[np.float64] | None = None,
+        pressure: NDArray[np.float64] | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Deflection at the nodes of a window and depth of each contact, m."""
+        rows, columns = lattice.nodes(here)
+        x, y = lattice.x[columns], lattice.y[rows]
+        nodes = _Nodes.of(lattice, here)
+        flat = np.isinf(own[:, CURVATURE])
+        area, band = np.zeros(len(own)), 0.0
+        if flat.any():
+            area[flat] = [
+                area_on_skin(contact, radius, *self.cells[:5])
+                for contact, radius in zip(own[flat], applied.radius[flat], strict=True)
+            ]
+            under = LatticeApplicators(*(each[flat] for each in applied))
+            nodes, band = nodes.cut_at_edges(under, x, y, area.sum() / lattice.mechanics.tension)
+        half = np.diff(applied.boxes)[:, ::2] / 2
+        bodies = np.column_stack([own[:, [X, Y]], half, applied.radius, own[:, CURVATURE]])
+        depth = applied.depth.copy()
+        force = own[:, STRENGTH].copy() if by == "force" else np.full(len(own), np.nan)
+        deepest = float(depth.max()) if w is None else float(w.max())
+        w = np.zeros(nodes.load.shape) if w is None else w
+        pressure = np.zeros(w.shape) if pressure is None else pressure
+        slowest = min(SLOWEST * lattice.falls_within(deepest), max(np.ptp(x), np.ptp(y)))
+        relaxed = 2 / (1 + np.pi * min(lattice.steps) / slowest)
+        law = lattice.law, lattice.per_metre, lattice.mechanics.tension, self.deepest
+        limits = relaxed, STILL * deepest, MAX_RELAXATION_SWEEPS
+        rigid = bodies, area, band, force, depth
+        swept = relaxed_under(w, pressure, *nodes, *law, *limits, x, y, lattice.steps, *rigid)
+        if swept > MAX_RELAXATION_SWEEPS:
+            raise ToleranceError(
+                f"{self.scene.name}: the relaxation of the foam under contacts does not converge"
+            )
+        return w, depth
+
+    def _rise(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.scene.skin.foam.factor_at(w / self.foam.law[5]) - 1
+
+
+class _Nodes(NamedTuple):
+    """Conductance of each node to the next along x and y, and its area, over the tension."""
+
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    load: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, lattice: Lattice, here: Window) -> _Nodes:
+        """Nodes of a window."""
+        own = lattice.nodes(here)
+        return cls(lattice.right[own], lattice.up[own], lattice.area * lattice.part[own])
+
+    def cut_at_edges(
+        self, flat: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64], area: float
+    ) -> tuple[_Nodes, float]:
+        """Nodes with arms that end at the edges of flat indenters, and the share of the arms'
+        halves at the edges that is foam under neither nodes nor indenters.
+
+        area: under the indenters, over the tension.
+        """
+        cut = _Nodes(*(each.copy() for each in self))
+        inside = rasterized(*flat, x, y, *cut) > 0
+        whole = float(self.load.max())
+        along, across = np.zeros(inside.shape, bool), np.zeros(inside.shape, bool)
+        along[:, :-1], across[:-1] = inside[:, 1:] != inside[:, :-1], inside[1:] != inside[:-1]
+        arms = sum(
+            (old[at] / new[at])[old[at] > 0].sum()
+            for old, new, at in zip(self[:2], cut[:2], (along, across), strict=True)
+        )
+        left = float(self.load.sum() - cut.load[~inside].sum()) - area
+        return cut, min(max(left / (arms * whole / 2), 0.0), 2.0) if arms else 0.0
+
+
+def _touched(rise: NDArray[np.float64]) -> TouchedCells:
+    cells = np.flatnonzero(rise > FAINT)
+    return TouchedCells(cells, rise.ravel()[cells])
+
+
+def _groups(lattice: Lattice, applied: LatticeApplicators) -> list[NDArray[np.int64]]:
+    """Numbers of the applicators of each group that may influence each other."""
+    far = np.array([lattice.reach(depth) if depth > 0 else 0.0 for depth in applied.depth])
+    low = applied.boxes[:, ::2] - far[:, None]
+    high = applied.boxes[:, 1::2] + far[:, None]
+    group = np.arange(len(far))
+    for k in range(len(far)):
+        for m in range(k):
+            if ((low[k] < high[m]) & (low[m] < high[k])).all():
+                group[group == group[k]] = group[m]
+    return [np.flatnonzero(group == number) for number in np.unique(group)]

@@ -1,0 +1,86 @@
+"""Tables of round indenters on skins with tension: depth, and rises of c around, by force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scene.scene import Scene
+from .foam_tables import FoamTables
+
+FINE = 16
+"""Steps of the radius per length in which the skins spread a press."""
+MAX_NODES = 4000
+LEVELS = 80
+DISCS = 12
+NEGLIGIBLE = 3e-3
+"""Rise of c, over the largest one, beyond which an indenter has no influence."""
+
+
+class RadialTable(NamedTuple):
+    """One indenter at depths from 0 to the largest.
+
+    depth: m, shape (level,). force: N. radii [m], rises: discs whose rises add up to those around
+    the indenter, shape (level, disc). reach: radius of its influence, m, shape (level,).
+    """
+
+    depth: NDArray[np.float64]
+    force: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    rises: NDArray[np.float64]
+    reach: NDArray[np.float64]
+
+    def each(self) -> Iterator[RadialTable]:
+        """Each of several tables that are stacked along a first axis."""
+        return (RadialTable(*arrays) for arrays in zip(*self, strict=True))
+
+
+_LEVEL, _DISCS = np.zeros((0, 2)), np.zeros((0, 2, DISCS))
+NO_TABLES = RadialTable(_LEVEL, _LEVEL, _DISCS, _DISCS, _LEVEL)
+"""No indenter: stacked tables of none."""
+
+
+def radial_table(
+    scene: Scene, foam: FoamTables, radius: float, curvature: float, reach: float
+) -> RadialTable:
+    """Table of a flat indenter of a radius, or of a sphere of a radius of curvature; m.
+
+    The other one is infinite. reach: distance from the contact without influence, m.
+    """
+    from .radial_kernel import radial_deflections, stacked_rings
+
+    mechanics = scene.skin.foam.mechanics
+    assert mechanics is not None
+    greatest, thickness = float(foam.law[4]), float(foam.law[5])
+    patch = radius if np.isfinite(radius) else np.sqrt(2 * curvature * greatest * thickness)
+    spread = np.sqrt(mechanics.tension * thickness / mechanics.young)
+    step = max(min(spread, patch) / FINE, (patch + reach) / MAX_NODES)
+    flat = 0
+    if np.isfinite(radius):
+        flat = int(np.ceil(radius / step))
+        step = radius / flat
+    nodes = int(np.ceil((patch + reach) / step)) + 2
+    depth = _levels(foam) * thickness
+    w = radial_deflections(foam.law, mechanics.tension, step, nodes, flat, curvature, depth)
+    strain = np.minimum(w / thickness, greatest)
+    ring = 2 * np.pi * step**2 * (np.arange(nodes) + 0.5)
+    rise = scene.skin.foam.factor_at(strain) - 1
+    radii, rises = np.zeros((len(depth), DISCS)), np.zeros((len(depth), DISCS))
+    stacked_rings(rise, step, flat, radii, rises)
+    radii[0] = radii[1]  # without depth there are no rings
+    counts = (rise > NEGLIGIBLE * rise[:, :1]).sum(axis=1)
+    force = mechanics.elastic.stress(strain) @ ring
+    return RadialTable(depth, force, radii, rises, counts * step)
+
+
+def _levels(foam: FoamTables) -> NDArray[np.float64]:
+    """Strains of the levels, from 0: denser where the cells buckle and where they close."""
+    greatest, t = float(foam.law[4]), np.linspace(0.0, 1.0, LEVELS + 1)
+    if foam.law[0] == 0.0:
+        return t * greatest
+    closing = float(foam.law[3])
+    close = closing * (1 - (1 - greatest / closing) ** t)
+    return np.unique(np.concatenate([greatest * t**1.5, close]).clip(0.0, greatest))

@@ -1,0 +1,222 @@
+"""Stacks of discs under contacts on the cells of a grid, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiled import compiled
+from .cell_samples import SAMPLES
+from .foam_kernel import rise_at, strain_under, stress
+from .patch_kernel import (
+    CURVATURE,
+    FACTOR,
+    FORCE,
+    HEIGHT,
+    RADIUS,
+    ROUNDING,
+    WIDTH,
+    X,
+    Y,
+    box_cells,
+    covered_part,
+    patch_box,
+)
+
+FAINT = 1e-12
+"""Rises below this are rounding errors."""
+
+
+@compiled()
+def cells_of_stacks(
+    values: NDArray,
+    counts: NDArray,
+    by: int,
+    radii: NDArray,
+    stacked: NDArray,
+    discs: NDArray,
+    strain: NDArray,
+    limited: NDArray,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Cells, rises and starts of presses, each a number of contacts with stacks of discs.
+
+    radii [m], stacked: radius of each disc, 0 for the contact's rectangle, and the rise that it
+    adds, shape (press, contact, disc). discs: their number; 0 leaves a contact out. strain: in the
+    middle of each contact. Where patches of forces or depths overlap, their means are sampled;
+    `limited` becomes True where that needs more than the largest strain.
+    """
+    presses, rows, columns = values.shape[0], len(y) - 1, len(x) - 1
+    cells, rises = np.empty(presses * 16, np.int64), np.empty(presses * 16)
+    starts = np.zeros(presses + 1, np.int64)
+    unpressed = 1.0 if by == FACTOR else 0.0
+    total, sampled = np.full((rows, columns), unpressed), np.zeros((rows, columns), np.bool_)
+    found = 0
+    for press in range(presses):
+        left, right, bottom, top = columns, 0, rows, 0
+        for k in range(counts[press]):
+            for disc in range(discs[press, k]):
+                radius, rise = radii[press, k, disc], stacked[press, k, disc]
+                box = patch_box(values[press, k], radius)
+                span = box_cells(box, x, y)
+                left, right = min(left, span[0]), max(right, span[1])
+                bottom, top = min(bottom, span[2]), max(top, span[3])
+                for i in range(span[2], span[3]):
+                    for j in range(span[0], span[1]):
+                        covered = covered_part(box, radius, i, j, x, y, cut, mask)
+                        if by == FACTOR:
+                            total[i, j] *= (1 - covered) + (1 + rise) * covered
+                        else:
+                            total[i, j] += rise * covered
+        if by < FACTOR and counts[press] > 1:
+            limited[press] |= _sample_overlaps(
+                values[press],
+                counts[press],
+                by,
+                radii[press],
+                discs[press],
+                strain[press],
+                law,
+                relative,
+                strains,
+                x,
+                y,
+                cut,
+                mask,
+                total,
+                sampled,
+            )
+        if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
+            cells, rises = _longer(cells, rises, found, 2 * len(cells) + rows * columns)
+        for i in range(bottom, top):
+            for j in range(left, right):
+                rise = total[i, j] - unpressed
+                total[i, j], sampled[i, j] = unpressed, False
+                if abs(rise) > FAINT:
+                    cells[found], rises[found] = i * columns + j, rise
+                    found += 1
+        starts[press + 1] = found
+    return cells[:found], rises[:found], starts
+
+
+@compiled()
+def _longer(
+    cells: NDArray, rises: NDArray, found: int, more: int
+) -> tuple[NDArray, NDArray]:  # pragma: no cover
+    new_cells, new_rises = np.empty(more, np.int64), np.empty(more)
+    for k in range(found):
+        new_cells[k], new_rises[k] = cells[k], rises[k]
+    return new_cells, new_rises
+
+
+@compiled()
+def _sample_overlaps(
+    contacts: NDArray,
+    count: int,
+    by: int,
+    radii: NDArray,
+    discs: NDArray,
+    strain: NDArray,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    total: NDArray,
+    sampled: NDArray,
+) -> bool:  # pragma: no cover
+    """Replace the rises of cells where patches overlap; True if one was limited."""
+    limited = False
+    for k in range(count):
+        for m in range(k):
+            if discs[k] == 0 or discs[m] == 0:
+                continue
+            own, other = radii[k, discs[k] - 1], radii[m, discs[m] - 1]
+            if not _meet(contacts[k], contacts[m], own, other):
+                continue
+            one = box_cells(patch_box(contacts[k], own), x, y)
+            two = box_cells(patch_box(contacts[m], other), x, y)
+            for i in range(max(one[2], two[2]), min(one[3], two[3])):
+                for j in range(max(one[0], two[0]), min(one[1], two[1])):
+                    if sampled[i, j]:
+                        continue
+                    sampled[i, j] = True
+                    total[i, j], beyond = _sampled_rise(
+                        contacts, count, strain, by, law, relative, strains, i, j, x, y, cut, mask
+                    )
+                    limited |= beyond
+    return limited
+
+
+@compiled()
+def _meet(one: NDArray, other: NDArray, radius: float, its: float) -> bool:  # pragma: no cover
+    """True if two patches may overlap: discs do, boxes around them do if one is a rectangle."""
+    if radius > 0.0 and its > 0.0:
+        far = (one[X] - other[X]) ** 2 + (one[Y] - other[Y]) ** 2
+        return far < (radius + its) ** 2 * (1 - ROUNDING)
+    first, second = patch_box(one, radius), patch_box(other, its)
+    wide = min(first[1], second[1]) - max(first[0], second[0])
+    high = min(first[3], second[3]) - max(first[2], second[2])
+    return wide > ROUNDING * (first[1] - first[0]) and high > ROUNDING * (first[3] - first[2])
+
+
+@compiled()
+def _strain_at(
+    contact: NDArray, strain: float, law: NDArray, at_x: float, at_y: float
+) -> float:  # pragma: no cover
+    """Strain that a contact alone causes at a position, `strain` in its middle."""
+    along, across = at_x - contact[X], at_y - contact[Y]
+    if contact[WIDTH] > 0.0:
+        under = abs(along) <= contact[WIDTH] / 2 and abs(across) <= contact[HEIGHT] / 2
+        return strain if under else 0.0
+    far = along * along + across * across
+    if far > contact[RADIUS] * contact[RADIUS]:
+        return 0.0
+    return max(strain - far / (2 * contact[CURVATURE] * law[5]), 0.0)
+
+
+@compiled()
+def _sampled_rise(
+    contacts: NDArray,
+    count: int,
+    strain: NDArray,
+    by: int,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    i: int,
+    j: int,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+) -> tuple[float, bool]:  # pragma: no cover
+    """Mean rise of a cell under overlapping patches, from samples; True if one was limited."""
+    own, there, total, limited = cut[i, j], 0, 0.0, False
+    for k in range(SAMPLES):
+        at_y = y[i] + (k + 0.5) / SAMPLES * (y[i + 1] - y[i])
+        for m in range(SAMPLES):
+            if own >= 0 and not mask[own, k, m]:
+                continue
+            there += 1
+            at_x = x[j] + (m + 0.5) / SAMPLES * (x[j + 1] - x[j])
+            deepest, pressure, under = 0.0, 0.0, 0
+            for contact in range(count):
+                depth = _strain_at(contacts[contact], strain[contact], law, at_x, at_y)
+                deepest = max(deepest, depth)
+                if by == FORCE and depth > 0.0:
+                    pressure += stress(law, depth)
+                    under += 1
+            if under > 1:
+                limited |= pressure > law[6]
+                deepest = strain_under(law, strains, min(pressure, law[6]))
+            total += rise_at(law, relative, deepest)
+    return (total / there if there else 0.0), limited

@@ -1,0 +1,238 @@
+"""Point contacts on foam that each patch presses alone, compiled: strain, and discs of rises."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiled import compiled
+from .foam_kernel import (
+    edge_strain,
+    indenter_force,
+    indenter_strain,
+    mean_stress,
+    patch_radius,
+    rise_at,
+    strain_under,
+)
+from .patch_kernel import (
+    CURVATURE,
+    DEPTH,
+    FACTOR,
+    FINE,
+    HEIGHT,
+    OFF_SKIN,
+    RADIUS,
+    STRENGTH,
+    WIDTH,
+    area_on_skin,
+    reason_invalid,
+    within_skin,
+)
+from .stack_kernel import cells_of_stacks
+
+RINGS = 8
+SHARED_STEPS = 50
+SHARED = 1e-9
+"""Steps, and relative error, of the force on an indenter that reaches beyond the skin's edge."""
+
+
+@compiled()
+def pressed_cells(
+    values: NDArray,
+    counts: NDArray,
+    by: int,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    part: NDArray,
+    whole: bool,
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Cells that contacts press, the rises of c there, starts of presses, and faults.
+
+    values: see `contact_types.COLUMNS`, shape (press, contact, 7). counts: contacts of each press.
+    whole: True if all cells are skin. Returned as well: True for presses whose foam would be
+    compressed further than it can, shape (press,); radius of each patch, m, 0 for a rectangle,
+    shape (press, contact); and press, contact and reason of the first invalid contact, shape (3,).
+    Forces of overlapping patches add their pressures; of depths the deeper counts; factors
+    multiply.
+    """
+    presses, most = values.shape[0], values.shape[1]
+    radii, stacked = np.zeros((presses, most, RINGS)), np.zeros((presses, most, RINGS))
+    discs, strain = np.zeros((presses, most), np.int64), np.zeros((presses, most))
+    patches, limited = np.zeros((presses, most)), np.zeros(presses, np.bool_)
+    fault, pressures = np.zeros(3, np.int64), np.zeros(RINGS)
+    length, width = x[len(x) - 1], y[len(y) - 1]
+    for press in range(presses):
+        for k in range(counts[press]):
+            contact = values[press, k]
+            reason = reason_invalid(contact, by, length, width)
+            if reason == FINE:
+                if by >= FACTOR:
+                    discs[press, k], stacked[press, k, 0] = 1, contact[STRENGTH] - 1
+                    radii[press, k, 0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
+                else:
+                    own = winkler_strain(contact, by, law, strains, x, y, cut, mask, part, whole)
+                    limited[press] |= own > law[4]
+                    strain[press, k] = min(own, law[4])
+                    discs[press, k] = stack_of_discs(
+                        contact,
+                        strain[press, k],
+                        law,
+                        relative,
+                        radii[press, k],
+                        stacked[press, k],
+                        pressures,
+                    )
+                outer = radii[press, k, discs[press, k] - 1]
+                patches[press, k] = outer
+                if not within_skin(contact, outer, length, width, whole) and not (
+                    area_on_skin(contact, outer, x, y, cut, mask, part) > 0.0
+                ):
+                    reason = OFF_SKIN
+            if reason != FINE:
+                fault[0], fault[1], fault[2] = press, k, reason
+                nothing = np.zeros(0)
+                return np.zeros(0, np.int64), nothing, counts, limited, patches, fault
+    cells, rises, starts = cells_of_stacks(
+        values,
+        counts,
+        by,
+        radii,
+        stacked,
+        discs,
+        strain,
+        limited,
+        law,
+        relative,
+        strains,
+        x,
+        y,
+        cut,
+        mask,
+    )
+    return cells, rises, starts, limited, patches, fault
+
+
+@compiled()
+def winkler_strain(
+    contact: NDArray,
+    by: int,
+    law: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    part: NDArray,
+    whole: bool,
+) -> float:  # pragma: no cover
+    """Strain under the middle of a contact; infinite if the foam cannot be compressed so far."""
+    strength, radius, curvature = contact[STRENGTH], contact[RADIUS], contact[CURVATURE]
+    if by == DEPTH:
+        return strength / law[5]
+    length, width = x[len(x) - 1], y[len(y) - 1]
+    if contact[WIDTH] > 0.0 or curvature == np.inf:
+        own = 0.0 if contact[WIDTH] > 0.0 else radius
+        area = contact[WIDTH] * contact[HEIGHT] if own == 0.0 else np.pi * own * own
+        if not within_skin(contact, own, length, width, whole):
+            area = area_on_skin(contact, own, x, y, cut, mask, part)
+        if area == 0.0:
+            return 0.0
+        pressure = strength / area
+        return np.inf if pressure > law[6] else strain_under(law, strains, pressure)
+    force, most = strength, indenter_force(law, law[4], radius, curvature)
+    found = indenter_strain(law, force, radius, curvature)
+    if within_skin(contact, patch_radius(law, found, radius, curvature), length, width, whole):
+        return np.inf if force > most else found
+    for _ in range(SHARED_STEPS):
+        returned = force_on_skin(contact, found, law, x, y, cut, mask, part)
+        if returned == 0.0:
+            return found
+        force *= strength / returned
+        if force > most:
+            return np.inf
+        found = indenter_strain(law, force, radius, curvature)
+        if abs(returned - strength) <= SHARED * strength:
+            break
+    return found
+
+
+@compiled()
+def force_on_skin(
+    contact: NDArray,
+    strain: float,
+    law: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    part: NDArray,
+) -> float:  # pragma: no cover
+    """Force that the foam returns to a sphere that reaches beyond the skin's edge, N."""
+    radii, rises, pressures = np.zeros(RINGS), np.zeros(RINGS), np.zeros(RINGS)
+    discs = stack_of_discs(contact, strain, law, np.ones(2), radii, rises, pressures)
+    force = 0.0
+    for k in range(discs):
+        force += pressures[k] * area_on_skin(contact, radii[k], x, y, cut, mask, part)
+    return force
+
+
+@compiled()
+def stack_of_discs(
+    contact: NDArray,
+    strain: float,
+    law: NDArray,
+    relative: NDArray,
+    radii: NDArray,
+    rises: NDArray,
+    pressures: NDArray,
+) -> int:  # pragma: no cover
+    """Discs whose rises and pressures add up to those under an indenter; returns their number.
+
+    The patch is divided into rings of equal area; each takes the mean of the rise over it, by
+    Simpson's rule, and the mean pressure. Radii ascend, m; a rectangle has the radius 0.
+    """
+    if contact[WIDTH] > 0.0 or contact[CURVATURE] == np.inf:
+        radii[0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
+        rises[0] = rise_at(law, relative, strain)
+        return 1
+    rings = len(radii)
+    patch = patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
+    low = edge_strain(law, strain, contact[RADIUS], contact[CURVATURE])
+    outer, at_outer = strain, rise_at(law, relative, strain)
+    for k in range(rings):
+        inner, outer = outer, strain - (strain - low) * (k + 1) / rings
+        radii[k] = patch * np.sqrt((k + 1) / rings)
+        at_inner, at_outer = at_outer, rise_at(law, relative, outer)
+        middle = rise_at(law, relative, (inner + outer) / 2)
+        rises[k] = (at_inner + 4 * middle + at_outer) / 6
+        pressures[k] = mean_stress(law, outer, inner) if law[1] > 0.0 else 0.0
+    for k in range(rings - 1):
+        rises[k] -= rises[k + 1]
+        pressures[k] -= pressures[k + 1]
+    return rings
+
+
+@compiled()
+def winkler_patch(
+    contact: NDArray,
+    by: int,
+    law: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    part: NDArray,
+    whole: bool,
+) -> tuple[float, float]:  # pragma: no cover
+    """Strain under a contact, at most the largest, and the patch's radius, m; 0 for a rectangle."""
+    strain = min(winkler_strain(contact, by, law, strains, x, y, cut, mask, part, whole), law[4])
+    if contact[WIDTH] > 0.0:
+        return strain, 0.0
+    return strain, patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
