@@ -1,0 +1,1 @@
+"""Trained localizers as files that run without Python: ONNX graphs, and C code."""

@@ -1,0 +1,198 @@
+"""Parts of a localizer as nodes of a graph."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+
+import numpy as np
+
+from .graph import Graph
+from .parts import (
+    AffineMap,
+    Array,
+    DenseLayers,
+    Distance,
+    KernelSum,
+    KindDistance,
+    LogProbabilities,
+    NearestErrors,
+    NormalDensities,
+    PairwiseSVMs,
+    Part,
+)
+
+
+@singledispatch
+def add_part(part: Part, graph: Graph, x: str) -> str:
+    """Adds a part to a graph. x: its input, shape (sweep, F). Returns its output (sweep, out)."""
+    raise TypeError(type(part))
+
+
+@add_part.register
+def _(part: AffineMap, graph: Graph, x: str) -> str:
+    centred = graph("Sub", x, graph.real_constant(part.centre))
+    product = "MatMul" if part.matrix.ndim == 2 else "Mul"
+    turned = graph(product, centred, graph.real_constant(part.matrix))
+    return graph("Add", turned, graph.real_constant(part.offset)) if part.offset.any() else turned
+
+
+@add_part.register
+def _(part: KernelSum, graph: Graph, x: str) -> str:
+    kernel = _kernel(graph, x, part.vectors, part.gamma)
+    weighted = graph("MatMul", kernel, graph.real_constant(part.weights))
+    return graph("Add", weighted, graph.real_constant(part.offset))
+
+
+@add_part.register
+def _(part: PairwiseSVMs, graph: Graph, x: str) -> str:
+    """The vectors of each class are filled up to one number by vectors without weight."""
+    K, most = len(part.counts), int(part.counts.max())
+    ends = np.cumsum([0, *part.counts])
+    vectors = np.zeros((K, most, part.vectors.shape[1]))
+    coefficients = np.zeros((K, most, K))
+    for i, size in enumerate(part.counts):
+        vectors[i, :size] = part.vectors[ends[i] : ends[i + 1]]
+        coefficients[i, :size] = part.coefficients[ends[i] : ends[i + 1]]
+    kernel = _kernel(graph, x, vectors.reshape(K * most, -1), part.gamma)
+    by_class = graph("Reshape", kernel, graph.integers([0, K, 1, most]))
+    weighted = graph("MatMul", by_class, graph.real_constant(coefficients))
+    P = graph("Reshape", weighted, graph.integers([0, K, K]))
+    scores = graph("Sub", P, graph("Transpose", P, perm=[0, 2, 1]))
+    scores = graph("Add", scores, graph.real_constant(part.offset))
+    return _decoded(part, graph, scores)
+
+
+def _decoded(part: PairwiseSVMs, graph: Graph, scores: str) -> str:
+    """Decisions, shape (sweep, class), from scores of class i against class j."""
+    K = len(part.counts)
+    if part.decoding == "hinge loss":
+        hinge = graph("Relu", graph("Sub", 1.0, scores))  # 1 against the own class
+        losses = graph("Sub", graph.sum(hinge, 2), 1.0)
+        return graph("Mul", losses, -1 / (2 * (K - 1)))
+    total = graph.sum(scores, 2)
+    if part.decoding == "sum":
+        return graph("Mul", total, 0.5)
+    votes = graph.sum(graph.cast(graph("Greater", scores, 0.0)), 2)
+    size = graph("Mul", graph("Add", graph("Abs", total), 1.0), 3.0)
+    return graph("Add", votes, graph("Div", total, size))
+
+
+@add_part.register
+def _(part: DenseLayers, graph: Graph, x: str) -> str:
+    for number, (W, b) in enumerate(part.weights):
+        x = graph("Relu", x) if number else x
+        product = graph("MatMul", x, graph.real_constant(W))
+        x = graph("Add", product, graph.real_constant(b))
+    return x
+
+
+@add_part.register
+def _(part: LogProbabilities, graph: Graph, x: str) -> str:
+    return graph("Log", graph("Max", graph("Softmax", x, axis=1), part.smallest))
+
+
+@add_part.register
+def _(part: NormalDensities, graph: Graph, x: str) -> str:
+    """Values of all classes at once, shape (sweep, class, component), in whitened components."""
+    change, curve = graph.columns(x, part.change), graph.columns(x, part.curve)
+    z = add_part(part.known, graph, curve)
+    one = graph("Add", graph("Mul", graph.columns(z, [0]), 0.0), 1.0) if part.curve.size else None
+    terms = _terms(part, graph, change, z, one)
+    if part.correction is not None:
+        absolute = graph.columns(x, part.absolute)
+        moved = graph("Sub", graph("Sub", absolute, change), curve)
+        change = graph("Add", change, _correction(part, graph, moved))
+    components = graph("MatMul", change, graph.real_constant(part.turn))
+    response = _by_class(graph, components, part.whitening)
+    touch = _by_class(graph, terms, part.by_curve)
+    first = graph.columns(terms, np.arange(part.curvature.shape[1]))
+    curvature = _by_class(graph, first, part.curvature)
+    strength = graph.real_constant(part.strength)
+
+    def inner(a: str, b: str) -> str:
+        return graph.sum(graph("Mul", a, b), 2)
+
+    wider = graph("Add", graph("Mul", strength, inner(touch, touch)), 1.0)
+    along = inner(graph("Sub", response, touch), touch)
+    bend = graph("Div", graph("Mul", strength, along), wider)  # t - 1
+    squared = graph("Unsqueeze", graph("Mul", bend, bend), graph.integers([2]))
+    left = graph("Sub", graph("Sub", response, touch), graph("Mul", squared, curvature))
+    along = inner(left, touch)
+    spread = graph("Div", graph("Mul", strength, graph("Mul", along, along)), wider)
+    distance = graph("Sub", inner(left, left), spread)
+    off = graph("Mul", graph("Add", distance, graph("Log", wider)), 0.5)
+    return graph("Sub", graph.real_constant(part.constant), off)
+
+
+def _terms(part: NormalDensities, graph: Graph, change: str, z: str, one: str | None) -> str:
+    """1, components of the curve, and their products, shape (sweep, term)."""
+    if one is None:  # no curve: the term 1 alone
+        return graph("Add", graph("Mul", graph.columns(change, [0]), 0.0), 1.0)
+    products = [graph.columns(z, index) for index in part.pairs]
+    return graph("Concat", one, z, graph("Mul", *products), axis=1)
+
+
+def _correction(part: NormalDensities, graph: Graph, moved: str) -> str:
+    from ..learners.drift_directions import OPENING
+
+    assert part.correction is not None
+    D = part.correction.directions
+    along = graph("MatMul", moved, graph.real_constant(D))
+    across = graph("Sub", moved, graph("MatMul", along, graph.real_constant(D.T)))
+    size = graph.sum(graph("Mul", across, across), 1, keepdims=True)
+    size = graph("Max", size, float(np.finfo(graph.real).tiny))
+    believed = graph("Min", graph("Div", graph.real_constant(part.correction.noise), size), 1.0)
+    return graph("Mul", graph("Mul", believed, OPENING), across)
+
+
+def _by_class(graph: Graph, x: str, matrices: Array) -> str:
+    """Products of each row with the matrix of each class, (sweep, class, component)."""
+    K, size, width = matrices.shape
+    whole = matrices.transpose(1, 0, 2).reshape(size, K * width)
+    product = graph("MatMul", x, graph.real_constant(whole))
+    return graph("Reshape", product, graph.integers([0, K, width]))
+
+
+def _kernel(graph: Graph, x: str, vectors: Array, gamma: float) -> str:
+    """exp(-gamma |x - v|²), shape (sweep, V)."""
+    return graph("Exp", graph("Mul", _squared_distances(graph, x, vectors), -gamma))
+
+
+def _squared_distances(graph: Graph, x: str, vectors: Array) -> str:
+    """|x - v|² of each row and vector, as |x|² - 2 x v + |v|², at least 0; shape (sweep, V)."""
+    own = graph.sum(graph("Mul", x, x), 1, keepdims=True)
+    products = graph("MatMul", x, graph.real_constant(-2 * vectors.T))
+    theirs = graph.real_constant(np.square(vectors).sum(axis=1))
+    return graph("Relu", graph("Add", graph("Add", own, theirs), products))
+
+
+def add_distance(part: Distance, graph: Graph, x: str) -> str:
+    """Adds a guard to a graph: distance over limit, above 1 for novel sweeps; shape (sweep,)."""
+    columns = add_part(part.scaling, graph, graph.columns(x, part.columns))
+    if isinstance(part, KindDistance):
+        return _kind_distance(part, graph, columns)
+    decision = graph.sum(add_part(part.machine, graph, columns), 1)
+    return graph("Mul", graph("Exp", decision), 1 / part.limit)
+
+
+def _kind_distance(part: KindDistance, graph: Graph, u: str) -> str:
+    components = graph("MatMul", u, graph.real_constant(part.directions.T))
+    turned = _by_class(graph, components, part.whitening)
+    means = np.einsum("kc,kcd->kd", part.means, part.whitening)
+    off = graph("Sub", turned, graph.real_constant(means))
+    squares = graph("ReduceMin", graph.sum(graph("Mul", off, off), 2), axes=[1], keepdims=0)
+    back = graph("MatMul", components, graph.real_constant(part.directions))
+    left = graph("Sub", u, back)
+    outside = graph("Sqrt", graph.sum(graph("Mul", left, left), 1))
+    farther = graph("Max", graph("Sqrt", squares), graph("Mul", outside, part.outside))
+    return graph("Mul", farther, 1 / part.limit)
+
+
+def add_deviations(part: NearestErrors, graph: Graph, places: str) -> str:
+    """Adds standard deviations of positions to a graph; shape (sweep, 3)."""
+    scaled = add_part(part.scaling, graph, places)
+    distances = graph("Mul", _squared_distances(graph, scaled, part.places), -1.0)
+    nearest = graph("TopK", distances, graph.integers([part.neighbours]), axis=1)
+    squares = graph("Gather", graph.real_constant(part.squares), nearest, axis=0)
+    mean = graph("ReduceMean", squares, axes=[1], keepdims=0)
+    return graph("Mul", graph("Sqrt", mean), graph.real_constant(part.factor))
