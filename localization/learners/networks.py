@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
 from sklearn.neural_network import MLPClassifier, MLPRegressor
 from sklearn.utils.validation import check_is_fitted, validate_data
@@ -135,7 +136,20 @@ class NetworkClassifier(ClassifierMixin, _Network):
     def predict_proba(self, X):
         """Probability of each class, shape (n, K)."""
         X = self._validated(X)
-        return self.network_.predict_proba(X)
+        if self.classes_.size > 2:
+            return self.network_.predict_proba(X)
+        odds = self._log_odds(X)
+        return expit(np.hstack([-odds, odds]))
+
+    def _log_odds(self, X):
+        """ln of the odds of the second of two classes, shape (n, 1).
+
+        1 - p in single precision would round the smaller probability to a multiple of 6e-8.
+        """
+        *hidden, (W, b) = zip(self.network_.coefs_, self.network_.intercepts_, strict=True)
+        for inner, offset in hidden:
+            X = np.maximum(X @ inner + offset, 0)
+        return X @ W + b
 
 
 class NetworkRegressor(RegressorMixin, _Network):

@@ -127,3 +127,13 @@ def test_ctrl_c_ends_more_than_a_stage():
     interruption.start()
     with pytest.raises(KeyboardInterrupt):
         endless.fit(X, y)
+
+
+def test_the_smaller_of_two_probabilities_keeps_its_digits():
+    X = np.linspace(-1, 1, 200)[:, None]
+    network = NetworkClassifier((8,), ((1e-2, 300),)).fit(X, X[:, 0] > 0)
+    found = network.predict_proba(4 * X)
+    assert 0 < found.min() < 1e-12
+    odds = np.log(found[:, 1] / found[:, 0])
+    assert (np.diff(odds) >= 0).all() and np.unique(odds).size > 150
+    np.testing.assert_array_equal(network.predict(X), found[:, 1] > 0.5)
