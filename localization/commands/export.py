@@ -7,15 +7,26 @@ from typing import Annotated
 
 import typer
 
+from . import options
+
 FORMATS = "netcdf, csv, parquet, mcap, tactile-zarr, lerobot or hugging-face"
 
 
+@options.with_option_names
 def export(
-    data: Annotated[Path, typer.Argument(help="A data set, DATA.zarr, or sweeps, .nc or .csv.")],
+    data: Annotated[
+        Path,
+        typer.Argument(
+            help="A data set, DATA.zarr, sweeps, .nc or .csv, or a trained model, MODEL.skops."
+        ),
+    ],
     output: Annotated[
         Path,
         typer.Option(
-            "--output", "-o", help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, OUT.zarr, or a folder."
+            "--output",
+            "-o",
+            help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, OUT.zarr, or a folder; of a model "
+            "OUT.onnx.",
         ),
     ],
     format_: Annotated[
@@ -33,8 +44,28 @@ def export(
             "repeated.",
         ),
     ] = None,
+    single: Annotated[
+        bool,
+        typer.Option(
+            "--single", help="Model: compute in single precision, for accelerators without double."
+        ),
+    ] = False,
+    unguarded: Annotated[
+        bool,
+        typer.Option(
+            "--unguarded",
+            help="Model: leave out the guards, which answer 'cannot tell' to sweeps unlike the "
+            "training.",
+        ),
+    ] = False,
+    compare: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Model: sweeps on which the graph is compared with the model; default: simulated."
+        ),
+    ] = None,
 ) -> None:
-    """Write a data set or sweeps as NetCDF, CSV, Parquet, or for robot learning.
+    """Write a data set, sweeps or a trained model in a format of other programs.
 
     NetCDF keeps everything. CSV is the long form of sweeps, a line for each
     frequency. Parquet has one row a sweep: labels, touches, and columns
@@ -43,8 +74,29 @@ def export(
     mcap has messages of ROS 2. tactile-zarr (OUT.zarr) is the layout of
     Open-X-Tactile. lerobot is a folder in LeRobot's format v3.0, hugging-face
     a folder for `datasets`. Episodes are runs of sweeps of one session.
+
+    A model becomes an ONNX graph from raw readings to probabilities, which is
+    compared with the model if onnxruntime is installed. Models that invert the
+    simulator cannot be exported.
     """
-    _export_sweeps(data, output, format_, images or [])
+    from .export_model import export_model
+
+    of_sweeps = {"--format": format_, "--images": images}
+    of_models = {"--single": single, "--unguarded": unguarded, "--compare": compare}
+    if data.suffix == ".skops":
+        _refuse_options(data, of_sweeps, "sweeps, and this is a model")
+        export_model(data, output, single=single, guarded=not unguarded, compare=compare)
+    else:
+        _refuse_options(data, of_models, "a model, MODEL.skops, and these are sweeps")
+        _export_sweeps(data, output, format_, images or [])
+
+
+def _refuse_options(data: Path, given: dict[str, object], meant_for: str) -> None:
+    """Raises InputError if an option is given that applies to the other kind of file."""
+    from ...simulator.sweeps import InputError
+
+    for name in (name for name, value in given.items() if value):
+        raise InputError(f"{data}: {name} applies to {meant_for}")
 
 
 def _export_sweeps(data: Path, output: Path, name: str | None, images: list[Path]) -> None:

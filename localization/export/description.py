@@ -29,8 +29,9 @@ UNGUARDED = "no guard: sweeps unlike the training are answered too"
 def described(model: Model, parts: PortableModel, inputs: Sequence[str]) -> dict[str, object]:
     """Description of an exported model, by key. inputs: names of its inputs."""
     problem = model.problem
-    placed = ("position", "deviation", "label") if problem.continuous else ("probabilities", "label")
-    outputs = [*placed, *(["probabilities"] if parts.gate else [])]
+    outputs = ["position", "deviation"] if problem.continuous else []
+    outputs += ["probabilities"] if parts.gate or not problem.continuous else []
+    outputs += ["label", "novelty"] if parts.guarded else ["label"]
     return {
         "rcskin_version": version("rcskin"),
         "target": model.target,
@@ -43,8 +44,7 @@ def described(model: Model, parts: PortableModel, inputs: Sequence[str]) -> dict
         "labels": list(parts.labels),
         "min_probability": parts.threshold,
         "inputs": {name: input_meaning(name) for name in inputs},
-        "outputs": {name: OUTPUTS[name] for name in outputs}
-        | ({"novelty": OUTPUTS["novelty"]} if parts.guarded else {}),
+        "outputs": {name: OUTPUTS[name] for name in outputs},
         "guard": "distance from the training sweeps" if parts.guarded else UNGUARDED,
         "trained_with": model.versions,
         "trained_on_sweeps": model.trained_on,

@@ -50,8 +50,8 @@ class GraphFeatures:
         if name in BASELINE:
             return self._baseline(ABSOLUTE[BASELINE.index(name)], OPENING)
         absolute = ABSOLUTE[RELATIVE.index(name)]
-        recent = self._baseline(absolute, RECENT)
-        return self.graph("Sub", self._absolute(absolute, ""), recent)
+        own, recent = self._absolute(absolute, ""), self._baseline(absolute, RECENT)
+        return self.graph("Sub", own, recent)
 
     def _baseline(self, absolute: str, prefix: str) -> str:
         return self.graph("ReduceMean", self._absolute(absolute, prefix), axes=[1], keepdims=0)

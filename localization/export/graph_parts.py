@@ -79,16 +79,21 @@ def _decoded(part: PairwiseSVMs, graph: Graph, scores: str) -> str:
 
 @add_part.register
 def _(part: DenseLayers, graph: Graph, x: str) -> str:
+    """Layers in single precision, in which networks are trained and computed."""
+    x = graph.cast(x, np.float32)
     for number, (W, b) in enumerate(part.weights):
         x = graph("Relu", x) if number else x
-        product = graph("MatMul", x, graph.real_constant(W))
-        x = graph("Add", product, graph.real_constant(b))
-    return x
+        product = graph("MatMul", x, graph.constant(np.asarray(W, np.float32)))
+        x = graph("Add", product, graph.constant(np.asarray(b, np.float32)))
+    return graph.cast(x)
 
 
 @add_part.register
 def _(part: LogProbabilities, graph: Graph, x: str) -> str:
-    return graph("Log", graph("Max", graph("Softmax", x, axis=1), part.smallest))
+    """In single precision, as the network before it."""
+    probabilities = graph("Softmax", graph.cast(x, np.float32), axis=1)
+    smallest = graph.constant(np.asarray(part.smallest, np.float32))
+    return graph.cast(graph("Log", graph("Max", probabilities, smallest)))
 
 
 @add_part.register

@@ -142,10 +142,11 @@ def _layers(network: Any) -> DenseLayers:
 
 
 def _of_scaled_regressor(regressor: Any) -> tuple[Part, ...]:
-    scaler = regressor.transformer_
+    scaler: Any = regressor.transformer_
     if type(scaler) is not StandardScaler:
         raise NoPartsError(type(scaler).__name__)
-    back = AffineMap(np.zeros_like(scaler.mean_), scaler.scale_, scaler.mean_)
+    mean = np.asarray(scaler.mean_)
+    back = AffineMap(np.zeros_like(mean), np.asarray(scaler.scale_), mean)
     return *chain_of(regressor.regressor_), back
 
 

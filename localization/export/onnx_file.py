@@ -13,6 +13,7 @@ from .description import described
 from .graph import Graph
 from .graph_features import GraphFeatures
 from .graph_parts import add_deviations, add_distance, add_part
+from .parts import LogProbabilities
 from .portable import PortableModel
 
 if TYPE_CHECKING:
@@ -84,7 +85,10 @@ def _decisions(parts: PortableModel, graph: Graph, features: GraphFeatures) -> s
 def _answers(parts: PortableModel, graph: Graph, features: GraphFeatures) -> tuple[str, str]:
     """Probabilities, (sweep, class), and the number of the answer or -1, (sweep,)."""
     decisions = _decisions(parts, graph, features)
-    probabilities = graph("Softmax", graph("Mul", decisions, parts.sharpness), axis=1)
+    of_network = isinstance(parts.chain[-1], LogProbabilities)  # all in single precision
+    sharpness = np.asarray(parts.sharpness, np.float32 if of_network else graph.real)
+    scaled = graph("Mul", graph.cast(decisions, sharpness.dtype), graph.constant(sharpness))
+    probabilities = graph.cast(graph("Softmax", scaled, axis=1))
     best = graph("ArgMax", probabilities, axis=1, keepdims=0)
     highest = graph("ReduceMax", probabilities, axes=[1], keepdims=0)
     sure = graph("GreaterOrEqual", highest, parts.threshold)

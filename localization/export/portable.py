@@ -90,8 +90,8 @@ def portable(model: Model, *, guarded: bool = True) -> PortableModel:
 
 def _change_names(problem: LocalizationProblem, changes: Guards) -> tuple[str, ...]:
     """Names of the changes that guards use; only the first without phases."""
-    each = problem.features // len(problem.quantities)
-    return names_beside(problem.quantities).relative[: changes.kinds.n_features_in_ // each]
+    each, guard = problem.features // len(problem.quantities), changes.kinds
+    return names_beside(problem.quantities).relative[: len(guard.told_) // each]
 
 
 def _distances(guards: Guards | None) -> tuple[Distance, ...]:
@@ -102,11 +102,11 @@ def _distances(guards: Guards | None) -> tuple[Distance, ...]:
 
 
 def _of_kinds(guard: KindGuard) -> KindDistance:
-    scaling = AffineMap.scaling(guard.pca_.mean_ * guard.scale_, guard.scale_)
+    pca: Any = guard.pca_
     return KindDistance(
         np.asarray(guard.told_),
-        scaling,
-        guard.pca_.components_,
+        AffineMap.scaling(pca.mean_ * guard.scale_, guard.scale_),
+        pca.components_,
         guard.means_,
         guard.whitening_,
         float(guard.beside_),
