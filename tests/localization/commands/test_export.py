@@ -55,7 +55,8 @@ def test_a_graph_is_compared_on_sweeps_of_a_file(run, model, make_sweeps, tmp_pa
     [
         ("model", ("-o", "a.txt"), "a.txt: must end in .onnx, got '.txt'"),
         ("sweeps", ("-o", "a.csv", "--single"), "--single applies to a model, MODEL.skops"),
-        ("sweeps", ("-o", "a.onnx"), "must end in .nc or .csv or .parquet, got '.onnx'"),
+        ("sweeps", ("-o", "a.onnx"), "must end in .nc or .csv or .parquet or"),
+        ("model", ("-o", "a.onnx", "--format", "csv"), "--format applies to sweeps, and this is a"),
         ("absent", ("-o", "a.onnx"), "absent.skops"),
     ],
 )
