@@ -45,19 +45,18 @@ class Creep:
         """Internal strains of a foam that was never pressed."""
         return np.zeros((len(self.share), *shape))
 
-    def decay(self, seconds: float) -> Array:
-        """exp(-t / time), shape (solid,)."""
-        return np.exp(-seconds / self.time)
+    def decay(self, seconds: float | Array) -> Array:
+        """exp(-t / time), shape (solid, ...) for seconds of the shape (...)."""
+        return np.exp(-(seconds / self.time.reshape(-1, *[1] * np.ndim(seconds))))
 
     def loaded(self, y: Array, x: Array, decay: Array) -> Array:
         """Internal strains later, under a load that causes the strain x at once; 0 lets the foam
         recover.
 
-        decay: see `decay`.
+        decay: see `decay`; its shape is that of the first axes of y.
         """
-        along = (-1, *[1] * np.ndim(x))
-        settled = self.share.reshape(along) * x
-        return settled + (y - settled) * decay.reshape(along)
+        settled = self.share.reshape(-1, *[1] * np.ndim(x)) * x
+        return settled + (y - settled) * decay.reshape(*decay.shape, *[1] * (y.ndim - decay.ndim))
 
     def clamped(self, y: Array, e: Array, seconds: float) -> Array:
         """Internal strains `seconds` later at a fixed strain e; they tend to share_k e / (1 + sum

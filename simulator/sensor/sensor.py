@@ -12,11 +12,13 @@ import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
 from ..measure.readout import shown_values
+from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
 from ..sweeps import InputError
 from .cell_spreading import SkinCells
 from .completed_sweeps import CompletedSweep, as_dataset
+from .foam_memory import FoamMemory
 from .given_press import UNKNOWN, GivenPress, PressLabel, PressReader
 from .meter_errors import MeterErrors
 from .mounted_skins import MountedSkins
@@ -91,6 +93,7 @@ class Sensor:
         other = copy(self)
         other._errors = deepcopy(self._errors)
         other._pending, other._sweeps = deque(self._pending), [*self._sweeps]
+        other._foam = None if self._foam is None else self._foam.copy()
         other._labels = [*self._labels]
         return other
 
@@ -172,7 +175,9 @@ class Sensor:
         self.seed, self._now = seed, 0
         self._mounted = MountedSkins(self._own, self._family, seed, self.numbers)
         self._errors = MeterErrors(self.scene, seed, self.numbers)
-        self._held = self._press(None)
+        self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
+        in_time = self.scene.skin.foam.in_time
+        self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: NDArray[np.complex128] | None = None
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
@@ -182,15 +187,26 @@ class Sensor:
         self._sweeps: list[CompletedSweep] = []
 
     def _hold(self, given: GivenPress) -> None:
-        if not given.equals(self._held):
-            self._held, self._known = given, None
+        if given.equals(self._held):
+            return
+        if self._foam is not None:
+            each = given.of_each(self.skins)
+            self._foam.press(each.batch, np.array(each.fixed), self.time)
+        self._held, self._known = given, None
+
+    def _readings(self, middle: int) -> NDArray[np.complex128]:
+        """Readings at a time in ticks, shape (skin, interface, frequency)."""
+        if self._foam is not None:
+            pressed = self._foam.pressed(middle / PER_SECOND)
+            return self._mounted.readings(self._cells.spread(pressed))
+        if self._known is None:
+            self._known = self._mounted.readings(self._cells.spread(self._held.batch))
+        return self._known
 
     def _taken(self, due: DueReading) -> NDArray[np.float64]:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
         slot, scene = due.slot, self.scene
-        if self._known is None:
-            self._known = self._mounted.readings(self._cells.spread(self._held.batch))
-        reading = self._known[:, slot.interface, slot.frequencies]
+        reading = self._readings(due.middle)[:, slot.interface, slot.frequencies]
         frequency, kind = scene.frequencies[slot.frequencies], scene.reading.kind
         if not self.noise:
             values = kind.values(reading, frequency)

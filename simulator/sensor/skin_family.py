@@ -15,6 +15,7 @@ from ..measure.skins import drawn_skin
 from ..models.reduced.cases import Case
 from ..models.reduced.compressing import COMPRESSED_SHARE, compressed
 from ..models.reduced.reduced_model import Reduced
+from ..press.foam_creep import Creep
 from ..scene.draw_distributions import Fixed, Uniform
 from ..scene.pixel_grid import Pressing
 from ..scene.randomisation import DrawnPress, Randomisation, Session
@@ -24,11 +25,14 @@ STRONGEST = 6.0
 """Largest factor on c that training includes; a scene that names larger ones extends it."""
 SMALLEST, LARGEST = 0.25, 0.5
 """Smallest touch in training over a pixel's side, and the largest over the skin's shorter side."""
-TOUCHES = 0.05, 0.45, 0.5
+TOUCHES, ON_CREEPING_FOAM = (0.05, 0.45, 0.5), (0.1, 0.9)
+"""Probabilities of 0, 1 and 2 touches; presses on creeping foam leave traces for later ones."""
 FAMILIES_KEPT = 8
 TRAINED_TO = 4.0
 """Tolerance of the training over that of the sensor. Training keeps a bound, and the largest error
 of 40 random presses was a tenth of it."""
+CREEPING_SHARE = 0.999
+"""Largest factor on creeping foam over the one under which it reaches its greatest strain."""
 RANK_SKINS, PRESSES_ON_SKIN = 8, 8
 RANK_SHARE = 0.1
 """Share of the tolerance by which factors of lower rank may change readings."""
@@ -65,7 +69,7 @@ def family_scene(scene: Scene, drawn: bool, rtol: float) -> Scene:
     length, width = scene.skin.sides
     pixel = min(length / scene.pixels.columns, width / scene.pixels.rows)
     touch = DrawnPress(
-        touches=TOUCHES,
+        touches=ON_CREEPING_FOAM if scene.skin.foam.in_time else TOUCHES,
         place="anywhere",
         size=Uniform(low=SMALLEST * pixel, high=LARGEST * min(length, width)),
         cells_per_pixel=_cells_per_pixel(scene, rtol),
@@ -89,8 +93,15 @@ def _cells_per_pixel(scene: Scene, rtol: float) -> int:
 
 
 def highest_factor(scene: Scene) -> float:
-    """Largest factor on c that the family of a scene is trained on."""
-    return max(STRONGEST, scene.dataset.press.factor.high)
+    """Largest factor on c that the family of a scene is trained on.
+
+    Foam that creeps must stay within its greatest strain.
+    """
+    highest, foam = max(STRONGEST, scene.dataset.press.factor.high), scene.skin.foam
+    if not foam.in_time:
+        return highest
+    at_once = foam.greatest_strain / float(Creep.of(foam).greatest(np.zeros((0,)), np.array(1.0)))
+    return min(highest, CREEPING_SHARE * float(foam.factor_at(np.array(at_once))))
 
 
 @lru_cache(maxsize=FAMILIES_KEPT)
