@@ -15,6 +15,7 @@ from .reading import blocks, commands, pages, prose
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
 FINGERS = "docs/tutorials/what-a-finger-buys.md"
+ROBOTS = "docs/how-to/give-data-to-robot-learners.md"
 IMPORTS = "docs/how-to/import-measurements.md"
 SELF_MADE = (
     "README.md",
@@ -28,6 +29,7 @@ SELF_MADE = (
             "describe-a-skin",
             "design-a-skin",
             "find-the-limits",
+            "give-data-to-robot-learners",
             "make-data-sets",
             "press-in-a-browser",
             "see-the-fields",
@@ -159,6 +161,17 @@ def test_tables_of_other_tools_are_imported_as_the_page_says(tmp_path, monkeypat
     assert shown.out + shown.err == blocks(IMPORTS, "text")[0]
     for line in others:
         run(monkeypatch, line)
+
+
+def test_robot_learners_read_what_their_page_exports(tmp_path, monkeypatch):
+    for library in ("datasets", "mcap_ros2", "zarr"):
+        pytest.importorskip(library)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HF_DATASETS_CACHE", str(tmp_path / "cache"))
+    for line in commands(ROBOTS):
+        run(monkeypatch, line)
+    for example in blocks(ROBOTS, "py"):
+        exec(compile(example, ROBOTS, "exec"), {})
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ def write_tactile_zarr(exported: Exported, folder: Path) -> None:
     ends = np.array([episode.stop for episode in exported.episodes], dtype=np.int64)
     meta.create_array("episode_ends", data=ends)
     arrays: dict[str, zarr.Array] = {}
-    press_type = exported.sweeps["press"].values.astype(str).dtype
+    longest = max(len(str(each)) for each in exported.sweeps["press"].values)
     for part in exported.parts():
         numbers = part.numbers
         start = exported.clock.times(slice(part.episode.first, part.episode.first + 1))
@@ -50,7 +50,7 @@ def write_tactile_zarr(exported: Exported, folder: Path) -> None:
             "timestamps": exported.clock.times(numbers) - start,
             GROUP.format("data"): exported.vector.values(part.sweeps)[:, None],
             **{
-                f"label_{name}": each.astype(press_type) if name == "press" else each
+                f"label_{name}": each.astype(f"<U{longest}") if name == "press" else each
                 for name, each in exported.labels.values(part.sweeps, numbers).items()
             },
             **{

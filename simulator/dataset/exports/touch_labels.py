@@ -33,14 +33,14 @@ class Label:
 
 TEXTS = [
     Label("press", "string", 1, "", "the press as text"),
-    Label("row", "int64", 1, "1", "pressed pixel's row from 1; 0 nothing pressed, -1 no pixel"),
-    Label("column", "int64", 1, "1", "pressed pixel's column from 1; 0 nothing pressed, -1 none"),
+    Label("row", "int64", 1, "1", "row of the pressed pixel, 0: none pressed, -1: no single one"),
+    Label("column", "int64", 1, "1", "column of the pressed pixel, as row"),
 ]
 TOUCHES = [
     Label("touches", "int64", 1, "1", "number of touches"),
     Label("touch_x", "float32", MAX_TOUCHES, "m", "centre of each touch along the length"),
     Label("touch_y", "float32", MAX_TOUCHES, "m", "centre of each touch along the width"),
-    Label("touch_factor", "float32", MAX_TOUCHES, "1", "capacitance over that of the unpressed"),
+    Label("touch_factor", "float32", MAX_TOUCHES, "1", "capacitance over that unpressed"),
 ]
 
 
@@ -54,7 +54,7 @@ class TouchLabels:
     def values(self, sweeps: xr.Dataset, numbers: slice) -> Mapping[str, NDArray[Any]]:
         """Labels by name, shape (sweep,) or (sweep, size). numbers: of the sweeps in all."""
         texts = {
-            "press": sweeps["press"].values.astype(str).astype(object),
+            "press": np.array([str(each) for each in sweeps["press"].values], dtype=object),
             "row": sweeps["row"].values.astype(np.int64),
             "column": sweeps["column"].values.astype(np.int64),
         }

@@ -1,0 +1,41 @@
+"""Data sets of many sessions: read lazily from Zarr, chunk by chunk."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from rcskin.simulator.dataset.exports.export import export
+from rcskin.simulator.sweeps import read
+
+
+@pytest.fixture
+def data(make, toy):
+    return make("data", toy.small_plan(50, block=2))
+
+
+def test_touches_and_sessions_of_data_sets_travel(data, tmp_path):
+    sweeps = read(data)
+    for name in ("lerobot", "hugging-face"):
+        export(data, tmp_path / name, name)
+    export(data, tmp_path / "out.zarr")
+    frames = pd.read_parquet(tmp_path / "lerobot/data/chunk-000/file-000.parquet")
+    rows = pd.read_parquet(tmp_path / "hugging-face/data/train-00000.parquet")
+    zarr = pytest.importorskip("zarr", reason="needs zarr: pip install '.[robots]'")
+    arrays = zarr.open_group(tmp_path / "out.zarr", mode="r")["data"]
+    for found in (frames["label.touch_x"], rows["touch_x"], arrays["label_touch_x"][:]):
+        np.testing.assert_array_equal(np.stack([*found]), sweeps["touch_x"].values)
+    for found in (frames["label.press"], rows["press"], arrays["label_press"][:]):
+        assert [*found] == sweeps["press"].values.tolist()
+    assert rows["session"].tolist() == [str(each) for each in sweeps["session"].values]
+    assert np.stack([np.stack(each) for each in rows["Rs"]]).dtype == sweeps["Rs"].dtype
+
+
+def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
+    from rcskin.simulator.measure.creeping_sweeps import reading_moments
+    from rcskin.simulator.scene.scene_files import scene_of_sweeps
+
+    export(data, tmp_path / "out", "lerobot")
+    frames = pd.read_parquet(tmp_path / "out/data/chunk-000/file-000.parquet")
+    moments, whole = reading_moments(scene_of_sweeps(read(data)))
+    np.testing.assert_allclose(frames["skin_time"], whole * np.arange(50))
+    assert frames["frame_index"].max() < 49  # several sessions
+    np.testing.assert_allclose(frames["timestamp"], whole * frames["frame_index"], rtol=2e-6)
