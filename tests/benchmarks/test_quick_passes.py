@@ -9,7 +9,11 @@ import pytest
 from rcskin.benchmarks.bench import launch
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-NEEDS = {"scale/dataset": "psutil", "scale/cluster": "psutil"}
+NEEDS = {
+    "scale/dataset": "psutil",
+    "scale/cluster": "psutil",
+    "localization/torch_training": "torch",
+}
 MARKS = {"pictures/gallery": pytest.mark.pictures}
 TIMEOUT = 400
 """s, on a machine that does much besides."""

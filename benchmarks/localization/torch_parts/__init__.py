@@ -1,0 +1,1 @@
+"""Networks, a design and rates of `torch_training.py`."""
