@@ -114,6 +114,7 @@ def spread_cells(
         y,
         cut,
         mask,
+        part,
     )
     return cells, given, starts, limited, how, patches, fault
 

@@ -16,6 +16,7 @@ from .patch_kernel import (
     RADIUS,
     ROUNDING,
     WIDTH,
+    Box,
     X,
     Y,
     box_cells,
@@ -44,20 +45,20 @@ def cells_of_stacks(
     y: NDArray,
     cut: NDArray,
     mask: NDArray,
+    part: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
     """Cells, rises and starts of presses, each a number of contacts with stacks of discs.
 
     radii [m], stacked: radius of each disc, 0 for the contact's rectangle, and the rise that it
     adds, shape (press, contact, disc). discs: their number; 0 leaves a contact out. strain: in the
-    middle of each contact. Where patches of forces or depths overlap, their means are sampled;
+    middle of each contact. Where patches of forces or depths overlap, a correction is sampled;
     `limited` becomes True where that needs more than the largest strain.
     """
     presses, rows, columns = values.shape[0], len(y) - 1, len(x) - 1
     cells, rises = np.empty(presses * 16, np.int64), np.empty(presses * 16)
     starts = np.zeros(presses + 1, np.int64)
     unpressed = 1.0 if by == FACTOR else 0.0
-    total, sampled = np.full((rows, columns), unpressed), np.zeros((rows, columns), np.bool_)
-    found = 0
+    total, found = np.full((rows, columns), unpressed), 0
     for press in range(presses):
         left, right, bottom, top = columns, 0, rows, 0
         for k in range(counts[press]):
@@ -75,7 +76,7 @@ def cells_of_stacks(
                         else:
                             total[i, j] += rise * covered
         if by < FACTOR and counts[press] > 1:
-            limited[press] |= _sample_overlaps(
+            limited[press] |= _add_overlaps(
                 values[press],
                 counts[press],
                 by,
@@ -89,15 +90,15 @@ def cells_of_stacks(
                 y,
                 cut,
                 mask,
+                part,
                 total,
-                sampled,
             )
         if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
             cells, rises = _longer(cells, rises, found, 2 * len(cells) + rows * columns)
         for i in range(bottom, top):
             for j in range(left, right):
                 rise = total[i, j] - unpressed
-                total[i, j], sampled[i, j] = unpressed, False
+                total[i, j] = unpressed
                 if abs(rise) > FAINT:
                     cells[found], rises[found] = i * columns + j, rise
                     found += 1
@@ -116,7 +117,7 @@ def _longer(
 
 
 @compiled()
-def _sample_overlaps(
+def _add_overlaps(
     contacts: NDArray,
     count: int,
     by: int,
@@ -130,29 +131,41 @@ def _sample_overlaps(
     y: NDArray,
     cut: NDArray,
     mask: NDArray,
+    part: NDArray,
     total: NDArray,
-    sampled: NDArray,
 ) -> bool:  # pragma: no cover
-    """Replace the rises of cells where patches overlap; True if one was limited."""
-    limited = False
+    """Correct the summed rises of cells where patches overlap; True if one was limited.
+
+    The correction is sampled in a rectangle around all overlaps.
+    """
+    left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(count):
         for m in range(k):
-            if discs[k] == 0 or discs[m] == 0:
-                continue
             own, other = radii[k, discs[k] - 1], radii[m, discs[m] - 1]
             if not _meet(contacts[k], contacts[m], own, other):
                 continue
-            one = box_cells(patch_box(contacts[k], own), x, y)
-            two = box_cells(patch_box(contacts[m], other), x, y)
-            for i in range(max(one[2], two[2]), min(one[3], two[3])):
-                for j in range(max(one[0], two[0]), min(one[1], two[1])):
-                    if sampled[i, j]:
-                        continue
-                    sampled[i, j] = True
-                    total[i, j], beyond = _sampled_rise(
-                        contacts, count, strain, by, law, relative, strains, i, j, x, y, cut, mask
-                    )
-                    limited |= beyond
+            one, two = patch_box(contacts[k], own), patch_box(contacts[m], other)
+            left, right = min(left, max(one[0], two[0])), max(right, min(one[1], two[1]))
+            bottom, top = min(bottom, max(one[2], two[2])), max(top, min(one[3], two[3]))
+    if left >= right:
+        return False
+    limited, span = False, box_cells((left, right, bottom, top), x, y)
+    for i in range(span[2], span[3]):
+        for j in range(span[0], span[1]):
+            within = (
+                max(left, x[j]),
+                min(right, x[j + 1]),
+                max(bottom, y[i]),
+                min(top, y[i + 1]),
+            )
+            change, beyond = _overlap_rise(
+                contacts, count, strain, by, law, relative, strains, within, i, j, x, y, cut, mask
+            )
+            limited |= beyond
+            if part[i, j] > 0.0:
+                area = (within[1] - within[0]) * (within[3] - within[2])
+                cell = (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * part[i, j]
+                total[i, j] += change * area / cell
     return limited
 
 
@@ -184,7 +197,7 @@ def _strain_at(
 
 
 @compiled()
-def _sampled_rise(
+def _overlap_rise(
     contacts: NDArray,
     count: int,
     strain: NDArray,
@@ -192,6 +205,7 @@ def _sampled_rise(
     law: NDArray,
     relative: NDArray,
     strains: NDArray,
+    within: Box,
     i: int,
     j: int,
     x: NDArray,
@@ -199,24 +213,29 @@ def _sampled_rise(
     cut: NDArray,
     mask: NDArray,
 ) -> tuple[float, bool]:  # pragma: no cover
-    """Mean rise of a cell under overlapping patches, from samples; True if one was limited."""
-    own, there, total, limited = cut[i, j], 0, 0.0, False
+    """Rise under all patches minus the sum of their own, averaged over a rectangle in a cell.
+
+    Pressures of forces add; of depths the deeper counts. True if a strain was limited.
+    """
+    own, total, limited = cut[i, j], 0.0, False
     for k in range(SAMPLES):
-        at_y = y[i] + (k + 0.5) / SAMPLES * (y[i + 1] - y[i])
+        at_y = within[2] + (k + 0.5) / SAMPLES * (within[3] - within[2])
+        row = min(int((at_y - y[i]) / (y[i + 1] - y[i]) * SAMPLES), SAMPLES - 1)
         for m in range(SAMPLES):
-            if own >= 0 and not mask[own, k, m]:
+            at_x = within[0] + (m + 0.5) / SAMPLES * (within[1] - within[0])
+            column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
+            if own >= 0 and not mask[own, row, column]:
                 continue
-            there += 1
-            at_x = x[j] + (m + 0.5) / SAMPLES * (x[j + 1] - x[j])
-            deepest, pressure, under = 0.0, 0.0, 0
+            deepest, pressure, apart, under = 0.0, 0.0, 0.0, 0
             for contact in range(count):
                 depth = _strain_at(contacts[contact], strain[contact], law, at_x, at_y)
-                deepest = max(deepest, depth)
-                if by == FORCE and depth > 0.0:
-                    pressure += stress(law, depth)
-                    under += 1
+                if depth > 0.0:
+                    deepest, under = max(deepest, depth), under + 1
+                    apart += rise_at(law, relative, depth)
+                    pressure += stress(law, depth) if by == FORCE else 0.0
             if under > 1:
-                limited |= pressure > law[6]
-                deepest = strain_under(law, strains, min(pressure, law[6]))
-            total += rise_at(law, relative, deepest)
-    return (total / there if there else 0.0), limited
+                if by == FORCE:
+                    limited |= pressure > law[6]
+                    deepest = strain_under(law, strains, min(pressure, law[6]))
+                total += rise_at(law, relative, deepest) - apart
+    return total / SAMPLES**2, limited

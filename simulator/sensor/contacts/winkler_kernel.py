@@ -10,10 +10,10 @@ from .foam_kernel import (
     edge_strain,
     indenter_force,
     indenter_strain,
-    mean_stress,
     patch_radius,
     rise_at,
     strain_under,
+    stress,
 )
 from .patch_kernel import (
     CURVATURE,
@@ -31,7 +31,9 @@ from .patch_kernel import (
 )
 from .stack_kernel import cells_of_stacks
 
-RINGS = 8
+WEIGHTS = np.polynomial.legendre.leggauss(6)[1] / 2
+"""Parts of the squared radius of a sphere's patch, of which each falls on one disc."""
+RINGS = len(WEIGHTS) + 1
 SHARED_STEPS = 50
 SHARED = 1e-9
 """Steps, and relative error, of the force on an indenter that reaches beyond the skin's edge."""
@@ -114,6 +116,7 @@ def pressed_cells(
         y,
         cut,
         mask,
+        part,
     )
     return cells, rises, starts, limited, patches, fault
 
@@ -176,10 +179,13 @@ def force_on_skin(
     """Force that the foam returns to a sphere that reaches beyond the skin's edge, N."""
     radii, rises, pressures = np.zeros(RINGS), np.zeros(RINGS), np.zeros(RINGS)
     discs = stack_of_discs(contact, strain, law, np.ones(2), radii, rises, pressures)
-    force = 0.0
+    on_skin, whole = 0.0, 0.0
     for k in range(discs):
-        force += pressures[k] * area_on_skin(contact, radii[k], x, y, cut, mask, part)
-    return force
+        on_skin += pressures[k] * area_on_skin(contact, radii[k], x, y, cut, mask, part)
+        whole += pressures[k] * np.pi * radii[k] * radii[k]
+    if whole == 0.0:
+        return 0.0
+    return on_skin / whole * indenter_force(law, strain, contact[RADIUS], contact[CURVATURE])
 
 
 @compiled()
@@ -194,28 +200,35 @@ def stack_of_discs(
 ) -> int:  # pragma: no cover
     """Discs whose rises and pressures add up to those under an indenter; returns their number.
 
-    The patch is divided into rings of equal area; each takes the mean of the rise over it, by
-    Simpson's rule, and the mean pressure. Radii ascend, m; a rectangle has the radius 0.
+    The rise falls along the squared distance from the middle; its fall over each weight of a Gauss
+    rule is one disc, whose area keeps the volume, by Simpson's rule. Radii ascend, m; a rectangle
+    has the radius 0.
     """
     if contact[WIDTH] > 0.0 or contact[CURVATURE] == np.inf:
         radii[0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
         rises[0] = rise_at(law, relative, strain)
         return 1
-    rings = len(radii)
     patch = patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
     low = edge_strain(law, strain, contact[RADIUS], contact[CURVATURE])
-    outer, at_outer = strain, rise_at(law, relative, strain)
-    for k in range(rings):
-        inner, outer = outer, strain - (strain - low) * (k + 1) / rings
-        radii[k] = patch * np.sqrt((k + 1) / rings)
-        at_inner, at_outer = at_outer, rise_at(law, relative, outer)
-        middle = rise_at(law, relative, (inner + outer) / 2)
-        rises[k] = (at_inner + 4 * middle + at_outer) / 6
-        pressures[k] = mean_stress(law, outer, inner) if law[1] > 0.0 else 0.0
-    for k in range(rings - 1):
-        rises[k] -= rises[k + 1]
-        pressures[k] -= pressures[k + 1]
-    return rings
+    inner, at_inner = 0.0, rise_at(law, relative, strain)
+    for k in range(len(WEIGHTS)):
+        outer = inner + WEIGHTS[k]
+        at_outer = rise_at(law, relative, strain - (strain - low) * outer)
+        middle = rise_at(law, relative, strain - (strain - low) * (inner + outer) / 2)
+        volume = (outer - inner) * (at_inner + 4 * middle + at_outer) / 6
+        fall = at_inner - at_outer
+        area = (inner + outer) / 2
+        if fall > 0.0:
+            area = min(max((inner * at_inner - outer * at_outer + volume) / fall, inner), outer)
+        radii[k], rises[k] = patch * np.sqrt(area), fall
+        if law[1] > 0.0:
+            pressures[k] = stress(law, strain - (strain - low) * inner)
+            pressures[k] -= stress(law, strain - (strain - low) * min(outer, 1.0))
+        inner, at_inner = outer, at_outer
+    last = len(WEIGHTS)
+    radii[last], rises[last] = patch, at_inner
+    pressures[last] = stress(law, low) if law[1] > 0.0 else 0.0
+    return last + 1 if low > 0.0 else last
 
 
 @compiled()
