@@ -32,11 +32,11 @@ class MeterErrors:
         frequency: NDArray[np.float64],
         sweep: int,
         interface: int,
-        frequencies: NDArray[np.int64],
+        frequencies: slice,
     ) -> NDArray[np.complex128]:
         """Readings with errors. reading: shape (skin, frequency), at frequencies in Hz.
 
-        sweep: its number, ascending from call to call. frequencies: numbers of the frequencies.
+        sweep: its number, ascending from call to call. frequencies: range of numbers.
         """
         while self._sweep < sweep:
             self._draw()

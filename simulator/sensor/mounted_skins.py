@@ -3,41 +3,126 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.skins import DrawnSkin, drawn_skin
+from ..method_cache import cached_method
+from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
 from ..scene.meter import Leads
+from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
+from ..sweeps.free_space import check_memory
+from .skin_stack import SkinStack
+
+SETUPS_KEPT = 4096
 
 
 class MountedSkins:
-    """Skins of a family by number, each as a session of its scene draws it."""
+    """Skins of a family by number, each as a session of its scene draws it.
 
-    def __init__(self, scene: Scene, family: Reduced, seed: int, numbers: Sequence[int]) -> None:
-        self.family, self.numbers = family, numbers
-        self._drawn = [
-            drawn_skin(scene, seed, number, family.grid, family.modes) for number in numbers
-        ]
-        self._reading = scene.reading.behind(_stacked_leads(self._drawn))
+    distinct: number of different skins; 1 if all are nominal.
+    """
 
-    def readings(self, batch: PressBatch) -> NDArray[np.complex128]:
-        """Complex readings, shape (skin, interface, frequency).
+    def __init__(
+        self, scene: Scene, family: Reduced, seed: int, numbers: Sequence[int], drawn: bool
+    ) -> None:
+        """scene: with the sessions of which each draws a skin; drawn: False if all are equal."""
+        distinct = numbers if drawn else numbers[:1]
+        check_memory(
+            len(distinct) * family.factors.nbytes,
+            f"{len(distinct)} skins of {family.size} vectors and {len(family.factors)} cells",
+            "take fewer skins, or a larger rtol",
+        )
+        self.family, self.distinct, self.count = family, len(distinct), len(numbers)
+        grid, modes = family.grid, family.modes
+        self._drawn = [drawn_skin(scene, seed, number, grid, modes) for number in distinct]
+        self._setup = scene.reading.behind(_stacked_leads(self._drawn))
 
-        batch: one press for all skins, or one for each.
+    def readings(
+        self, batch: PressBatch, interface: int, frequencies: slice = slice(None)
+    ) -> NDArray[np.complex128]:
+        """Complex readings at an interface, shape (skin, frequency).
+
+        batch: one press for all skins, or one for each. frequencies: some of the scene's.
         """
-        one = batch.one(0) if batch.count == 1 else None
-        Z = [skin.sweep(*(one or batch.one(k))) for k, skin in enumerate(self._skins)]
-        return self._reading.at_meter(np.stack(Z))
+        rows = 1 if self.distinct == batch.count == 1 else self.count
+        skins = np.arange(rows) if self.distinct > 1 else np.zeros(rows, dtype=np.int64)
+        presses = np.arange(rows) if batch.count > 1 else np.zeros(rows, dtype=np.int64)
+        one = self._one_to_one
+        Z = self._impedances(batch, skins, presses, [interface] if one else None, frequencies)
+        setup = self._at(interface if one else None, frequencies)
+        found = setup.at_meter(Z)[:, 0 if one else interface]
+        return found if rows == self.count else np.broadcast_to(found, (self.count, len(found[0])))
+
+    def _impedances(
+        self,
+        batch: PressBatch,
+        skins: NDArray[np.int64],
+        presses: NDArray[np.int64],
+        chosen: list[int] | None,
+        frequencies: slice,
+    ) -> NDArray[np.complex128]:
+        """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
+        if gauged(self.family.scene.skin):
+            return self._one_by_one(batch, skins, presses, chosen, frequencies)
+        from .skin_kernel import skin_admittances
+
+        stack, batch = self._stack, self._skins[0].parts.followed(batch)
+        batch = PressBatch(*map(np.ascontiguousarray, batch))
+        s = np.ascontiguousarray(stack.s[:, frequencies])
+        numbers = range(len(stack.excitations)) if chosen is None else chosen
+        Y = [
+            skin_admittances(stack.mass, stack.excitations[k], skins, presses, batch, s)
+            for k in numbers
+        ]
+        if chosen is None:
+            Y = [*self._skins[0].combination.admittance(np.stack(Y))]
+        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+
+    def _one_by_one(
+        self,
+        batch: PressBatch,
+        skins: NDArray[np.int64],
+        presses: NDArray[np.int64],
+        chosen: list[int] | None,
+        frequencies: slice,
+    ) -> NDArray[np.complex128]:
+        """Impedances of skins whose sheets change under touches, see `_impedances`."""
+        each = zip(skins.tolist(), presses.tolist(), strict=True)
+        found = [self._skins[skin].sweep(*batch.one(press)) for skin, press in each]
+        Z = np.stack(found)[..., frequencies]
+        return Z if chosen is None else Z[:, chosen]
+
+    @cached_property
+    def _one_to_one(self) -> bool:
+        """True if each reading follows from one excitation alone."""
+        return self._setup.one_to_one and self.family.circuit.combination.one_to_one
+
+    @cached_method(SETUPS_KEPT)
+    def _setup_at(self, interface: int | None, start: int | None, stop: int | None) -> ReadingSetup:
+        """Setup of an interface, or of all, at frequencies of a range."""
+        setup = self._setup.at(self._setup.frequency[start:stop])
+        if interface is None:
+            return setup
+        return replace(setup, interfaces=setup.interfaces[interface : interface + 1])
+
+    def _at(self, interface: int | None, frequencies: slice) -> ReadingSetup:
+        return self._setup_at(interface, frequencies.start, frequencies.stop)
 
     @cached_property
     def _skins(self) -> list[ReducedSkin]:
         return [self.family.skin(drawn.variation) for drawn in self._drawn]
+
+    @cached_property
+    def _stack(self) -> SkinStack:
+        return SkinStack.of(self._skins)
 
 
 def _stacked_leads(drawn: Sequence[DrawnSkin]) -> Leads:

@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..measure.creeping_sweeps import reading_spans
 from ..scene.scene import Scene
@@ -29,11 +28,11 @@ def in_ticks(seconds: float) -> int:
 class ReadingSlot(NamedTuple):
     """One reading of a sweep, or all tones of a multisine at one interface.
 
-    frequencies: their numbers, ascending. middle, end: ticks after the start of the sweep.
+    frequencies: range of their numbers. middle, end: ticks after the start of the sweep.
     """
 
     interface: int
-    frequencies: NDArray[np.int64]
+    frequencies: slice
     middle: int
     end: int
 
@@ -60,12 +59,10 @@ class ReadingClock:
         starts, durations, whole = reading_spans(scene)
         taken, slots = scene.reading.read, []
         for interface in range(len(taken)):
-            own = np.flatnonzero(taken[interface])
-            together = (
-                [own] if scene.readout.multisine else [own[k : k + 1] for k in range(len(own))]
-            )
+            own = np.flatnonzero(taken[interface]).tolist()
+            together = [slice(0, len(own))] if scene.readout.multisine else map(_alone, own)
             for some in together:
-                start, takes = (float(each[interface, some[0]]) for each in (starts, durations))
+                start, takes = (float(each[interface, some.start]) for each in (starts, durations))
                 middle, end = in_ticks(start + takes / 2), in_ticks(start + takes)
                 slots.append(ReadingSlot(interface, some, middle, end))
         return cls(tuple(slots), in_ticks(whole))
@@ -88,3 +85,7 @@ class ReadingClock:
     @cached_property
     def _middles(self) -> list[int]:
         return [slot.middle for slot in self.slots]
+
+
+def _alone(frequency: int) -> slice:
+    return slice(frequency, frequency + 1)

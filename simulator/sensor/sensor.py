@@ -12,6 +12,7 @@ import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
 from ..measure.readout import shown_values
+from ..press.batch import PressBatch
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -75,7 +76,8 @@ class Sensor:
         if len(numbers) < 1 or min(numbers) < 0:
             raise InputError(f"`skins` must be >= 1, or numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
-        own = family_scene(self.scene, session == "drawn", rtol)
+        self._drawn = session == "drawn"
+        own = family_scene(self.scene, self._drawn, rtol)
         self._own, self._family = own, trained_family(own, rtol)
         self._cells = SkinCells.of(self.scene, self._family.grid)
         highest = highest_factor(self.scene)
@@ -93,6 +95,7 @@ class Sensor:
         other = copy(self)
         other._errors = deepcopy(self._errors)
         other._pending, other._sweeps = deque(self._pending), [*self._sweeps]
+        other._known = {**self._known}
         other._foam = None if self._foam is None else self._foam.copy()
         other._labels = [*self._labels]
         return other
@@ -173,12 +176,13 @@ class Sensor:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
         setup, count = self.scene.reading, self.skins
         self.seed, self._now = seed, 0
-        self._mounted = MountedSkins(self._own, self._family, seed, self.numbers)
+        self._mounted = MountedSkins(self._own, self._family, seed, self.numbers, self._drawn)
         self._errors = MeterErrors(self.scene, seed, self.numbers)
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
-        self._known: NDArray[np.complex128] | None = None
+        self._spread: PressBatch | None = None
+        self._known: dict[int, NDArray[np.complex128]] = {}
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
         self._values.flags.writeable = False
@@ -192,22 +196,13 @@ class Sensor:
         if self._foam is not None:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
-        self._held, self._known = given, None
-
-    def _readings(self, middle: int) -> NDArray[np.complex128]:
-        """Readings at a time in ticks, shape (skin, interface, frequency)."""
-        if self._foam is not None:
-            pressed = self._foam.pressed(middle / PER_SECOND)
-            return self._mounted.readings(self._cells.spread(pressed))
-        if self._known is None:
-            self._known = self._mounted.readings(self._cells.spread(self._held.batch))
-        return self._known
+        self._held, self._spread, self._known = given, None, {}
 
     def _taken(self, due: DueReading) -> NDArray[np.float64]:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
         slot, scene = due.slot, self.scene
-        reading = self._readings(due.middle)[:, slot.interface, slot.frequencies]
-        frequency, kind = scene.frequencies[slot.frequencies], scene.reading.kind
+        reading, kind = self._reading(due), scene.reading.kind
+        frequency = scene.frequencies[slot.frequencies]
         if not self.noise:
             values = kind.values(reading, frequency)
         else:
@@ -217,6 +212,22 @@ class Sensor:
             )
             values = shown_values(measured, frequency, kind, scene.readout)
         return np.stack([values[name] for name in kind.names])
+
+    def _reading(self, due: DueReading) -> NDArray[np.complex128]:
+        """A reading without errors of the meter, shape (skin, frequency).
+
+        Skins whose foam has no memory are solved once at all frequencies of an interface for each
+        change of the contacts.
+        """
+        interface, frequencies = due.slot.interface, due.slot.frequencies
+        if self._foam is not None:
+            pressed = self._cells.spread(self._foam.pressed(due.middle / PER_SECOND))
+            return self._mounted.readings(pressed, interface, frequencies)
+        if interface not in self._known:
+            if self._spread is None:
+                self._spread = self._cells.spread(self._held.batch)
+            self._known[interface] = self._mounted.readings(self._spread, interface)
+        return self._known[interface][:, frequencies]
 
     def _deliver(self) -> None:
         """Makes readings visible that have ended."""

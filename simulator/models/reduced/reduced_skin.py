@@ -83,8 +83,14 @@ class ReducedSkin:
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
-    def _aligned(self) -> UnpressedMass:
+    def aligned_mass(self) -> UnpressedMass:
+        """Unpressed M and factors of cells, padded for the kernel; see `aligned`."""
         return aligned(self.unpressed_mass)
+
+    @cached_property
+    def lanczos_rtol(self) -> float:
+        """Relative tolerance at which Lanczos' method ends."""
+        return KRYLOV_SHARE * self.reduced.rtol / self._cancelled
 
     def pressed_by(self, factors: NDArray[np.float64]) -> UnpressedMass:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
@@ -130,9 +136,13 @@ class ReducedSkin:
         from .kernel import impedances
 
         weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
-        rtol = KRYLOV_SHARE * self.reduced.rtol / self._cancelled
         return impedances(
-            self._aligned, self.dense_excitations, self.combination, weighted, s, rtol
+            self.aligned_mass,
+            self.dense_excitations,
+            self.combination,
+            weighted,
+            s,
+            self.lanczos_rtol,
         )
 
     @cached_property
