@@ -9,7 +9,8 @@ from rcskin.simulator.scene.form.mesh_file import read_surface
 from rcskin.simulator.sweeps import InputError
 
 OF_EXTRAS = (
-    "dask distributed imageio_ffmpeg meshio plotly pyarrow pythoncdt pyvista vtkmodules zarr"
+    "dask distributed imageio_ffmpeg mcap_ros2 meshio plotly pyarrow pythoncdt pyvista vtkmodules "
+    "zarr"
 ).split()
 LEAN = f"""
 import sys
@@ -65,6 +66,8 @@ def test_the_paper_is_reproduced(tmp_path):
         (("dataset", "sheet-3x3", "--sweeps", "10", "-o", "a.zarr"), "scale"),
         (("sweep", "sheet-3x3", "-o", "a.zarr"), "scale"),
         (("view", "sheet-3x3", "-o", "a.png"), "view"),
+        (("export", "a.nc", "-o", "a.mcap"), "robots"),
+        (("export", "a.nc", "--format", "lerobot", "-o", "a"), "robots"),
     ],
 )
 def test_commands_of_an_extra_tell_its_name(refused, monkeypatch, tmp_path, arguments, extra):

@@ -24,7 +24,7 @@ IMAGES_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
-class Camera:
+class CameraImages:
     """Images of all sweeps. shape: rows and columns of pixels. files: by number of the sweep."""
 
     name: str
@@ -67,7 +67,7 @@ def encoded(path: Path, pixels: NDArray[np.uint8]) -> dict[str, Any]:
     return {"bytes": buffer.getvalue(), "path": None}
 
 
-def cameras(folders: Sequence[Path], episodes: Sequence[Episode]) -> list[Camera]:
+def cameras(folders: Sequence[Path], episodes: Sequence[Episode]) -> list[CameraImages]:
     """The cameras of these folders.
 
     Raises InputError if a folder or the folder of an episode is missing, if an episode has another
@@ -80,7 +80,7 @@ def cameras(folders: Sequence[Path], episodes: Sequence[Episode]) -> list[Camera
     return [_camera(folder, name, episodes) for folder, name in zip(folders, names, strict=True)]
 
 
-def _camera(folder: Path, name: str, episodes: Sequence[Episode]) -> Camera:
+def _camera(folder: Path, name: str, episodes: Sequence[Episode]) -> CameraImages:
     from PIL import Image, UnidentifiedImageError
 
     if "/" in name or not name.isprintable():
@@ -91,7 +91,7 @@ def _camera(folder: Path, name: str, episodes: Sequence[Episode]) -> Camera:
             columns, rows = first.size
     except (UnidentifiedImageError, OSError) as error:
         raise InputError(f"{files[0]}: cannot be read as an image: {error}") from error
-    return Camera(name, (rows, columns), tuple(files))
+    return CameraImages(name, (rows, columns), tuple(files))
 
 
 def _images(folder: Path, episode: Episode) -> list[Path]:

@@ -78,9 +78,9 @@ def export(
         output = checked_data_folder(output, chosen.marker)
     else:
         output = checked_output(output, (chosen.ending,))
+    require_packages(output, chosen.extra, *chosen.packages)
     if not data.exists():
         raise InputError(f"{data}: no such file")
-    require_packages(output, chosen.extra, *chosen.packages)
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps:
         exported = Exported(data, sweeps, tuple(images))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...sweeps.reading_quantities import DESCRIBED
-from .camera_images import IMAGES_AT_ONCE, Camera, cameras
+from .camera_images import IMAGES_AT_ONCE, CameraImages, cameras
 from .episodes import Episode, EpisodePart, episode_parts, episodes_of
 from .reading_vector import ReadingVector, reading_vector
 from .sweep_clock import SweepClock, clock_of
@@ -57,7 +57,7 @@ class Exported:
         return touch_labels(self.sweeps, self.data)
 
     @cached_property
-    def cameras(self) -> list[Camera]:
+    def cameras(self) -> list[CameraImages]:
         """Cameras with an image of each sweep. Raises InputError as `cameras`."""
         return cameras(self.images, self.episodes)
 

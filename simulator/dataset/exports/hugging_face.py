@@ -9,7 +9,7 @@ import numpy as np
 
 from .dataset_card import write_card
 from .exported_sweeps import Exported
-from .parquet_files import Column, ParquetFiles
+from .parquet_files import ParquetColumn, ParquetFiles
 from .reading_vector import quantities
 
 MARKER = "README.md"
@@ -29,13 +29,13 @@ def write_hugging_face(exported: Exported, folder: Path) -> None:
     names, description = exported.vector.quantities, exported.description()
     shape = exported.vector.read.shape
     columns = [
-        Column("session", "string"),
-        Column("episode", "int64"),
-        Column("sweep", "int64"),
-        Column("time", "float64"),
-        *(Column(name, exported.sweeps[name].dtype.name, shape) for name in names),
+        ParquetColumn("session", "string"),
+        ParquetColumn("episode", "int64"),
+        ParquetColumn("sweep", "int64"),
+        ParquetColumn("time", "float64"),
+        *(ParquetColumn(name, exported.sweeps[name].dtype.name, shape) for name in names),
         *(
-            Column(label.name, label.dtype, () if label.size == 1 else (label.size,))
+            ParquetColumn(label.name, label.dtype, () if label.size == 1 else (label.size,))
             for label in exported.labels.labels
         ),
     ]

@@ -17,7 +17,7 @@ from .camera_images import encoded
 from .dataset_card import write_card
 from .episodes import Episode, EpisodePart
 from .exported_sweeps import TASK, Exported
-from .parquet_files import IMAGE, MAX_BYTES, Column, ParquetFiles
+from .parquet_files import IMAGE, MAX_BYTES, ParquetColumn, ParquetFiles
 from .running_statistics import RunningStatistics
 
 VERSION = "v3.0"
@@ -43,7 +43,7 @@ LAYOUT = [
 class Feature:
     """A feature of frames. names: of its numbers. more: further entries of its description."""
 
-    column: Column
+    column: ParquetColumn
     shape: tuple[int, ...]
     names: list[str] | None
     more: Mapping[str, Any]
@@ -90,7 +90,7 @@ def _features(exported: Exported) -> list[Feature]:
         _feature(SKIN, "float32", vector.names, **more),
         *(
             Feature(
-                Column(f"{IMAGES}{camera.name}", IMAGE),
+                ParquetColumn(f"{IMAGES}{camera.name}", IMAGE),
                 (*camera.shape, 3),
                 ["height", "width", "channels"],
                 {},
@@ -118,7 +118,7 @@ def _features(exported: Exported) -> list[Feature]:
 def _feature(name: str, dtype: str, names: list[str] | None, **more: Any) -> Feature:
     """A feature of one number if it has no names, else of one for each name."""
     size = len(names or [name])
-    return Feature(Column(name, dtype, () if size == 1 else (size,)), (size,), names, more)
+    return Feature(ParquetColumn(name, dtype, () if size == 1 else (size,)), (size,), names, more)
 
 
 def _frames(
@@ -173,20 +173,20 @@ class _EpisodeFiles:
         )
         self._files = ParquetFiles(
             [
-                *(Column(name, "int64") for name in numbers),
-                Column("tasks", "string", (1,)),
-                Column("session", "string"),
+                *(ParquetColumn(name, "int64") for name in numbers),
+                ParquetColumn("tasks", "string", (1,)),
+                ParquetColumn("session", "string"),
                 *self._statistics_columns(),
             ],
             lambda number: folder / f"meta/episodes/{_file(number)}.parquet",
             {},
         )
 
-    def _statistics_columns(self) -> list[Column]:
+    def _statistics_columns(self) -> list[ParquetColumn]:
         names = RunningStatistics()
         names.add(np.zeros((1, 1)))
         return [
-            Column(
+            ParquetColumn(
                 f"stats/{feature.column.name}/{name}",
                 "int64" if name == "count" else "float64",
                 (1,) if name == "count" else feature.statistics_shape,

@@ -104,4 +104,9 @@ def _session(exported: Exported, part: EpisodePart, time: float) -> dict[str, An
         "time": exported.clock.source,
         **{name: each for name, each in attributes.items() if len(str(each)) <= SHORT},
     }
-    return diagnostic_array(time, f"session {part.episode.session} begins", values)
+    return diagnostic_array(
+        time,
+        f"session {part.episode.session} begins",
+        values,
+        hardware_id=str(attributes.get("meter", "")),
+    )

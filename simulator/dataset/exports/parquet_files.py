@@ -22,7 +22,7 @@ MAX_BYTES = 100 * 2**20
 
 
 @dataclass(frozen=True)
-class Column:
+class ParquetColumn:
     """A column. dtype: `float32` ..., `string` or IMAGE. shape: of a cell, () for one value."""
 
     name: str
@@ -85,7 +85,7 @@ class Column:
         return found
 
 
-def schema_of(columns: Sequence[Column], more: Mapping[str, Any] | None = None) -> pa.Schema:
+def schema_of(columns: Sequence[ParquetColumn], more: Mapping[str, Any] | None = None) -> pa.Schema:
     """Schema of columns with their features. more: JSON objects by name, stored beside."""
     import pyarrow as pa
 
@@ -102,7 +102,7 @@ class ParquetFiles:
     """
 
     def __init__(
-        self, columns: Sequence[Column], path: Callable[[int], Path], more: Mapping[str, Any]
+        self, columns: Sequence[ParquetColumn], path: Callable[[int], Path], more: Mapping[str, Any]
     ) -> None:
         self.columns, self.number = columns, 0
         self._path, self._schema, self._writer, self._size = path, schema_of(columns, more), None, 0
@@ -114,7 +114,7 @@ class ParquetFiles:
             self.number, self._size = self.number + 1, 0
 
     def write(self, values: Mapping[str, Any]) -> None:
-        """Append rows. values: by name of the column, see `Column.array`."""
+        """Append rows. values: by name of the column, see `ParquetColumn.array`."""
         import pyarrow as pa
         import pyarrow.parquet as pq
 

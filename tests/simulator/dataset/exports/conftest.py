@@ -1,9 +1,11 @@
 """Sweeps of odd shapes, as files to export."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
+from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import write
 from rcskin.simulator.sweeps.reading_quantities import GAIN
@@ -47,14 +49,28 @@ def sweeps_of(make_sweeps, make_scene):
     return build
 
 
-@pytest.fixture(params=CASES)
+@pytest.fixture(scope="session", params=CASES)
 def sweeps(request, sweeps_of):
     """Sweeps of each case."""
     return sweeps_of(request.param)
 
 
-@pytest.fixture
-def data(sweeps, tmp_path):
+@pytest.fixture(scope="session")
+def data(sweeps, tmp_path_factory):
     """File of the sweeps."""
-    write(sweeps, tmp_path / "data.nc")
-    return tmp_path / "data.nc"
+    path = tmp_path_factory.mktemp("sweeps") / "data.nc"
+    write(sweeps, path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def exported(data, tmp_path_factory):
+    """A function that exports the sweeps to a new path, once for each."""
+
+    @cache
+    def exported(name, format_=None):
+        output = tmp_path_factory.mktemp("exported") / name
+        export(data, output, format_)
+        return output
+
+    return exported

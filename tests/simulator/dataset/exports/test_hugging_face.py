@@ -4,17 +4,21 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.exports.export import export
 
 datasets = pytest.importorskip("datasets", reason="needs datasets: pip install datasets")
 
 
 @pytest.fixture
-def loaded(data, tmp_path, monkeypatch):
-    export(data, tmp_path / "out", "hugging-face")
-    files = str(tmp_path / "out/data/*.parquet")
-    cache = str(tmp_path / "cache")
-    return datasets.load_dataset("parquet", data_files=files, split="train", cache_dir=cache)
+def folder(exported):
+    return exported("out", "hugging-face")
+
+
+@pytest.fixture
+def loaded(folder, tmp_path):
+    files = str(folder / "data/*.parquet")
+    return datasets.load_dataset(
+        "parquet", data_files=files, split="train", cache_dir=str(tmp_path)
+    )
 
 
 def test_arrays_names_and_labels_are_those_of_the_sweeps(loaded, sweeps):
@@ -28,10 +32,9 @@ def test_arrays_names_and_labels_are_those_of_the_sweeps(loaded, sweeps):
     assert loaded["row"][:] == sweeps["row"].values.tolist()
 
 
-def test_the_folder_is_a_data_set_of_the_hub(data, sweeps, tmp_path):
-    export(data, tmp_path / "out", "hugging-face")
-    found = datasets.load_dataset(str(tmp_path / "out"), cache_dir=str(tmp_path / "cache"))
+def test_the_folder_is_a_data_set_of_the_hub(folder, sweeps, tmp_path):
+    found = datasets.load_dataset(str(folder), cache_dir=str(tmp_path))
     assert found["train"].num_rows == sweeps.sizes["sweep"]
-    described = json.loads((tmp_path / "out/rcskin.json").read_text(encoding="utf-8"))
+    described = json.loads((folder / "rcskin.json").read_text(encoding="utf-8"))
     assert described["interfaces"] == [str(name) for name in sweeps["interface"].values]
     assert described["attributes"] == dict(sweeps.attrs)

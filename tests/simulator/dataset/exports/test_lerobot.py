@@ -48,9 +48,8 @@ def _json(path):
 
 
 @pytest.fixture
-def out(data, tmp_path):
-    export(data, tmp_path / "out", "lerobot")
-    return tmp_path / "out"
+def out(exported):
+    return exported("out", "lerobot")
 
 
 def test_info_is_that_of_the_format(out, sweeps):

@@ -10,9 +10,8 @@ pytest.importorskip("mcap_ros2", reason="needs mcap-ros2-support: pip install '.
 
 
 @pytest.fixture
-def path(data, tmp_path):
-    export(data, tmp_path / "out.mcap")
-    return tmp_path / "out.mcap"
+def path(exported):
+    return exported("out.mcap")
 
 
 def _messages(path):

@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.exports.export import export
 
 zarr = pytest.importorskip("zarr", reason="needs zarr: pip install '.[robots]'")
 
 
 @pytest.fixture
-def root(data, tmp_path):
-    export(data, tmp_path / "out.zarr")
-    return zarr.open_group(tmp_path / "out.zarr", mode="r", zarr_format=2)
+def root(exported):
+    return zarr.open_group(exported("out.zarr"), mode="r", zarr_format=2)
 
 
 def test_arrays_are_time_major_and_grouped_by_episode(root, sweeps):
