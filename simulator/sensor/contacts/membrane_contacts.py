@@ -24,6 +24,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
     LatticeApplicators,
     Window,
     in_cells,
+    independent,
     window,
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
@@ -37,6 +38,7 @@ from .membrane_kernel import relaxed_under
 from .patch_kernel import CURVATURE, DEPTH, FORCE, HEIGHT, STRENGTH, WIDTH, X, Y, area_on_skin
 from .winkler_kernel import winkler_patch
 
+TINY = 1e-30
 FINEST = 0.5
 """Smallest size that nodes resolve, over the length in which the skins spread a press."""
 
@@ -87,7 +89,10 @@ class Membrane:
         for group in _groups(lattice, applied):
             part = LatticeApplicators(*(each[group] for each in applied))
             here = window(lattice, part)
-            w, depth[group] = self._relaxed(lattice, own[group], part, here, contacts.by)
+            if contacts.by == "force" and not independent(lattice, part, reach=0.0):
+                w, depth[group] = self._under_loads(lattice, own[group], part, here)
+            else:
+                w, depth[group] = self._relaxed(lattice, own[group], part, here, contacts.by)
             rise[here] += in_cells(lattice, self._rise(w), here)
         limited = bool((depth >= self.deepest).any())
         if contacts.by == "depth":
@@ -184,6 +189,35 @@ class Membrane:
                 f"{self.scene.name}: the relaxation of the foam under contacts does not converge"
             )
         return w, depth
+
+    def _under_loads(
+        self,
+        lattice: Lattice,
+        own: NDArray[np.float64],
+        applied: LatticeApplicators,
+        here: Window,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Deflection at the nodes of a window and at each contact, m, under overlapping patches.
+
+        Overlapping indenters are not rigid bodies: each contact is a load, with the pressure that
+        foam without tension returns, and pressures add.
+        """
+        nodes, elastic = lattice.nodes(here), lattice.mechanics.elastic
+        x, y, part = lattice.x[nodes[1]], lattice.y[nodes[0]], lattice.part[nodes]
+        area, pressure = np.prod(lattice.steps) * part, np.zeros(part.shape)
+        for contact, radius, depth in zip(own, applied.radius, applied.depth, strict=True):
+            along, across = x - contact[X], (y - contact[Y])[:, None]
+            far = along**2 + across**2
+            flat = (abs(along) <= contact[WIDTH] / 2) & (abs(across) <= contact[HEIGHT] / 2)
+            under = far <= radius**2 if radius else flat
+            surface = (depth - far / (2 * contact[CURVATURE])) / self.foam.law[5]
+            load = np.where(under, elastic.stress(surface.clip(0.0)), 0.0)
+            pressure += load * (contact[STRENGTH] / max((load * area).sum(), TINY))
+        alone = self.foam.strains_under(np.minimum(pressure, self.foam.law[6])) * self.foam.law[5]
+        nothing = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+        w, _ = self._relaxed(lattice, own[:0], nothing, here, "force", alone, pressure)
+        row, column = np.abs(y - own[:, [Y]]).argmin(axis=1), np.abs(x - own[:, [X]]).argmin(axis=1)
+        return w, w[row, column]
 
     def _rise(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.scene.skin.foam.factor_at(w / self.foam.law[5]) - 1

@@ -10,15 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.reduced.indentation.indentation_draws import spreads
-from ...press.batch import PressBatch
+from ...press.batch import NOTHING, PressBatch
 from ...scene.scene import Scene
 from ...sweeps import InputError
+from ..cell_spreading import PARTS, CellSpreading
 from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
 from .fingers import with_fingers
 from .foam_tables import FoamTables, foam_tables
 from .grid_cells import GridCells, grid_cells
+from .patch_kernel import ADDED, FACTOR
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
-from .spread_points import PressedPoints, SpreadPoints
+from .spread_points import PressedPoints, SpreadPoints, Stacks
 
 TooDeep = Literal["limit", "refuse"]
 
@@ -38,23 +40,34 @@ class ContactCells(NamedTuple):
 class ContactRasterizer:
     """Turns contacts into cells of a grid and rises of c there, for one scene.
 
-    too_deep: "limit" compresses foam at most to its largest strain, and `ContactCells.limited`
-    says so; "refuse" raises InputError.
+    grid: rows and columns of cells. coarse: rows and columns of coarser cells, on which the rises
+    are spread so that moments are kept, see `cell_spreading`; None for rises in the cells of
+    `grid`. too_deep: "limit" compresses foam at most to its largest strain, and
+    `ContactCells.limited` says so; "refuse" raises InputError.
     """
 
     scene: Scene
     grid: tuple[int, int]
+    coarse: tuple[int, int] | None
     too_deep: TooDeep
     foam: FoamTables
     cells: GridCells
     refusals: dict[str, str]
     spread: SpreadPoints | None
+    spreading: CellSpreading | None
 
     @classmethod
     def of(
-        cls, scene: Scene, grid: tuple[int, int] | None = None, too_deep: TooDeep = "limit"
+        cls,
+        scene: Scene,
+        grid: tuple[int, int] | None = None,
+        too_deep: TooDeep = "limit",
+        coarse: tuple[int, int] | None = None,
     ) -> ContactRasterizer:
-        """Rasterizer on a grid (rows, columns), by default the scene's pixels."""
+        """Rasterizer on a grid (rows, columns), by default the scene's pixels.
+
+        coarse: rows and columns of coarser cells; `grid` divides each into PARTS along its sides.
+        """
         if too_deep not in ("limit", "refuse"):
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
         grid = grid or scene.pixels.shape
@@ -64,7 +77,8 @@ class ContactRasterizer:
             from .membrane_contacts import Membrane
 
             spread = SpreadPoints(Membrane(scene, grid, foam, cells))
-        return cls(scene, grid, too_deep, foam, cells, refused, spread)
+        spreading = CellSpreading.of(coarse, PARTS) if coarse else None
+        return cls(scene, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 
     def __call__(self, contacts: Contacts) -> ContactCells:
         """Cells and rises of contacts.
@@ -81,28 +95,48 @@ class ContactRasterizer:
         return found
 
     def _points(self, contacts: PointContacts) -> ContactCells:
-        if self.spread is not None and contacts.by != "factor":
-            pressed = self.spread(contacts)
-        else:
-            pressed = self._alone(contacts)
-        batch, limited, patches, fault = pressed
-        if fault[2]:
-            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
-        if self.scene.press.finger:
-            batch = with_fingers(self.scene, contacts, batch, patches, self.grid)
-        return ContactCells(batch, limited)
-
-    def _alone(self, contacts: PointContacts) -> PressedPoints:
-        """Cells of contacts of which each presses its patch alone."""
-        from .patch_kernel import ADDED, FACTOR
-        from .winkler_kernel import pressed_cells
-
         by = STRENGTHS.index(contacts.by)
-        added = by == FACTOR and self.scene.press.adds is not None
-        *batch, limited, patches, fault = pressed_cells(
-            contacts.values, contacts.counts, ADDED if added else by, *self.foam, *self.cells
+        if by == FACTOR and self.scene.press.adds is not None:
+            by = ADDED
+        spread = self.spread is not None and by != FACTOR
+        pressed = self.spread(contacts) if spread else self._alone(contacts, by)
+        if pressed.fault[2]:
+            raise InputError(invalid_contact(self.scene, contacts, *pressed.fault.tolist()))
+        batch = self._of_stacks(contacts, ADDED if spread else by, pressed)
+        if pressed.on_lattice:
+            fine = PressBatch.of(pressed.on_lattice.get(k, NOTHING) for k in range(batch.count))
+            batch = batch.and_(self._on_coarse(fine))
+        if self.scene.press.finger:
+            batch = batch.and_(self._fingers(contacts, pressed))
+        return ContactCells(batch, pressed.limited)
+
+    def _alone(self, contacts: PointContacts, by: int) -> PressedPoints:
+        """Contacts of which each presses its patch alone."""
+        from .winkler_kernel import winkler_stacks
+
+        *stacks, limited, patches, fault = winkler_stacks(
+            contacts.values, contacts.counts, by, *self.foam, *self.cells
         )
-        return PressedPoints(PressBatch(*batch), limited, patches, fault)
+        return PressedPoints(Stacks(*stacks), limited, patches, fault, {})
+
+    def _of_stacks(self, contacts: PointContacts, by: int, pressed: PressedPoints) -> PressBatch:
+        given = contacts.values, contacts.counts, by, *pressed.stacks, pressed.limited
+        skin = *self.foam, *self.cells[:5]
+        if self.coarse is not None:
+            from .moment_kernel import moments_of_stacks
+
+            return PressBatch(*moments_of_stacks(*given, *skin, self.coarse))
+        from .stack_kernel import cells_of_stacks
+
+        return PressBatch(*cells_of_stacks(*given, *skin))
+
+    def _fingers(self, contacts: PointContacts, pressed: PressedPoints) -> PressBatch:
+        none = PressBatch.of([NOTHING] * contacts.skins)
+        fine = with_fingers(self.scene, contacts, none, pressed.patches, self.grid)
+        return self._on_coarse(fine)
+
+    def _on_coarse(self, fine: PressBatch) -> PressBatch:
+        return fine if self.spreading is None else self.spreading(fine)
 
     def _image(self, contacts: Contacts) -> ContactCells:
         from .image_kernel import imaged_cells
@@ -116,7 +150,7 @@ class ContactRasterizer:
         )
         if fault[3]:
             raise InputError(invalid_value(contacts, *fault[:3].tolist()))
-        return ContactCells(PressBatch(*batch), limited)
+        return ContactCells(self._on_coarse(PressBatch(*batch)), limited)
 
     def _spread_image(self, image: PressureImage) -> ContactCells:
         assert self.spread is not None
@@ -125,7 +159,8 @@ class ContactRasterizer:
             raise InputError(invalid_value(image, *np.argwhere(bad)[0].tolist()))
         each = [self.spread.membrane.under_pressure(image, skin) for skin in range(image.skins)]
         limited = np.array([own.limited for own in each])
-        return ContactCells(PressBatch.of(own.touched for own in each), limited)
+        batch = PressBatch.of(own.touched for own in each)
+        return ContactCells(self._on_coarse(batch), limited)
 
 
 def to_cells(scene: Scene, grid: tuple[int, int], contacts: Contacts) -> PressBatch:

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from .patch_kernel import (
-    ADDED,
     CURVATURE,
     DEPTH,
     FINE,
@@ -21,14 +20,13 @@ from .patch_kernel import (
     reason_invalid,
     within_skin,
 )
-from .stack_kernel import cells_of_stacks
 
 FROM_TABLE, BY_LATTICE, NO_TABLE = range(3)
 """How a press is computed; NO_TABLE: a table of one of its contacts is missing."""
 
 
 @compiled()
-def spread_cells(
+def spread_stacks(
     values: NDArray,
     counts: NDArray,
     by: int,
@@ -38,23 +36,20 @@ def spread_cells(
     radii: NDArray,
     rises: NDArray,
     reach: NDArray,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
     x: NDArray,
     y: NDArray,
     cut: NDArray,
-    mask: NDArray,
     part: NDArray,
     whole: bool,
-) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells that contacts press, the rises of c there, starts of presses, and faults.
+) -> tuple[
+    NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray
+]:  # pragma: no cover
+    """Discs of rises under contacts: their radii, rises and number, strains, and faults.
 
     Presses whose contacts influence each other, reach the skin's edge or are not round have none.
     keys: radius and curvature radius of each table, m, shape (table, 2). Others: see
-    `radial_tables.RadialTable`, for each table. Returned as well: True for presses whose foam was
-    limited; how each press is to be computed, shape (press,); radius of each patch, m, shape
-    (press, contact); and press, contact and reason of the first invalid contact, shape (3,).
+    `radial_tables.RadialTable`, for each table, and `winkler_stacks`. Returned as there, and last
+    how each press is to be computed, shape (press,).
     """
     presses, most, levels, discs = *values.shape[:2], *radii.shape[1:]
     own_radii, stacked = np.zeros((presses, most, discs)), np.zeros((presses, most, discs))
@@ -68,8 +63,7 @@ def spread_cells(
             reason = reason_invalid(contact, by, length, width)
             if reason != FINE:
                 fault[0], fault[1], fault[2] = press, k, reason
-                nothing = np.zeros(0)
-                return np.zeros(0, np.int64), nothing, counts, limited, how, patches, fault
+                return own_radii, stacked, own_discs, strain, limited, patches, fault, how
             both = contact[RADIUS] < np.inf and contact[CURVATURE] < np.inf
             if contact[WIDTH] > 0.0 or both:
                 how[press] = max(how[press], BY_LATTICE)
@@ -98,25 +92,7 @@ def spread_cells(
         if how[press] != FROM_TABLE:
             for k in range(counts[press]):
                 own_discs[press, k] = 0
-    cells, given, starts = cells_of_stacks(
-        values,
-        counts,
-        ADDED,
-        own_radii,
-        stacked,
-        own_discs,
-        strain,
-        limited,
-        law,
-        relative,
-        strains,
-        x,
-        y,
-        cut,
-        mask,
-        part,
-    )
-    return cells, given, starts, limited, how, patches, fault
+    return own_radii, stacked, own_discs, strain, limited, patches, fault, how
 
 
 @compiled()

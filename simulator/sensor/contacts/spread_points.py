@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...press.batch import PressBatch
+from ...press.batch import TouchedCells
 from .contact_types import PointContacts
 from .membrane_contacts import Membrane
 from .patch_kernel import CURVATURE, DEPTH, FORCE, RADIUS
@@ -18,18 +18,33 @@ MAX_TABLES = 256
 """Number of tables above which those are dropped that the latest contacts do not need."""
 
 
+class Stacks(NamedTuple):
+    """Discs of rises under point contacts.
+
+    radii [m], rises: of each disc; a rectangle has the radius 0; shape (press, contact, disc).
+    discs: their number, shape (press, contact). strain: in the middle of each contact.
+    """
+
+    radii: NDArray[np.float64]
+    rises: NDArray[np.float64]
+    discs: NDArray[np.int64]
+    strain: NDArray[np.float64]
+
+
 class PressedPoints(NamedTuple):
-    """Point contacts on cells.
+    """Point contacts pressed into the foam.
 
     limited: True for presses whose foam was limited to its largest strain, shape (press,). patches:
     radius of each patch, m, 0 for a rectangle, shape (press, contact). fault: press, contact and
-    reason of the first invalid contact, shape (3,).
+    reason of the first invalid contact, shape (3,). on_lattice: cells of presses that have no
+    stacks, by press.
     """
 
-    batch: PressBatch
+    stacks: Stacks
     limited: NDArray[np.bool_]
     patches: NDArray[np.float64]
     fault: NDArray[np.int64]
+    on_lattice: dict[int, TouchedCells]
 
 
 @dataclass(eq=False)
@@ -44,31 +59,33 @@ class SpreadPoints:
     tables: RadialTable = NO_TABLES
 
     def __call__(self, contacts: PointContacts) -> PressedPoints:
-        """Cells of point contacts by force or depth."""
-        from .spread_kernel import BY_LATTICE, NO_TABLE, spread_cells
+        """Discs or cells of point contacts by force or depth."""
+        from .spread_kernel import BY_LATTICE, NO_TABLE, spread_stacks
 
-        foam, cells = self.membrane.foam, self.membrane.cells
+        x, y, cut, _, part, whole = self.membrane.cells
         by = DEPTH if contacts.by == "depth" else FORCE
         while True:
-            *batch, limited, how, patches, fault = spread_cells(
-                contacts.values, contacts.counts, by, self.keys, *self.tables, *foam, *cells
+            *stacks, limited, patches, fault, how = spread_stacks(
+                contacts.values,
+                contacts.counts,
+                by,
+                self.keys,
+                *self.tables,
+                x,
+                y,
+                cut,
+                part,
+                whole,
             )
             if fault[2] or not (how == NO_TABLE).any():
                 break
             self._add_tables(contacts)
-        found = PressedPoints(PressBatch(*batch), limited, patches, fault)
-        on_lattice = np.flatnonzero(how == BY_LATTICE)
-        return self._with_lattice(contacts, found, on_lattice) if len(on_lattice) else found
-
-    def _with_lattice(
-        self, contacts: PointContacts, found: PressedPoints, skins: NDArray[np.int64]
-    ) -> PressedPoints:
-        each = [*found.batch.each()]
-        for skin in skins.tolist():
+        on_lattice = {}
+        for skin in [] if fault[2] else np.flatnonzero(how == BY_LATTICE).tolist():
             own = self.membrane.under_points(contacts, skin)
-            each[skin], found.limited[skin] = own.touched, own.limited
-            found.patches[skin, : len(own.radius)] = own.radius
-        return found._replace(batch=PressBatch.of(each))
+            on_lattice[skin], limited[skin] = own.touched, own.limited
+            patches[skin, : len(own.radius)] = own.radius
+        return PressedPoints(Stacks(*stacks), limited, patches, fault, on_lattice)
 
     def _add_tables(self, contacts: PointContacts) -> None:
         there = np.arange(contacts.values.shape[1]) < contacts.counts[:, None]

@@ -9,6 +9,7 @@ from ...compiled import compiled
 from .cell_samples import SAMPLES
 from .foam_kernel import rise_at, strain_under, stress
 from .patch_kernel import (
+    ADDED,
     CURVATURE,
     FACTOR,
     FORCE,
@@ -81,6 +82,7 @@ def cells_of_stacks(
                 counts[press],
                 by,
                 radii[press],
+                stacked[press],
                 discs[press],
                 strain[press],
                 law,
@@ -122,6 +124,7 @@ def _add_overlaps(
     count: int,
     by: int,
     radii: NDArray,
+    stacked: NDArray,
     discs: NDArray,
     strain: NDArray,
     law: NDArray,
@@ -138,15 +141,7 @@ def _add_overlaps(
 
     The correction is sampled in a rectangle around all overlaps.
     """
-    left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
-    for k in range(count):
-        for m in range(k):
-            own, other = radii[k, discs[k] - 1], radii[m, discs[m] - 1]
-            if not _meet(contacts[k], contacts[m], own, other):
-                continue
-            one, two = patch_box(contacts[k], own), patch_box(contacts[m], other)
-            left, right = min(left, max(one[0], two[0])), max(right, min(one[1], two[1]))
-            bottom, top = min(bottom, max(one[2], two[2])), max(top, min(one[3], two[3]))
+    left, right, bottom, top = overlap_box(contacts, count, by, radii, discs)
     if left >= right:
         return False
     limited, span = False, box_cells((left, right, bottom, top), x, y)
@@ -159,7 +154,21 @@ def _add_overlaps(
                 min(top, y[i + 1]),
             )
             change, beyond = _overlap_rise(
-                contacts, count, strain, by, law, relative, strains, within, i, j, x, y, cut, mask
+                contacts,
+                count,
+                strain,
+                stacked,
+                by,
+                law,
+                relative,
+                strains,
+                within,
+                i,
+                j,
+                x,
+                y,
+                cut,
+                mask,
             )
             limited |= beyond
             if part[i, j] > 0.0:
@@ -167,6 +176,28 @@ def _add_overlaps(
                 cell = (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * part[i, j]
                 total[i, j] += change * area / cell
     return limited
+
+
+@compiled()
+def overlap_box(
+    contacts: NDArray, count: int, by: int, radii: NDArray, discs: NDArray
+) -> Box:  # pragma: no cover
+    """Rectangle around all overlaps of patches, m; infinite and reversed if there is none.
+
+    Capacitances to earth of ADDED touches and spread contacts add, and have none.
+    """
+    left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
+    if by == ADDED:
+        return left, right, bottom, top
+    for k in range(count):
+        for m in range(k):
+            own, other = radii[k, discs[k] - 1], radii[m, discs[m] - 1]
+            if not _meet(contacts[k], contacts[m], own, other):
+                continue
+            one, two = patch_box(contacts[k], own), patch_box(contacts[m], other)
+            left, right = min(left, max(one[0], two[0])), max(right, min(one[1], two[1]))
+            bottom, top = min(bottom, max(one[2], two[2])), max(top, min(one[3], two[3]))
+    return left, right, bottom, top
 
 
 @compiled()
@@ -201,6 +232,7 @@ def _overlap_rise(
     contacts: NDArray,
     count: int,
     strain: NDArray,
+    stacked: NDArray,
     by: int,
     law: NDArray,
     relative: NDArray,
@@ -215,7 +247,7 @@ def _overlap_rise(
 ) -> tuple[float, bool]:  # pragma: no cover
     """Rise under all patches minus the sum of their own, averaged over a rectangle in a cell.
 
-    Pressures of forces add; of depths the deeper counts. True if a strain was limited.
+    True if a strain was limited.
     """
     own, total, limited = cut[i, j], 0.0, False
     for k in range(SAMPLES):
@@ -226,16 +258,47 @@ def _overlap_rise(
             column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
             if own >= 0 and not mask[own, row, column]:
                 continue
-            deepest, pressure, apart, under = 0.0, 0.0, 0.0, 0
-            for contact in range(count):
-                depth = _strain_at(contacts[contact], strain[contact], law, at_x, at_y)
-                if depth > 0.0:
-                    deepest, under = max(deepest, depth), under + 1
-                    apart += rise_at(law, relative, depth)
-                    pressure += stress(law, depth) if by == FORCE else 0.0
-            if under > 1:
-                if by == FORCE:
-                    limited |= pressure > law[6]
-                    deepest = strain_under(law, strains, min(pressure, law[6]))
-                total += rise_at(law, relative, deepest) - apart
+            change, beyond = joint_minus_sum(
+                contacts, count, strain, stacked, by, law, relative, strains, at_x, at_y
+            )
+            limited |= beyond
+            total += change
     return total / SAMPLES**2, limited
+
+
+@compiled()
+def joint_minus_sum(
+    contacts: NDArray,
+    count: int,
+    strain: NDArray,
+    stacked: NDArray,
+    by: int,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    at_x: float,
+    at_y: float,
+) -> tuple[float, bool]:  # pragma: no cover
+    """Rise under all patches at a position minus the sum of their own; True if it was limited.
+
+    Pressures of forces add, of depths the deeper counts, and factors multiply.
+    """
+    deepest, pressure, apart, joint, under = 0.0, 0.0, 0.0, 1.0, 0
+    for k in range(count):
+        if by == FACTOR:
+            if _strain_at(contacts[k], 1.0, law, at_x, at_y) > 0.0:
+                joint, apart, under = joint * (1 + stacked[k, 0]), apart + stacked[k, 0], under + 1
+            continue
+        depth = _strain_at(contacts[k], strain[k], law, at_x, at_y)
+        if depth > 0.0:
+            deepest, under = max(deepest, depth), under + 1
+            apart += rise_at(law, relative, depth)
+            pressure += stress(law, depth) if by == FORCE else 0.0
+    if under < 2:
+        return 0.0, False
+    if by == FACTOR:
+        return joint - 1 - apart, False
+    limited = by == FORCE and pressure > law[6]
+    if by == FORCE:
+        deepest = strain_under(law, strains, min(pressure, law[6]))
+    return rise_at(law, relative, deepest) - apart, limited

@@ -29,7 +29,6 @@ from .patch_kernel import (
     reason_invalid,
     within_skin,
 )
-from .stack_kernel import cells_of_stacks
 
 WEIGHTS = np.polynomial.legendre.leggauss(6)[1] / 2
 """Parts of the squared radius of a sphere's patch, of which each falls on one disc."""
@@ -40,7 +39,7 @@ SHARED = 1e-9
 
 
 @compiled()
-def pressed_cells(
+def winkler_stacks(
     values: NDArray,
     counts: NDArray,
     by: int,
@@ -53,15 +52,14 @@ def pressed_cells(
     mask: NDArray,
     part: NDArray,
     whole: bool,
-) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells that contacts press, the rises of c there, starts of presses, and faults.
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Discs of rises under contacts: their radii, rises and number, strains, and faults.
 
     values: see `contact_types.COLUMNS`, shape (press, contact, 7). counts: contacts of each press.
-    whole: True if all cells are skin. Returned as well: True for presses whose foam would be
-    compressed further than it can, shape (press,); radius of each patch, m, 0 for a rectangle,
-    shape (press, contact); and press, contact and reason of the first invalid contact, shape (3,).
-    Forces of overlapping patches add their pressures; of depths the deeper counts; factors
-    multiply.
+    whole: True if all cells are skin. The first four results are those that `cells_of_stacks`
+    takes. Returned as well: True for presses whose foam would be compressed further than it can,
+    shape (press,); radius of each patch, m, 0 for a rectangle, shape (press, contact); and press,
+    contact and reason of the first invalid contact, shape (3,).
     """
     presses, most = values.shape[0], values.shape[1]
     radii, stacked = np.zeros((presses, most, RINGS)), np.zeros((presses, most, RINGS))
@@ -98,27 +96,8 @@ def pressed_cells(
                     reason = OFF_SKIN
             if reason != FINE:
                 fault[0], fault[1], fault[2] = press, k, reason
-                nothing = np.zeros(0)
-                return np.zeros(0, np.int64), nothing, counts, limited, patches, fault
-    cells, rises, starts = cells_of_stacks(
-        values,
-        counts,
-        by,
-        radii,
-        stacked,
-        discs,
-        strain,
-        limited,
-        law,
-        relative,
-        strains,
-        x,
-        y,
-        cut,
-        mask,
-        part,
-    )
-    return cells, rises, starts, limited, patches, fault
+                return radii, stacked, discs, strain, limited, patches, fault
+    return radii, stacked, discs, strain, limited, patches, fault
 
 
 @compiled()

@@ -128,9 +128,12 @@ def _groups(lattice: Lattice, applied: LatticeApplicators) -> list[LatticeApplic
     return [applied] if len(applied.depth) else []
 
 
-def independent(lattice: Lattice, applied: LatticeApplicators) -> bool:
-    """True if no two of the applicators influence the same position."""
-    far = [lattice.reach(depth) for depth in applied.depth]
+def independent(lattice: Lattice, applied: LatticeApplicators, reach: float | None = None) -> bool:
+    """True if no two of the applicators influence the same position.
+
+    reach: distance of that influence, m; by default that of each applicator's depth.
+    """
+    far = [lattice.reach(depth) if reach is None else reach for depth in applied.depth]
     low = applied.boxes[:, ::2] - np.array(far)[:, None]
     high = applied.boxes[:, 1::2] + np.array(far)[:, None]
     meet = np.all((low[:, None] < high) & (low < high[:, None]), axis=-1)

@@ -1,0 +1,261 @@
+"""Stacks of discs under contacts on coarse cells so that moments are kept, compiled.
+
+Each patch is divided into points, and each point is shared between three cells along each axis, as
+`cell_spreading` shares fine cells: integrals of polynomials of degree 2 are kept.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...compiled import compiled
+from .cell_samples import SAMPLES
+from .patch_kernel import (
+    X,
+    Y,
+    area_on_skin,
+    patch_box,
+    within_skin,
+)
+from .stack_kernel import FAINT, joint_minus_sum, overlap_box
+
+PARTS = 4
+"""Number of points along the side of a cell, at least."""
+MIN_ANGLES = 5
+"""Smallest number of points on a ring: it keeps polynomials of degree 4."""
+
+
+@compiled()
+def moments_of_stacks(
+    values: NDArray,
+    counts: NDArray,
+    by: int,
+    radii: NDArray,
+    stacked: NDArray,
+    discs: NDArray,
+    strain: NDArray,
+    limited: NDArray,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    x: NDArray,
+    y: NDArray,
+    cut: NDArray,
+    mask: NDArray,
+    part: NDArray,
+    grid: tuple[int, int],
+) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
+    """Cells of a coarse grid (rows, columns), rises and starts of presses, on a rectangular skin.
+
+    Others: see `cells_of_stacks`; x, y, cut, mask and part are of any grid.
+    """
+    presses, (rows, columns) = values.shape[0], grid
+    length, width = x[len(x) - 1], y[len(y) - 1]
+    cells, rises = np.empty(presses * 16, np.int64), np.empty(presses * 16)
+    starts, found = np.zeros(presses + 1, np.int64), 0
+    total = np.zeros((rows, columns))
+    for press in range(presses):
+        left, right, bottom, top = columns, 0, rows, 0
+        for k in range(counts[press]):
+            if discs[press, k] == 0:
+                continue
+            contact, outer = values[press, k], radii[press, k, discs[press, k] - 1]
+            box = patch_box(contact, outer)
+            left = min(left, max(int(box[0] / length * columns) - 1, 0))
+            right = max(right, min(int(box[1] / length * columns) + 2, columns))
+            bottom = min(bottom, max(int(box[2] / width * rows) - 1, 0))
+            top = max(top, min(int(box[3] / width * rows) + 2, rows))
+            if outer == 0.0:
+                _add_rectangle(total, contact, stacked[press, k, 0], length, width)
+                continue
+            mean, inner = 0.0, 0.0
+            for disc in range(discs[press, k]):
+                mean += stacked[press, k, disc]
+            whole = within_skin(contact, outer, length, width, True)
+            for disc in range(discs[press, k]):
+                radius, scale = radii[press, k, disc], 1.0
+                if not whole:
+                    scale = area_on_skin(contact, radius, x, y, cut, mask, part)
+                    if disc > 0:
+                        scale -= area_on_skin(contact, inner, x, y, cut, mask, part)
+                _add_ring(total, contact, mean, inner, radius, scale, whole, length, width)
+                mean, inner = mean - stacked[press, k, disc], radius
+        if counts[press] > 1:
+            limited[press] |= _add_overlaps(
+                values[press],
+                counts[press],
+                by,
+                radii[press],
+                stacked[press],
+                discs[press],
+                strain[press],
+                law,
+                relative,
+                strains,
+                total,
+                length,
+                width,
+            )
+        if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
+            more = 2 * len(cells) + rows * columns
+            old_cells, old_rises = cells, rises
+            cells, rises = np.empty(more, np.int64), np.empty(more)
+            for k in range(found):
+                cells[k], rises[k] = old_cells[k], old_rises[k]
+        for i in range(bottom, top):
+            for j in range(left, right):
+                rise, total[i, j] = total[i, j], 0.0
+                if abs(rise) > FAINT:
+                    cells[found], rises[found] = i * columns + j, rise
+                    found += 1
+        starts[press + 1] = found
+    return cells[:found], rises[:found], starts
+
+
+@compiled()
+def _shares(
+    at: float, count: int, extent: float
+) -> tuple[int, float, float, float]:  # pragma: no cover
+    """First of three cells along an axis and the share of each, as in `cell_spreading`.
+
+    at: position over the side of a cell. extent: of what is shared, over that side.
+    """
+    cell = min(max(int(at), 0), count - 1)
+    t = at - cell - 0.5
+    if count == 1:
+        return -1, 0.0, 1.0, 0.0
+    if cell == 0:
+        return -1, 0.0, 1 - t, t
+    if cell == count - 1:
+        return cell - 1, -t, 1 + t, 0.0
+    second = t * t + (extent * extent - 1) / 12
+    return cell - 1, (second - t) / 2, 1 - second, (second + t) / 2
+
+
+@compiled()
+def _add_point(
+    total: NDArray, u: float, v: float, amount: float, wide: float, high: float
+) -> None:  # pragma: no cover
+    """Share an amount at u along x and v along y, over the sides of a cell."""
+    rows, columns = total.shape
+    row, low, middle, up = _shares(v, rows, high)
+    column, left, centre, right = _shares(u, columns, wide)
+    for k in range(3):
+        own = amount * (low if k == 0 else middle if k == 1 else up)
+        if own != 0.0:
+            if left != 0.0:
+                total[row + k, column] += own * left
+            total[row + k, column + 1] += own * centre
+            if right != 0.0:
+                total[row + k, column + 2] += own * right
+
+
+@compiled()
+def _add_ring(
+    total: NDArray,
+    contact: NDArray,
+    rise: float,
+    inner: float,
+    outer: float,
+    area: float,
+    whole: bool,
+    length: float,
+    width: float,
+) -> None:  # pragma: no cover
+    """Share a ring of one rise. area: of the ring on the skin, m², unless it is on it entirely."""
+    rows, columns = total.shape
+    if rise == 0.0 or outer <= inner:
+        return
+    along, across = columns / length, rows / width
+    densest = PARTS * max(along, across)
+    rings = int((outer - inner) * densest) + 1
+    step = (outer - inner) / rings
+    scale = 1.0
+    if not whole:
+        there = 0.0
+        for ring in range(rings):
+            low = inner + ring * step
+            radius = np.sqrt((low * low + (low + step) ** 2) / 2)
+            count = max(int(2 * np.pi * radius * densest) + 1, MIN_ANGLES)
+            own = np.pi * step * (2 * low + step) / count
+            for k in range(count):
+                angle = 2 * np.pi * (k + 0.5) / count
+                at_x, at_y = (
+                    contact[X] + radius * np.cos(angle),
+                    contact[Y] + radius * np.sin(angle),
+                )
+                if 0.0 <= at_x <= length and 0.0 <= at_y <= width:
+                    there += own
+        if there == 0.0:
+            return
+        scale = area / there
+    for ring in range(rings):
+        low = inner + ring * step
+        radius = np.sqrt((low * low + (low + step) ** 2) / 2)
+        count = max(int(2 * np.pi * radius * densest) + 1, MIN_ANGLES)
+        amount = scale * rise * np.pi * step * (2 * low + step) / count * along * across
+        turn_x, turn_y = np.cos(2 * np.pi / count), np.sin(2 * np.pi / count)
+        to_x, to_y = radius * np.cos(np.pi / count), radius * np.sin(np.pi / count)
+        for _ in range(count):
+            at_x, at_y = contact[X] + to_x, contact[Y] + to_y
+            to_x, to_y = to_x * turn_x - to_y * turn_y, to_x * turn_y + to_y * turn_x
+            if whole or (0.0 <= at_x <= length and 0.0 <= at_y <= width):
+                _add_point(total, at_x * along, at_y * across, amount, 0.0, 0.0)
+
+
+@compiled()
+def _add_rectangle(
+    total: NDArray, contact: NDArray, rise: float, length: float, width: float
+) -> None:  # pragma: no cover
+    """Share a rectangle of one rise, without its part beyond the skin."""
+    rows, columns = total.shape
+    box = patch_box(contact, 0.0)
+    left, right = max(box[0], 0.0) / length * columns, min(box[1], length) / length * columns
+    low, high = max(box[2], 0.0) / width * rows, min(box[3], width) / width * rows
+    wide, tall = int((right - left) * PARTS) + 1, int((high - low) * PARTS) + 1
+    along, across = (right - left) / wide, (high - low) / tall
+    for i in range(tall):
+        for j in range(wide):
+            u, v = left + (j + 0.5) * along, low + (i + 0.5) * across
+            _add_point(total, u, v, rise * along * across, along, across)
+
+
+@compiled()
+def _add_overlaps(
+    contacts: NDArray,
+    count: int,
+    by: int,
+    radii: NDArray,
+    stacked: NDArray,
+    discs: NDArray,
+    strain: NDArray,
+    law: NDArray,
+    relative: NDArray,
+    strains: NDArray,
+    total: NDArray,
+    length: float,
+    width: float,
+) -> bool:  # pragma: no cover
+    """Correct the summed rises where patches overlap; True if one was limited."""
+    left, right, bottom, top = overlap_box(contacts, count, by, radii, discs)
+    left, right, bottom, top = max(left, 0.0), min(right, length), max(bottom, 0.0), min(top, width)
+    if left >= right or bottom >= top:
+        return False
+    rows, columns = total.shape
+    wide = max(int((right - left) / length * columns * PARTS) + 1, SAMPLES)
+    tall = max(int((top - bottom) / width * rows * PARTS) + 1, SAMPLES)
+    along, across, limited = (right - left) / wide, (top - bottom) / tall, False
+    for i in range(tall):
+        at_y = bottom + (i + 0.5) * across
+        for j in range(wide):
+            at_x = left + (j + 0.5) * along
+            change, beyond = joint_minus_sum(
+                contacts, count, strain, stacked, by, law, relative, strains, at_x, at_y
+            )
+            limited |= beyond
+            if change != 0.0:
+                u, v = at_x / length * columns, at_y / width * rows
+                amount = change * along * across / (length * width) * rows * columns
+                _add_point(total, u, v, amount, 0.0, 0.0)
+    return limited
