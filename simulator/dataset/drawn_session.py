@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..fem.error_estimate import relative_difference
 from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
+from ..measure.drawn_faults import faulty_skin
 from ..measure.readout import Meter, shown_values
-from ..measure.skins import DrawnSkin, drawn_skin
+from ..measure.skin_faults import SkinFault
+from ..measure.skins import DrawnSkin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
+from ..models.parameters import Variation
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
+from .audit import Audit
 from .creeping import in_foam_states
 from .dataset_plan import Plan
 from .drawn_presses import Presses, session_presses
+from .faulty_skins import NO_FAULT, answered_with, family_name
 from .skin_model import SkinFamily, SkinModel
 
 ONE_IN = 1000
@@ -26,31 +33,12 @@ FIRST_SESSION, FIRST_SESSIONS = 32, 32
 """Minimum sample of the first session, and number of sessions with at least one certified sweep."""
 
 
-@dataclass(frozen=True)
-class Audit:
-    """Numbers of certified sweeps and of those solved by the full system, and the largest bound.
-
-    bound: on the relative error of Rs and Cp, over the certified sweeps of the reduced model.
-    """
-
-    sample: int
-    fallbacks: int
-    bound: float
+NO_FAULTS: Mapping[str, SkinFamily] = MappingProxyType({})
 
 
 Audited = Callable[
     [SkinModel, Presses, np.random.Generator, int, float], tuple[NDArray[np.complex128], Audit]
 ]
-
-
-def combined_audit(audits: Iterable[Audit]) -> Audit:
-    """Combines the audits of several parts."""
-    parts = list(audits)
-    return Audit(
-        sum(part.sample for part in parts),
-        sum(part.fallbacks for part in parts),
-        max(part.bound for part in parts),
-    )
 
 
 def audited(
@@ -138,6 +126,8 @@ def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64
 class DrawnSession:
     """A session: its number, skin, fixed errors of the meter, presses, displayed readings, audit.
 
+    fault: of the skin or of the reader, None without.
+
     gain, turn: factor on |Z| and addition to the phase in rad, shape (interface,), of the reading
     of the first press at the middle frequency; errors of other readings may differ. shown:
     quantities of the readings by name, each of shape (press, interface, frequency).
@@ -150,41 +140,71 @@ class DrawnSession:
     presses: Presses
     shown: dict[str, NDArray[np.float64]]
     audit: Audit
+    fault: SkinFault | None = None
 
 
-def drawn_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -> list[DrawnSession]:
+def drawn_sessions(
+    plan: Plan,
+    family: SkinFamily,
+    numbers: Sequence[int],
+    faulty: Mapping[str, SkinFamily] = NO_FAULTS,
+) -> list[DrawnSession]:
     """Draws whole sessions, also if the data set ends within the last one.
 
-    Each step runs for all sessions at once, so that processor caches are used well.
+    Each step runs for all sessions at once, so that processor caches are used well. faulty:
+    families of skins with faults, see `faulty_families`.
     """
     scene, seed, size = plan.scene, plan.seed, plan.session_sweeps
     randoms = [stream(seed, number, PRESSES) for number in numbers]
     presses = [session_presses(scene, random, size, family.grid) for random in randoms]
-    skins = [drawn_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
+    skins = [faulty_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
+    families = {NO_FAULT: family, **faulty}
     answer = audited_in_time(scene) if scene.skin.foam.in_time else audited
     answers = [
-        answer(family.skin(skin.variation), own, stream(seed, number, AUDIT), number, plan.rtol)
-        for number, skin, own in zip(numbers, skins, presses, strict=True)
+        answered_with(
+            fault,
+            scene,
+            skin.variation,
+            partial(_answer, answer, families.get(family_name(fault)), own, plan, number),
+            len(own.text),
+        )
+        for number, (skin, fault), own in zip(numbers, skins, presses, strict=True)
     ]
     each = zip(numbers, skins, presses, answers, strict=True)
     return [_measured(plan, *session) for session in each]
 
 
+def _answer(
+    answer: Audited,
+    family: SkinFamily | None,
+    presses: Presses,
+    plan: Plan,
+    number: int,
+    variation: Variation,
+) -> tuple[NDArray[np.complex128], Audit]:
+    """Z in ohm of a session, and its audit. family: that of its skin."""
+    assert family is not None
+    random = stream(plan.seed, number, AUDIT)
+    return answer(family.skin(variation), presses, random, number, plan.rtol)
+
+
 def _measured(
     plan: Plan,
     number: int,
-    skin: DrawnSkin,
+    drawn: tuple[DrawnSkin, SkinFault | None],
     presses: Presses,
     answer: tuple[NDArray[np.complex128], Audit],
 ) -> DrawnSession:
     """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
-    scene, (Z, audit) = plan.scene, answer
+    scene, (Z, audit), (skin, fault) = plan.scene, answer, drawn
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
     frequency = scene.frequencies
     at_meter, middle = scene.reading.behind(skin.leads).at_meter(Z), len(frequency) // 2
+    if fault is not None:
+        at_meter = at_meter * fault.gain(frequency)
     gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
     shown = _shown(scene, meter.measure(at_meter, frequency))
-    return DrawnSession(number, skin, gain, turn, presses, shown, audit)
+    return DrawnSession(number, skin, gain, turn, presses, shown, audit, fault)
 
 
 def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:

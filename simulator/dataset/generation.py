@@ -19,6 +19,7 @@ from ..sweeps.output_files import checked_place, locked
 from ..sweeps.writing import check_replaceable, named_failures, note_made, put, sync, write_context
 from . import store, workers
 from .dataset_plan import Plan, first_difference, readings
+from .faulty_skins import faulty_families, without_faults
 from .layout import min_size
 from .skin_model import REDUCED, SkinFamily, Training
 from .work_block import PLAN_FILE, WorkFolder, audit_of
@@ -121,8 +122,10 @@ def _prepared(plan: Plan, workshop: WorkFolder, training: Training) -> SkinFamil
         return _loaded(workshop)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
-    family = training.train(plan.scene, plan.rtol)
+    family = training.train(without_faults(plan.scene), plan.rtol)
     training.save(family, workshop.model_file)
+    for name, faulty in faulty_families(plan, training.train).items():
+        training.save(faulty, workshop.model_of(name))
     with kept_file(workshop.plan_file) as unfinished:
         unfinished.write_text(plan.text(), encoding="utf-8")
     return family

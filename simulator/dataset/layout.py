@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..scene.scene import Scene
 from ..sweeps.reading_quantities import DESCRIBED
-from ..sweeps.schema import DIMENSIONS, LABELS
+from ..sweeps.schema import DIMENSIONS, FAULT, LABELS
 from .dataset_plan import Plan, readings
 from .drawn_presses import MAX_TOUCHES
 from .drawn_session import DrawnSession
@@ -44,7 +44,8 @@ class ArraySpec:
 def variables(plan: Plan) -> list[ArraySpec]:
     """Specifications of all arrays that grow with the data set."""
     quantity = "float32" if plan.scene.readout.display_digits <= SINGLE_DIGITS else "float64"
-    labels = " ".join(LABELS)
+    faults = [] if plan.scene.dataset.session.faults is None else [FAULTS]
+    labels = " ".join([*LABELS, *(each.name for each in faults)])
     return [
         *(
             ArraySpec(each.name, DIMENSIONS, quantity, each.meaning, each.units, labels)
@@ -54,11 +55,13 @@ def variables(plan: Plan) -> list[ArraySpec]:
             ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
             for name, meaning in LABELS.items()
         ),
+        *faults,
         *touch_variables(plan.scene),
         *drawn_variables(plan.scene),
     ]
 
 
+FAULTS = ArraySpec(FAULT, (SWEEP,), "str", "fault of the skin or reader, empty if none")
 TOUCHES = [
     ArraySpec("touches", (SWEEP,), "int64", "number of touches"),
     ArraySpec("touch_x", (SWEEP, "touch"), "float32", "centre of a touch, 0 if none", "m"),
@@ -152,6 +155,7 @@ def values(session: DrawnSession) -> dict[str, NDArray]:
         "row": presses.row,
         "column": presses.column,
         "session": np.full(len(presses.text), session.number),
+        FAULT: np.full(len(presses.text), str(session.fault or ""), dtype=object),
         "touches": presses.touches,
         "touch_x": presses.x,
         "touch_y": presses.y,

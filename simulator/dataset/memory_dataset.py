@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..fem.factors import one_blas_thread
 from ..scene.scene_files import scene_text
 from ..sweeps import build
+from ..sweeps.schema import FAULT
 from .dataset_plan import Plan
-from .drawn_session import drawn_sessions
+from .drawn_session import NO_FAULTS, drawn_sessions
+from .faulty_skins import faulty_families, without_faults
 from .layout import joined_sessions, touch_variables, values
 from .skin_model import SkinFamily, reduced
 
@@ -23,21 +25,28 @@ def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
     family: the skins that the plan draws from; trained here if absent. Raises ToleranceError if the
     plan's tolerance is not reached.
     """
-    family = reduced(plan.scene, plan.rtol) if family is None else family
-    return sweeps_of_sessions(plan, family, range(plan.sessions)).isel(sweep=slice(plan.sweeps))
+    family = reduced(without_faults(plan.scene), plan.rtol) if family is None else family
+    faulty, numbers = faulty_families(plan, reduced), range(plan.sessions)
+    sweeps = sweeps_of_sessions(plan, family, numbers, faulty)
+    return sweeps.isel(sweep=slice(plan.sweeps))
 
 
-def sweeps_of_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -> xr.Dataset:
+def sweeps_of_sessions(
+    plan: Plan,
+    family: SkinFamily,
+    numbers: Sequence[int],
+    faulty: Mapping[str, SkinFamily] = NO_FAULTS,
+) -> xr.Dataset:
     """Whole sessions of a plan by their numbers, also of numbers beyond the plan's last session.
 
-    family, errors: see `in_memory`.
+    family, errors: see `in_memory`. faulty: see `drawn_sessions`.
     """
     with one_blas_thread():
-        drawn = drawn_sessions(plan, family, numbers)
+        drawn = drawn_sessions(plan, family, numbers, faulty)
     arrays = joined_sessions(
         [values(session) for session in drawn], len(numbers) * plan.session_sweeps
     )
-    kind = plan.scene.reading.kind
+    kind, odds = plan.scene.reading.kind, plan.scene.dataset.session.faults
     sweeps = build(
         kind.reading(arrays),
         plan.scene.frequencies,
@@ -58,4 +67,5 @@ def sweeps_of_sessions(plan: Plan, family: SkinFamily, numbers: Sequence[int]) -
     )
     arrays_of_touches = touch_variables(plan.scene)
     numbers = {each.name: (each.dimensions, arrays[each.name]) for each in arrays_of_touches}
-    return sweeps.assign(numbers)
+    found = sweeps.assign(numbers)
+    return found if odds is None else found.assign_coords({FAULT: ("sweep", arrays[FAULT])})

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..measure.creeping_sweeps import OF_NODES, interpolation
-from ..measure.skins import drawn_skin
+from ..measure.drawn_faults import faulty_skin
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
@@ -96,7 +96,7 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
     modes = 1 if scene.dataset.session.unevenness == 0 else len(HALF_WAVES)
 
     def draw(random: np.random.Generator) -> Case:
-        skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, modes)
+        skin, _ = faulty_skin(scene, int(random.integers(2**62)), 0, grid, modes)
         return Case(skin.variation, *_press(scene, random, grid))
 
     same_sheets, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time

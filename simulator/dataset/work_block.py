@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
 
 from ..fem.factors import one_blas_thread
 from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
+from .audit import Audit, combined_audit
 from .dataset_plan import Plan, parse_plan
-from .drawn_session import Audit, combined_audit, drawn_sessions
+from .drawn_session import drawn_sessions
+from .faulty_skins import NO_FAULT, family_scenes
 from .layout import joined_sessions, values
 from .skin_model import SkinFamily
 
@@ -47,6 +50,10 @@ class WorkFolder:
         """File with the model, which is trained once."""
         return self.folder / "model.npz"
 
+    def model_of(self, name: str) -> Path:
+        """File with the model of the skins with a fault; name: see `family_name`."""
+        return self.folder / f"model-{sha256(name.encode()).hexdigest()[:16]}.npz"
+
     def note(self, block: int) -> Path:
         """File that marks a block as finished and holds its audit."""
         return self.folder / "finished" / f"{block}.json"
@@ -73,9 +80,9 @@ def make_block(workshop: WorkFolder, block: int) -> int:
 
     It uses one thread: several would round differently, and other blocks use the other cores.
     """
-    plan, family = _loaded(workshop)
+    plan, family, faulty = _loaded(workshop)
     with one_blas_thread():
-        drawn = drawn_sessions(plan, family, plan.sessions_of(block))
+        drawn = drawn_sessions(plan, family, plan.sessions_of(block), faulty)
     here = plan.sweeps_of(block)
     arrays = joined_sessions([values(session) for session in drawn], here.stop - here.start)
     parts = store.write(workshop.data, plan, block, arrays)
@@ -94,6 +101,11 @@ def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
 
 
 @lru_cache(maxsize=1)
-def _loaded(workshop: WorkFolder) -> tuple[Plan, SkinFamily]:
+def _loaded(workshop: WorkFolder) -> tuple[Plan, SkinFamily, Mapping[str, SkinFamily]]:
     plan = parse_plan(workshop.plan_file.read_text(encoding="utf-8"))
-    return plan, workshop.load(workshop.model_file)
+    faulty = {
+        name: workshop.load(workshop.model_of(name))
+        for name, scene in family_scenes(plan).items()
+        if name != NO_FAULT and scene is not None
+    }
+    return plan, workshop.load(workshop.model_file), faulty

@@ -19,6 +19,7 @@ from ..scene.maps import AnyMap
 from ..scene.planar import Circle
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, Skin
+from ..scene.tear import Tear
 from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
@@ -143,7 +144,9 @@ def _sheet(sheet: Sheet) -> str:
     return text
 
 
-def _varying(of_place: AnyMap) -> str:
+def _varying(of_place: AnyMap | Tear) -> str:
+    if isinstance(of_place, Tear):
+        return f"torn from the {of_place.edge} edge over {100 * of_place.length:.3g} % of the skin"
     return (
         f"varies by a {of_place.kind} map" if of_place.uniform is None else "times a constant map"
     )

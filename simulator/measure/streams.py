@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-SKIN, PRESSES, METER, AUDIT, CELLS, ORDER = range(6)
+SKIN, PRESSES, METER, AUDIT, CELLS, ORDER, FAULT, TEAR = range(8)
 
 
 def stream(seed: int, session: int, purpose: int) -> np.random.Generator:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.contacts import Contact, path
-from ..scene.maps import AnyMap
+from ..scene.maps import FactorMap
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin
 from ..scene.skin_region import curves
@@ -165,11 +165,14 @@ def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: Skin) -> 
     return _map_becomes(sheet.map, image.map, mapping, skin)
 
 
-def _map_becomes(one: AnyMap | None, other: AnyMap | None, mapping: Mapping, skin: Skin) -> bool:
+def _map_becomes(
+    one: FactorMap | None, other: FactorMap | None, mapping: Mapping, skin: Skin
+) -> bool:
     if one is None or other is None:
         return one is other
     lines = (np.linspace(0, side, MAP_POINTS) for side in skin.sides)
-    x = np.stack(np.meshgrid(*lines))
+    grid = np.stack(np.meshgrid(*lines)).reshape(2, -1)
+    x = np.hstack([grid, one.details(skin.sides)])
     moved = other.factors(mapping.place(x, skin.sides), skin.sides)
     return np.allclose(one.factors(x, skin.sides), moved, rtol=NEAR, atol=0)
 

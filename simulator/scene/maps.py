@@ -85,7 +85,7 @@ Sides = tuple[float, float]
 """Length and width of the unstretched skin, m."""
 
 
-class _Map(Table):
+class FactorMap(Table):
     """Base of all maps; the defaults are for maps without kinks and without a shortest length."""
 
     @property
@@ -105,11 +105,15 @@ class _Map(Table):
         """Shortest length over which the map varies, m."""
         return np.inf
 
+    def details(self, sides: Sides) -> NDArray[np.float64]:
+        """Points in m that show what a coarse grid of points may miss, shape (2, point)."""
+        return np.zeros((2, 0))
+
     def check(self, sides: Sides) -> None:
         """Raises ValueError if the map does not fit a skin with these sides."""
 
 
-class Constant(_Map):
+class Constant(FactorMap):
     """One factor everywhere."""
 
     kind: Literal["constant"] = "constant"
@@ -123,7 +127,7 @@ class Constant(_Map):
         return np.full(np.shape(x)[1:], self.value)
 
 
-class Gradient(_Map):
+class Gradient(FactorMap):
     """A linear map with the factor `middle` in the middle of the skin.
 
     x, y: rise of the factor from the left edge to the right, and from the bottom edge to the top.
@@ -156,7 +160,7 @@ class Gradient(_Map):
         return self
 
 
-class Random(_Map):
+class Random(FactorMap):
     """A smooth random field of mean 1 with a relative standard deviation.
 
     correlation_length [m]: l of exp(-r² / (2 l²)). distribution: of the factor; a normal one is
@@ -226,7 +230,7 @@ def _values(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...
     return rows
 
 
-class Grid(_Map):
+class Grid(FactorMap):
     """Factors by row and column, row 1 along the bottom edge, column 1 along the left one.
 
     The first and last values lie on the edges, the others at equal distances, and between four of
@@ -278,7 +282,8 @@ def _between(
 AnyMap = Constant | Gradient | Random | Grid
 
 
-def _read_already(given: object) -> object:
+def refuse_file(given: object) -> object:
+    """The given table. Raises ValueError if it is a map of the kind "file"."""
     if isinstance(given, dict) and given.get("kind") == "file":
         raise ValueError("of the kind 'file' is read only together with a scene file")
     return given
@@ -287,5 +292,5 @@ def _read_already(given: object) -> object:
 Map = Annotated[
     AnyMap,
     by_kind(Constant, Gradient, Random, Grid, elsewhere="file"),
-    BeforeValidator(_read_already),
+    BeforeValidator(refuse_file),
 ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from .draw_distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
+from .fault_odds import FaultOdds
 from .foam_in_time import AMBIENT, ambient_factors
 from .validation import Number, Table, Whole
 
@@ -116,7 +117,8 @@ class Session(Table):
     contact; ideal foils have no resistance. stray_capacitance [F] and lead_resistance [ohm]: added
     to those of the leads; a guard does not reduce them. temperature [°C], humidity [%RH]: ambient
     of a session, if the foam has tables for them; default those of `experiment`. body, rim: factors
-    on the capacitance of the scene's `surroundings.body` and of its rim; default 1.
+    on the capacitance of the scene's `surroundings.body` and of its rim; default 1. faults: odds of
+    faults; default none.
 
     The defaults are assumptions. Simulations of electrical impedance tomography for transfer to
     real devices used 3 % for geometry and 4 % for contacts in each session. 5 % for the sheets
@@ -151,6 +153,7 @@ class Session(Table):
     humidity: (
         Annotated[Distribution, drawn_within(0.0, 100.0, "%RH", "air holds no more water")] | None
     ) = None
+    faults: FaultOdds | None = None
 
     def check_ambient(self, foam: Foam) -> None:
         """Raises ValueError if a drawn temperature or humidity does not suit the foam.

@@ -24,8 +24,9 @@ from .form.outline import Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import penetration_depth
 from .keys.key_paths import OrText
-from .maps import Map
+from .maps import FactorMap
 from .ranges import Angle, Length, Piezoresistance, SheetResistance
+from .tear import SheetMap, Tear
 from .validation import Number, Table, short, single_line
 
 MIN_DEPTH = 1e-6
@@ -56,13 +57,13 @@ class Sheet(Table):
     """An electrode sheet: its sheet resistance [ohm/sq] and the variation of it.
 
     piezoresistance: relative rise of the sheet resistance per unit of compressive strain of the
-    foam beneath. map: factor by position.
+    foam beneath. map: factor by position, or a tear.
     """
 
     sheet_resistance: SheetResistance
     piezoresistance: Piezoresistance = 0.0
     anisotropy: Anisotropy | None = None
-    map: Map | None = None
+    map: SheetMap | None = None
 
 
 EARTH: Literal["earth"] = "earth"
@@ -169,10 +170,16 @@ class Skin(Table):
         return self.length * along, self.width * across
 
     @property
-    def maps(self) -> dict[str, Map]:
+    def maps(self) -> dict[str, FactorMap]:
         """Maps of the sheets and of the foam by their keys in a scene file."""
         parts = {"top": self.top, "bottom": self.bottom, "foam": self.foam}
         return {f"skin.{name}.map": part.map for name, part in parts.items() if part.map}
+
+    @property
+    def torn(self) -> bool:
+        """True if a sheet of a rectangle is torn."""
+        rectangle = self.outline is None and self.mesh is None
+        return rectangle and any(isinstance(each.map, Tear) for each in (self.top, self.bottom))
 
     @property
     def beyond_uniform(self) -> list[str]:

@@ -39,6 +39,9 @@ TAKEN = "taken"
 interfaces skip some frequencies; quantities are NaN there."""
 TIME = "time"
 """Coordinate: time of the middle of each sweep, s since 1970-01-01 UTC, if known."""
+FAULT = "fault"
+"""Coordinate: fault of the skin or of its reader during each sweep, as text; empty without. It
+exists only where faults are drawn."""
 SESSIONS = "sessions"
 """Attribute with the names of sessions: a JSON object of names by number."""
 

@@ -50,7 +50,7 @@ class Squares:
         self.rtol = rtol
         self._history = ErrorHistory()
         self._hierarchy = ResolutionHierarchy(scene, circuit, own=rtol)
-        self._level = self._hierarchy.lowest(rtol)
+        self._level = self.first
 
     def finer(self, frequency: NDArray[np.float64]) -> Discretised:
         """Next discretisation, for frequencies in Hz.
@@ -63,12 +63,21 @@ class Squares:
             raise ToleranceError("there is no finer mesh")
         if not self._history.will_reach(self.rtol, FEW):
             raise ToleranceError(f"orders gain too little: {error:.1g} times the tolerance is left")
-        highest = float(frequency[-1])
-        like = jumping(self.press, self.scene)
-        found = self._hierarchy.resolution(self._level, like, highest)
+        found = self.resolution(self._level, float(frequency[-1]))
         self._level += 1
-        found = layered(self._hierarchy, found, like, highest)
-        return self._discretised(self._following_maps(found))
+        return self._discretised(found)
+
+    @property
+    def first(self) -> int:
+        """First level to try."""
+        return self._hierarchy.lowest(self.rtol)
+
+    def resolution(self, level: int, highest: float) -> Resolution:
+        """Resolution of a level, up to a frequency in Hz; its order is one more than that of the
+        answer."""
+        like = jumping(self.press, self.scene)
+        found = self._hierarchy.resolution(level, like, highest)
+        return self._following_maps(layered(self._hierarchy, found, like, highest))
 
     def _discretised(self, resolution: Resolution) -> Discretised:
         scene, circuit = self.scene, self.circuit

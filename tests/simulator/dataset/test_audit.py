@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.dataset.audit import Audit, combined_audit
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
-from rcskin.simulator.dataset.drawn_session import Audit, audited, combined_audit, drawn_sessions
+from rcskin.simulator.dataset.drawn_session import audited, drawn_sessions
 from rcskin.simulator.measure.streams import AUDIT, PRESSES, stream
 from rcskin.simulator.sweeps import ToleranceError, open_zarr
 

@@ -22,11 +22,12 @@ from ....press.touch import Touch
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
+from ...heterogeneous.square_meshes import Squares
 from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
-from ...resolution import ResolutionHierarchy
+from ...resolution import ONE_CELL, ResolutionHierarchy
 from ..cases import Case, pixel_touches, touched
 from .family import Family, Mesh, Triangulation, Weights, weights_under
-from .heterogeneous_family import HeterogeneousFamily
+from .heterogeneous_family import HeterogeneousFamily, SquaresFamily
 from .uniform_family import UniformFamily
 
 FamilyT = TypeVar("FamilyT", bound=Family)
@@ -40,7 +41,8 @@ FEW, MAX_SINGLE_PIXELS = 3, 36
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
     """Family on a mesh, of the kind that belongs to the mesh."""
     if isinstance(mesh, Resolution):
-        return UniformFamily(scene, circuit, mesh, modes)
+        kind = UniformFamily if scene.uniform else SquaresFamily
+        return kind(scene, circuit, mesh, modes)
     return HeterogeneousFamily(scene, circuit, mesh, modes)
 
 
@@ -137,6 +139,14 @@ def finer_families(
     frequency: NDArray[np.float64],
 ) -> Iterator[Family]:
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
+    if scene.skin.torn:
+        press = _everywhere(scene, max(_rises(presses), default=0.0))
+        squares = Squares(scene, circuit, press, rtol)
+        for level in range(squares.first, len(ONE_CELL)):
+            found = squares.resolution(level, float(frequency[-1]))
+            mesh = replace(found, order=found.order - 1, cells=1)
+            yield SquaresFamily(scene, circuit, mesh, modes)
+        return
     if not scene.uniform:
         for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
             yield HeterogeneousFamily(scene, circuit, mesh, modes)
@@ -145,6 +155,11 @@ def finer_families(
     for level in range(hierarchy.first(rtol), len(hierarchy.levels)):
         resolution = hierarchy.resolution(level, presses[0], frequency[-1])
         yield UniformFamily(scene, circuit, resolution, modes)
+
+
+def _rises(presses: Sequence[Press]) -> Iterator[float]:
+    """Rises of c under all touches of presses."""
+    return (touch.factor - 1 for press in presses for touch in press.touches)
 
 
 def _triangulations(

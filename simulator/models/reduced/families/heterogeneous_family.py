@@ -1,8 +1,9 @@
-"""Family of a heterogeneous scene: triangles of any outline, coefficients by quadrature."""
+"""Families of a heterogeneous scene: any outline on triangles, or a torn rectangle on squares."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cached_property
 from itertools import repeat
 
@@ -13,14 +14,17 @@ from scipy.sparse import csc_matrix
 from ....fem.error_estimate import both
 from ....fem.safety_factors import SINGULAR
 from ....fem.system import Films, films
+from ....mesh.domain import Domain
+from ....mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
 from ....press.parts import foam_parts, parts_of
+from ....press.pixels import pixel_lines
 from ...heterogeneous.coefficients import PressCoefficients
-from ...heterogeneous.elements import Elements, triangles
+from ...heterogeneous.elements import Elements, squares, triangles
 from ...heterogeneous.forms import add_foam, add_sheet
 from ...heterogeneous.materials import Materials, gauged
 from ...heterogeneous.pressed_system import PressedSystem, film_of, pressed_system
 from ...parameters import mode_values
-from .family import Checking, Family, Triangulation, Weights, resistive
+from .family import Checking, Family, Mesh, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken
 from .surroundings_parts import around
 
@@ -31,17 +35,23 @@ NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
 class HeterogeneousFamily(Family):
     """Family on triangles, checked by other elements of one order more on the same triangles."""
 
-    mesh: Triangulation
+    mesh: Mesh
     system: PressedSystem
 
     def _built(self) -> tuple[PressedSystem, int]:
         elements = self.elements
         return pressed_system(self.circuit, elements, self._coefficients), elements.order
 
+    @property
+    def domain(self) -> Domain:
+        """The triangles."""
+        assert isinstance(self.mesh, Triangulation)
+        return self.mesh.domain
+
     @cached_property
     def elements(self) -> Elements:
         """Elements of the discretisation."""
-        return triangles(self.mesh.domain, self.mesh.order, self.scene.skin)
+        return triangles(self.domain, self.mesh.order, self.scene.skin)
 
     @cached_property
     def _coefficients(self) -> PressCoefficients:
@@ -99,8 +109,12 @@ class HeterogeneousFamily(Family):
 
     @cached_property
     def _finer(self) -> HeterogeneousFamily:
-        finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
-        return HeterogeneousFamily(self.scene, self.circuit, finer, self.modes)
+        return type(self)(self.scene, self.circuit, self._finer_mesh, self.modes)
+
+    @property
+    def _finer_mesh(self) -> Mesh:
+        """The mesh with elements of one order more."""
+        return replace(self.mesh, order=self.mesh.order + 1)
 
     def _sheet_term(
         self, field: int, S: NDArray[np.float64], within: NDArray[np.bool_] | None
@@ -111,9 +125,14 @@ class HeterogeneousFamily(Family):
 
     @property
     def _cells_of_parts(self) -> list[NDArray[np.bool_]]:
-        pixel, (rows, columns) = self.mesh.domain.pixel, self.scene.pixels.shape
+        pixel, (rows, columns) = self._pixel_of_cell, self.scene.pixels.shape
         part_of = np.where(pixel < 0, rows * columns, pixel)
         return [part_of == part for part in range(foam_parts(self.scene))]
+
+    @property
+    def _pixel_of_cell(self) -> NDArray[np.int64]:
+        """Number of the pixel of each cell, negative beyond all pixels."""
+        return self.domain.pixel
 
     def _around(self, mode: int) -> Iterator[Part]:
         """Parts around the foam; in cosine modes of the foam other than the mean they are empty."""
@@ -130,3 +149,34 @@ class HeterogeneousFamily(Family):
         for within in self._cells_of_parts:
             add_foam(values, self.circuit.coupling, elements, unknowns, c, within)
             yield taken(values, unknowns.slots[within])
+
+
+class SquaresFamily(HeterogeneousFamily):
+    """Family of a heterogeneous rectangle on quadrilaterals that conform to lines of its maps.
+
+    The order of its mesh is that of the elements. Cells narrow towards tears, where triangles
+    would be too many.
+    """
+
+    mesh: Resolution
+
+    @cached_property
+    def elements(self) -> Elements:
+        """Elements of the discretisation."""
+        return squares(self._squares, self.mesh.order)
+
+    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Estimated error from the difference of two orders."""
+        return both(difference)
+
+    @cached_property
+    def _squares(self) -> PixelMesh:
+        return pixel_mesh(self.scene, self.circuit.contacts, self.mesh)
+
+    @property
+    def _pixel_of_cell(self) -> NDArray[np.int64]:
+        cells = self._squares.cells
+        x, y = cells.p[:, cells.t].mean(axis=1)
+        lines = [pixel_lines(self.scene, axis)[1:-1] for axis in (0, 1)]
+        column, row = np.searchsorted(lines[0], x), np.searchsorted(lines[1], y)
+        return row * self.scene.pixels.columns + column
