@@ -65,6 +65,11 @@ class SweepStream(IterableDataset):
         if batch is not None and (isinstance(batch, bool) or batch < 1):
             raise InputError(f"`batch` must be a whole number >= 1, got {batch!r}")
         own = scene if isinstance(scene, Scene) else load_scene(scene)
+        if own.dataset.session.faults is not None:
+            raise InputError(
+                f"{own.name}: a stream of sweeps takes no `dataset.session.faults`; leave the "
+                "table out, or make a data set"
+            )
         self.plan = Plan(foldable(own, "a stream of sweeps", creeps=True), 1, seed, rtol)
         self.target, self.batch = target, batch
         self.family = reduced(self.plan.scene, rtol) if family is None else family
