@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
+from ..models.reduced.indentation.indentation_draws import spreads
 from ..press.batch import PressBatch
 from ..press.capacitance import touched_cells
 from ..press.parts import foam_parts
@@ -17,13 +19,19 @@ from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Depth, Indentation
 from ..scene.scene import Scene
 from ..sweeps import UNPRESSED, InputError
+from .cell_spreading import SkinCells
+from .contacts.press_indenters import indenters
 
 if TYPE_CHECKING:
     from .contacts.contact_types import Contacts
+    from .contacts.rasterizer import ContactRasterizer
 
     AnyContacts = None | str | Press | Contacts
 
 TEXTS_KEPT = 1024
+ROUNDING = 1e-9
+OVERSHOOT = (13 / 12) ** 2
+"""Largest rise of a coarse cell over that of the fine cells that it shares."""
 
 
 class PressLabel(NamedTuple):
@@ -41,12 +49,15 @@ UNKNOWN = PressLabel("unknown", -1, -1)
 class GivenPress(NamedTuple):
     """Presses and labels: one for all skins, or one for each.
 
-    fixed: True for presses that fix depths; others are loads, under which foam may creep.
+    batch: on the cells of the model; on fine cells if the foam creeps. fixed: True for presses that
+    fix depths; others are loads, under which foam may creep. limited: True for presses that would
+    compress the foam further than it can be.
     """
 
     batch: PressBatch
     labels: tuple[PressLabel, ...]
     fixed: tuple[bool, ...]
+    limited: tuple[bool, ...]
 
     def equals(self, other: GivenPress) -> bool:
         """True if all presses and labels are equal."""
@@ -58,19 +69,18 @@ class GivenPress(NamedTuple):
         if self.batch.count == skins:
             return self
         batch = PressBatch.of([self.batch.one(0)] * skins)
-        return GivenPress(batch, self.labels * skins, self.fixed * skins)
+        return GivenPress(batch, *(each * skins for each in self[1:]))
 
 
 @dataclass(frozen=True, eq=False)
 class PressReader:
     """Turns contacts into cells of a scene.
 
-    grid: rows and columns of the cells. skins: number of skins. highest: largest factor on c that
-    the family is trained on.
+    skins: number of skins. highest: largest factor on c that the family is trained on.
     """
 
     scene: Scene
-    grid: tuple[int, int]
+    cells: SkinCells
     skins: int
     highest: float
 
@@ -90,16 +100,24 @@ class PressReader:
         if any(one.batch.count > 1 for one in each):
             raise InputError("`contacts` in a list must be those of one skin each, got more")
         batch = PressBatch.of(one.batch.one(0) for one in each)
-        _, labels, fixed = zip(*each, strict=True)
-        return self._checked(GivenPress(batch, sum(labels, ()), sum(fixed, ())))
+        _, labels, fixed, limited = zip(*each, strict=True)
+        given_press = GivenPress(batch, sum(labels, ()), sum(fixed, ()), sum(limited, ()))
+        return self._checked(given_press)
+
+    @cached_property
+    def _rasterizer(self) -> ContactRasterizer:
+        from .contacts.rasterizer import ContactRasterizer
+
+        cells, remembers = self.cells, bool(self.scene.skin.foam.in_time)
+        coarse = None if cells.spreading is None or remembers else cells.coarse
+        return ContactRasterizer.of(self.scene, cells.fine, coarse=coarse)
 
     def _one(self, given: AnyContacts) -> GivenPress:
         if given is None or isinstance(given, str | Press):
             return self._of_press(given)
-        from .contacts.rasterizer import to_cells
-
-        batch, fixed = to_cells(self.scene, self.grid, given), given.kind.startswith("depth")
-        return GivenPress(batch, (UNKNOWN,) * batch.count, (fixed,) * batch.count)
+        pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
+        count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
+        return GivenPress(pressed.batch, (UNKNOWN,) * count, (fixed,) * count, limited)
 
     @cached_method(TEXTS_KEPT)
     def _of_press(self, given: str | Press | None) -> GivenPress:
@@ -107,24 +125,23 @@ class PressReader:
         check_press(press, self.scene)
         label = PressLabel(label_of(press, self.scene), *press.pixel)
         fixed = self._fixes_depths(press)
+        if press.indented and spreads(self.scene):
+            pressed = self._rasterizer(indenters(self.scene, press))
+            limited = bool(pressed.limited[0])
+            return GivenPress(pressed.batch, (label,), (fixed,), (limited,))
         by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.scene, press).touches)))
-        cells = touched_cells(self.scene, by_factor, self.grid)
-        return GivenPress(PressBatch.of([cells]), (label,), (fixed,))
+        batch = PressBatch.of([touched_cells(self.scene, by_factor, self.cells.fine)])
+        if not self.scene.skin.foam.in_time:
+            batch = self.cells.spread(batch)
+        return GivenPress(batch, (label,), (fixed,), (False,))
 
     def _fixes_depths(self, press: Press) -> bool:
         """True for touches by depth.
 
-        Raises InputError for a depth beside a load on foam that creeps, and where a tension of the
-        electrode skins spreads a depth or force over more than its place.
+        Raises InputError for a depth beside a load on foam that creeps.
         """
-        foam, depths = self.scene.skin.foam, [isinstance(t.by, Depth) for t in press.indented]
-        if depths and foam.mechanics is not None and foam.mechanics.tension:
-            raise InputError(
-                f"press {press}: a sensor takes no depth or force where "
-                "`skin.foam.mechanics.tension` spreads it; use a DepthImage of the whole "
-                "deflection, or a capacitance factor"
-            )
-        if foam.in_time and any(depths) and sum(depths) < len(press.touches):
+        depths = [isinstance(touch.by, Depth) for touch in press.indented]
+        if self.scene.skin.foam.in_time and any(depths) and sum(depths) < len(press.touches):
             raise InputError(
                 f"press {press}: foam that creeps takes depths or loads at one time, not both"
             )
@@ -138,8 +155,10 @@ class PressReader:
         return replace(touch.place, factor=factor, finger=touch.finger)
 
     def _checked(self, given: GivenPress) -> GivenPress:
-        rises = given.batch.rises[given.batch.cells < foam_parts(self.scene, self.grid)]
-        if rises.size and not rises.max() <= self.highest - 1 + 1e-9:
+        spread = self.cells.spreading is not None and not self.scene.skin.foam.in_time
+        grid, margin = (self.cells.coarse, OVERSHOOT) if spread else (self.cells.fine, 1 + ROUNDING)
+        rises = given.batch.rises[given.batch.cells < foam_parts(self.scene, grid)]
+        if rises.size and not rises.max() <= margin * (self.highest - 1):
             raise InputError(
                 f"{self.scene.name}: contacts must raise c to at most {self.highest:g} times the "
                 f"unpressed one, got {1 + rises.max():.3g}: the sensor's model covers no more"

@@ -12,7 +12,6 @@ import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
 from ..measure.readout import shown_values
-from ..press.batch import PressBatch
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -81,7 +80,7 @@ class Sensor:
         self._own, self._family = own, trained_family(own, rtol)
         self._cells = SkinCells.of(self.scene, self._family.grid)
         highest = highest_factor(self.scene)
-        self._press = PressReader(self.scene, self._cells.fine, len(numbers), highest)
+        self._press = PressReader(self.scene, self._cells, len(numbers), highest)
         self._clock = ReadingClock.of(self.scene)
         self._layout = VectorLayout.of(self.scene.reading)
         self._begin(seed)
@@ -142,6 +141,7 @@ class Sensor:
             self._taken_at / PER_SECOND,
             self._taken_at > before,
             self.error,
+            np.broadcast_to(self._held.limited, (self.skins,)),
             self._layout,
         )
 
@@ -181,7 +181,6 @@ class Sensor:
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
-        self._spread: PressBatch | None = None
         self._known: dict[int, NDArray[np.complex128]] = {}
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
@@ -196,7 +195,7 @@ class Sensor:
         if self._foam is not None:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
-        self._held, self._spread, self._known = given, None, {}
+        self._held, self._known = given, {}
 
     def _taken(self, due: DueReading) -> NDArray[np.float64]:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
@@ -224,9 +223,7 @@ class Sensor:
             pressed = self._cells.spread(self._foam.pressed(due.middle / PER_SECOND))
             return self._mounted.readings(pressed, interface, frequencies)
         if interface not in self._known:
-            if self._spread is None:
-                self._spread = self._cells.spread(self._held.batch)
-            self._known[interface] = self._mounted.readings(self._spread, interface)
+            self._known[interface] = self._mounted.readings(self._held.batch, interface)
         return self._known[interface][:, frequencies]
 
     def _deliver(self) -> None:
