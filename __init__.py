@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .localization.streaming.sweep_stream import SweepStream as SweepStream
     from .simulator.differentiable.skin_module import SkinModule as SkinModule
     from .simulator.press.press import Press
+    from .simulator.robots.mujoco_skin import MujocoSkin as MujocoSkin
     from .simulator.scene.scene import Scene
     from .simulator.sensor.contacts.contact_types import DepthImage, PointContacts, PressureImage
     from .simulator.sensor.sensor import Sensor
@@ -83,6 +84,7 @@ _CLASSES = {
 """The module of each class, which is imported when the class is asked for."""
 
 _OF_EXTRAS = {
+    "MujocoSkin": ("mujoco", "simulator.robots.mujoco_skin"),
     "SkinModule": ("torch", "simulator.differentiable.skin_module"),
     "SweepStream": ("torch", "localization.streaming.sweep_stream"),
 }

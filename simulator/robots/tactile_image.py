@@ -1,0 +1,131 @@
+"""Tactile image of rigid geoms that press a skin: depth by the geoms' shape and the foam's law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.foam_mechanics import Elastic
+from ..scene.scene import Scene
+from ..sweeps import InputError
+from .contact_patches import geom_kind, geom_name
+from .engine import MjData, MjModel, engine
+from .geom_rays import entry
+from .skin_contacts import SkinContacts
+from .skin_mount import SkinMount
+
+Real = NDArray[np.float64]
+MAX_SIDE = 96
+"""Largest number of image cells along a side of the skin."""
+PER_THICKNESS = 3
+"""Image cells over the thickness of the foam."""
+HALVINGS = 40
+ANALYTIC = ("sphere", "ellipsoid", "capsule", "cylinder", "box")
+
+
+@dataclass(frozen=True)
+class TactileImager:
+    """Depth image of a skin under the geoms that touch it.
+
+    Each geom sinks in along the skin's normal until the foam under it, as columns that do not hold
+    each other, bears the force of its contacts. points, normals: of the image cells in the frame
+    of the mount, (3, cell). on: True for those on the skin. shape: rows and columns. cell: area,
+    m².
+    """
+
+    mount: SkinMount
+    law: Elastic
+    thickness: float
+    points: Real
+    normals: Real
+    on: NDArray[np.bool_]
+    shape: tuple[int, int]
+    cell: float
+
+    @classmethod
+    def of(cls, scene: Scene, mount: SkinMount) -> TactileImager:
+        """Imager of a scene whose foam has a thickness and mechanics."""
+        foam, sides = scene.skin.foam, np.array(scene.skin.sides)
+        assert foam.mechanics is not None and foam.thickness is not None
+        counts = np.clip(np.ceil(PER_THICKNESS * sides / foam.thickness), 1, MAX_SIDE).astype(int)
+        along, across = (
+            (np.arange(n) + 0.5) / n * side for n, side in zip(counts, sides, strict=True)
+        )
+        x = np.stack(np.meshgrid(along, across)).reshape(2, -1)
+        points, normals, on = mount.surface.points(x)
+        area = float(np.prod(scene.skin.stretched_sides)) / x.shape[1]
+        shape = (int(counts[1]), int(counts[0]))
+        return cls(mount, foam.mechanics.elastic, foam.thickness, points, normals, on, shape, area)
+
+    def depth(self, model: MjModel, data: MjData, contacts: SkinContacts) -> Real:
+        """Depth of each image cell, m, shape (row, column)."""
+        found = np.zeros(self.points.shape[1])
+        for geom in np.unique(contacts.geom):
+            force = float(contacts.force[contacts.geom == geom].sum())
+            near, gap = self._gaps(model, data, int(geom))
+            if not near.size:
+                continue
+            found[near] = np.maximum(found[near], self._sunk(gap, force))
+        return found.reshape(self.shape)
+
+    def _gaps(self, model: MjModel, data: MjData, geom: int) -> tuple[NDArray[np.intp], Real]:
+        """Image cells under a geom, and its height above each, m."""
+        origin, axes = self.mount.pose(data)
+        turned = data.geom_xmat[geom].reshape(3, 3).T
+        place = turned @ (origin - data.geom_xpos[geom])
+        points = place[:, None] + turned @ axes @ self.points
+        near = np.flatnonzero(
+            self.on & (np.linalg.norm(points, axis=0) <= self._reach(model, geom))
+        )
+        normals = turned @ axes @ self.normals[:, near]
+        gap = self._entries(model, data, geom, points[:, near], normals)
+        under = np.isfinite(gap) & (gap > -self.thickness)
+        return near[under], gap[under]
+
+    def _reach(self, model: MjModel, geom: int) -> float:
+        return float(model.geom_rbound[geom]) + self.thickness
+
+    def _entries(
+        self, model: MjModel, data: MjData, geom: int, points: Real, normals: Real
+    ) -> Real:
+        """Height of a geom over points in its frame, m, inf where it is not above them."""
+        kind = geom_kind(model, geom)
+        if kind in ANALYTIC:
+            return entry(kind, model.geom_size[geom], points, normals)
+        if kind != "mesh":
+            raise InputError(
+                f'MujocoSkin: patch="image" does not take geom {geom_name(model, geom)} ({kind})'
+            )
+        return self._mesh_entries(model, data, geom, points, normals)
+
+    def _mesh_entries(
+        self, model: MjModel, data: MjData, geom: int, points: Real, normals: Real
+    ) -> Real:
+        mujoco = engine()
+
+        axes = data.geom_xmat[geom].reshape(3, 3)
+        start = (data.geom_xpos[geom][:, None] + axes @ (points - self.thickness * normals)).T
+        along = (axes @ normals).T
+        found = [
+            mujoco.mj_rayMesh(model, data, geom, each, ray)
+            for each, ray in zip(*map(np.ascontiguousarray, (start, along)), strict=True)
+        ]
+        distance = np.array(found, dtype=float)
+        return np.where(distance < 0, np.inf, distance - self.thickness)
+
+    def _sunk(self, gap: Real, force: float) -> Real:
+        """Depth under a geom that is `gap` above the skin, m, by a force, N."""
+        low, high = 0.0, self.law.greatest_strain * self.thickness
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            if self.cell * self.law.stress(self._strain(gap, middle)).sum() > force:
+                high = middle
+            else:
+                low = middle
+        return self.thickness * self._strain(gap, high)
+
+    def _strain(self, gap: Real, sunk: float) -> Real:
+        """Strain under a geom whose lowest point is `sunk` below the skin."""
+        return np.maximum(sunk - (gap - gap.min()), 0.0) / self.thickness
