@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import build
+from ..sweeps.schema import SENSOR
 from .given_press import PressLabel
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def as_dataset(
         taken=scene.taken,
         attributes={
             "scene": scene_text(scene),
-            "model": "sensor",
+            "model": SENSOR,
             "rtol": error,
             "seed": seed,
             "software": f"rcskin {version('rcskin')}",

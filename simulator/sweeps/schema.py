@@ -25,6 +25,8 @@ OPENING = "opening"
 """Coordinate that marks baseline sweeps: the first of a session, or else the latest."""
 MEASURED, VIRTUAL = "measured", "virtual meter"
 """Values of the attribute `model` for sweeps of a real and of the virtual meter."""
+SENSOR = "sensor"
+"""Value of the attribute `model` for sweeps of a mounted skin, whose times are of its own clock."""
 LABELS = {
     "press": "the press as text",
     "row": "pressed pixel's row: 0 nothing pressed, -1 no single pixel",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...scene.meter import Timing
 from ...scene.scene_files import scene_of_sweeps
 from ...sweeps import InputError
 from ...sweeps.reading_subset import read_mask
-from ...sweeps.schema import TIME
+from ...sweeps.schema import SENSOR, TIME
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from .episodes import Episode
 
 RECORDED = "recorded: middle of each sweep, s since 1970-01-01 UTC"
+OF_SENSOR = (
+    "simulated: middle of each sweep, s on the sensor's clock; a further session begins after the "
+    "one before"
+)
 BY_SCENE = (
     "computed: middle of each sweep, s from the first one, at the meter's rate by the scene's "
     "speed and averaging"
@@ -37,7 +42,7 @@ DIGITS = 6
 class SweepClock:
     """Times of sweeps.
 
-    recorded: s since 1970-01-01 UTC, shape (sweep,), None if the times are computed. period: time
+    recorded: s, shape (sweep,), None if the times are computed. period: time
     from one sweep to the next, s. source: origin of the times, in words. offsets: time of each
     reading from the middle of its sweep, s, shape (interface, frequency); NaN where nothing is
     read, None if unknown.
@@ -64,14 +69,28 @@ def clock_of(sweeps: xr.Dataset, episodes: list[Episode]) -> SweepClock:
     """The clock of sweeps; a period between recorded times is the median within episodes."""
     read = read_mask(sweeps)
     moments, whole, period, source = _schedule(sweeps, read)
+    offsets = np.where(read, moments - whole / 2, np.nan)
     if TIME not in sweeps.variables:
-        return SweepClock(None, period, source, np.where(read, moments - whole / 2, np.nan))
+        return SweepClock(None, period, source, offsets)
     time = sweeps[TIME].values.astype(np.float64)
+    if sweeps.attrs.get("model") == SENSOR:
+        return SweepClock(_one_after_another(time, whole, episodes), whole, OF_SENSOR, offsets)
     steps = np.diff(time)
     ends = [episode.stop - 1 for episode in episodes[:-1]]
     within = np.delete(steps, ends)
     forward = within[within > 0]
     return SweepClock(time, float(np.median(forward)) if forward.size else whole, RECORDED, None)
+
+
+def _one_after_another(
+    time: NDArray[np.float64], period: float, episodes: list[Episode]
+) -> NDArray[np.float64]:
+    """Times at which no episode begins before the end of the one before it, s."""
+    shifted = time.copy()
+    for before, episode in pairwise(episodes):
+        start = shifted[before.stop - 1] + period
+        shifted[episode.first : episode.stop] += start - time[episode.first]
+    return shifted
 
 
 def _schedule(

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from rcskin.simulator.dataset.exports.export import export
-from rcskin.simulator.sweeps import read
+from rcskin.simulator.sweeps import read, write
 
 
 @pytest.fixture
@@ -39,3 +39,13 @@ def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
     np.testing.assert_allclose(frames["skin_time"], whole * np.arange(50))
     assert frames["frame_index"].max() < 49  # several sessions
     np.testing.assert_allclose(frames["timestamp"], whole * frames["frame_index"], rtol=2e-6)
+
+
+def test_sweeps_of_a_sensor_keep_its_clock(make_sweeps, tmp_path):
+    sweeps = make_sweeps(4, session=[0, 0, 1, 1], time=[0.5, 1.5, 0.5, 1.5])
+    write(sweeps.assign_attrs(model="sensor", rtol=1e-3), tmp_path / "data.nc")
+    export(tmp_path / "data.nc", tmp_path / "out", "hugging-face")
+    times = pd.read_parquet(tmp_path / "out/data/train-00000.parquet")["time"]
+    assert times.tolist()[:2] == [0.5, 1.5]
+    assert times[2] > times[1] and times[3] - times[2] == pytest.approx(1)  # one after the other
+    assert "sensor's clock" in (tmp_path / "out/README.md").read_text(encoding="utf-8")
