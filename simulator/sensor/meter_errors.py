@@ -1,4 +1,4 @@
-"""Errors of the meters of a batch of skins: one meter, with its own errors, for each skin."""
+"""Meters of a batch of skins: one, with its own errors, for each skin."""
 
 from __future__ import annotations
 
@@ -7,42 +7,62 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure.readout import with_errors
 from ..measure.streams import METER, stream
 from ..scene.scene import Scene
+from ..sweeps.reading_quantities import KINDS
 
 
 class MeterErrors:
-    """Meters in their sessions: fixed errors of each, and the noise of each reading.
+    """Meters in their sessions: fixed errors of each, the noise of each reading, and the display.
 
     Noise is drawn for whole sweeps, so that it does not depend on how steps are divided.
     """
 
-    def __init__(self, scene: Scene, seed: int, numbers: Sequence[int]) -> None:
-        self._readout, self._shape = scene.readout, scene.reading.shape
-        self._randoms = [stream(seed, number, METER) for number in numbers]
-        interfaces = self._shape[0]
-        fixed = [random.standard_normal((2, interfaces, 1)) for random in self._randoms]
-        self._fixed, self._sweep = np.stack(fixed, axis=1), -1
-        self._noise = np.zeros((2, len(numbers), *self._shape))
+    def __init__(self, scene: Scene, seed: int, numbers: Sequence[int], noise: bool) -> None:
+        """numbers: of the sessions. noise: False for meters without errors and rounding."""
+        self._readout, self._shape, count = scene.readout, scene.reading.shape, len(numbers)
+        self._frequency, self._noisy = scene.frequencies, noise
+        self._kind, self._digits = KINDS.index(scene.reading.kind), 0
+        self._fixed, self._sweep = np.zeros((2, count, self._shape[0])), -1
+        self._noise = np.zeros((2, count, *self._shape))
+        self._uniform = np.zeros((4, 1, 1)) if scene.readout.uniform or not noise else None
+        self._randoms = []
+        if noise:
+            self._digits = scene.readout.display_digits
+            self._randoms = [stream(seed, number, METER) for number in numbers]
+            fixed = [random.standard_normal((2, self._shape[0], 1)) for random in self._randoms]
+            self._fixed = np.stack(fixed, axis=1)[..., 0]
+            if self._uniform is not None:
+                self._uniform = self._deviation(np.ones((1, 1), dtype=complex), np.ones(1))
 
-    def measured(
-        self,
-        reading: NDArray[np.complex128],
-        frequency: NDArray[np.float64],
-        sweep: int,
-        interface: int,
-        frequencies: slice,
-    ) -> NDArray[np.complex128]:
-        """Readings with errors. reading: shape (skin, frequency), at frequencies in Hz.
+    def shown(
+        self, reading: NDArray[np.complex128], sweep: int, interface: int, frequencies: slice
+    ) -> NDArray[np.float64]:
+        """Quantities as displayed, shape (quantity, skin, frequency).
 
-        sweep: its number, ascending from call to call. frequencies: range of numbers.
+        reading: shape (skin, frequency). sweep: its number, ascending from call to call.
+        frequencies: range of their numbers.
         """
-        while self._sweep < sweep:
+        from .readout_kernel import shown_quantities
+
+        while self._noisy and self._sweep < sweep:
             self._draw()
-        noise = self._noise[:, :, interface, frequencies]
-        fixed = self._fixed[:, :, interface]
-        return with_errors(self._readout, reading, frequency, fixed, noise)
+        frequency, deviation = self._frequency[frequencies], self._uniform
+        if deviation is None:
+            deviation = self._deviation(reading, frequency)
+        noise = np.ascontiguousarray(self._noise[:, :, interface, frequencies])
+        fixed = np.ascontiguousarray(self._fixed[:, :, interface])
+        reading = np.ascontiguousarray(reading)
+        return shown_quantities(
+            reading, deviation, fixed, noise, frequency, self._digits, self._kind
+        )
+
+    def _deviation(
+        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Deviations of the fixed errors, then of the noise, shape (4, skin, frequency)."""
+        each = self._readout.accuracy(reading, frequency), self._readout.noise(reading, frequency)
+        return np.concatenate(each)
 
     def _draw(self) -> None:
         self._sweep += 1

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
-from ..measure.readout import shown_values
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -130,16 +129,16 @@ class Sensor:
         if not 0 < dt < np.inf:
             raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")
         self._hold(self._press(contacts))
-        until, before = self._now + in_ticks(dt), self._now
-        for due in self._clock.due(before, until):
+        until = self._now + in_ticks(dt)
+        for due in self._clock.due(self._now, until):
             self._pending.append(TakenReading(due, self._taken(due), self._held.labels))
         self._now = until
         self._deliver()
         return SensorReading(
             self.time,
             self._values,
-            self._taken_at / PER_SECOND,
-            self._taken_at > before,
+            self._taken_at,
+            self._fresh,
             self.error,
             np.broadcast_to(self._held.limited, (self.skins,)),
             self._layout,
@@ -177,15 +176,18 @@ class Sensor:
         setup, count = self.scene.reading, self.skins
         self.seed, self._now = seed, 0
         self._mounted = MountedSkins(self._own, self._family, seed, self.numbers, self._drawn)
-        self._errors = MeterErrors(self.scene, seed, self.numbers)
+        self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: dict[int, NDArray[np.complex128]] = {}
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
-        self._values.flags.writeable = False
         self._taken_at = np.full(setup.shape, np.nan)
+        self._none_fresh = np.zeros(setup.shape, dtype=bool)
+        for each in (self._values, self._taken_at, self._none_fresh):
+            each.flags.writeable = False
+        self._fresh = self._none_fresh
         self._labels: list[tuple[PressLabel, ...]] = []
         self._sweeps: list[CompletedSweep] = []
 
@@ -199,18 +201,8 @@ class Sensor:
 
     def _taken(self, due: DueReading) -> NDArray[np.float64]:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
-        slot, scene = due.slot, self.scene
-        reading, kind = self._reading(due), scene.reading.kind
-        frequency = scene.frequencies[slot.frequencies]
-        if not self.noise:
-            values = kind.values(reading, frequency)
-        else:
-            sweep = due.number // len(self._clock.slots)
-            measured = self._errors.measured(
-                reading, frequency, sweep, slot.interface, slot.frequencies
-            )
-            values = shown_values(measured, frequency, kind, scene.readout)
-        return np.stack([values[name] for name in kind.names])
+        slot, sweep = due.slot, due.number // len(self._clock.slots)
+        return self._errors.shown(self._reading(due), sweep, slot.interface, slot.frequencies)
 
     def _reading(self, due: DueReading) -> NDArray[np.complex128]:
         """A reading without errors of the meter, shape (skin, frequency).
@@ -229,17 +221,21 @@ class Sensor:
     def _deliver(self) -> None:
         """Makes readings visible that have ended."""
         if not (self._pending and self._pending[0].due.end <= self._now):
+            self._fresh = self._none_fresh
             return
         self._values, self._taken_at = self._values.copy(), self._taken_at.copy()
+        self._fresh = self._none_fresh.copy()
         while self._pending and self._pending[0].due.end <= self._now:
             due, values, labels = self._pending.popleft()
             slot = due.slot
             self._values[:, :, slot.interface, slot.frequencies] = values
-            self._taken_at[slot.interface, slot.frequencies] = due.end
+            self._taken_at[slot.interface, slot.frequencies] = due.end / PER_SECOND
+            self._fresh[slot.interface, slot.frequencies] = True
             self._labels.append(labels)
             if len(self._labels) == len(self._clock.slots):
                 self._complete(due.end)
-        self._values.flags.writeable = False
+        for each in (self._values, self._taken_at, self._fresh):
+            each.flags.writeable = False
 
     def _complete(self, end: int) -> None:
         """Stores the whole sweep that ends at a time in ticks."""
