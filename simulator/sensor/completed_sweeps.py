@@ -31,11 +31,11 @@ class CompletedSweep(NamedTuple):
 
 
 def as_dataset(
-    scene: Scene, sweeps: Sequence[CompletedSweep], numbers: Sequence[int], seed: int, error: float
+    scene: Scene, sweeps: Sequence[CompletedSweep], numbers: Sequence[int], seed: int, rtol: float
 ) -> xr.Dataset:
     """Sweeps in the schema: those of the first skin, then those of the next one.
 
-    numbers: of the skins; they become sessions. error: estimated relative numerical error.
+    numbers: of the skins; they become sessions. rtol: relative tolerance.
     """
     values = np.stack([sweep.values for sweep in sweeps], axis=2)
     quantities, skins, count = values.shape[:3]
@@ -58,7 +58,7 @@ def as_dataset(
         attributes={
             "scene": scene_text(scene),
             "model": SENSOR,
-            "rtol": error,
+            "rtol": rtol,
             "seed": seed,
             "software": f"rcskin {version('rcskin')}",
         },

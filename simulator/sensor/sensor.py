@@ -22,6 +22,7 @@ from .given_press import UNKNOWN, GivenPress, PressLabel, PressReader
 from .meter_errors import MeterErrors
 from .mounted_skins import MountedSkins
 from .reading_clock import PER_SECOND, DueReading, ReadingClock, in_ticks
+from .sampled_error import estimated_error
 from .sensor_reading import SensorReading, VectorLayout
 from .skin_family import family_scene, highest_factor, trained_family
 
@@ -139,15 +140,17 @@ class Sensor:
             self._values,
             self._taken_at,
             self._fresh,
-            self.error,
             np.broadcast_to(self._held.limited, (self.skins,)),
             self._layout,
         )
 
     @property
     def error(self) -> float:
-        """Estimated relative error of readings by the models, without the errors of the meter."""
-        return self.rtol
+        """Estimated largest relative error of readings, without the errors of the meter.
+
+        It compares a sample of touches with the full model when it is first read.
+        """
+        return estimated_error(self.scene, self._drawn, self.rtol)
 
     def sweeps(self) -> xr.Dataset:
         """All whole sweeps since the start, those of each skin together.
@@ -168,7 +171,7 @@ class Sensor:
         return self._dataset(self._sweeps[-1:]) if self._sweeps else None
 
     def _dataset(self, sweeps: list[CompletedSweep]) -> xr.Dataset:
-        return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.error)
+        return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.rtol)
 
     def _begin(self, seed: int) -> None:
         if not 0 <= seed <= MAX_SEED:

@@ -45,16 +45,14 @@ class SensorReading:
 
     time: s of the sensor's clock. values: shape (quantity, skin, interface, frequency), read-only.
     taken_at: end of each reading, s, shape (interface, frequency), NaN before the first one. fresh:
-    True for readings that ended within the last step, shape (interface, frequency). error:
-    estimated relative numerical error of readings, without those of the meter. limited: True for
-    skins whose contacts would have compressed the foam further than it can be, shape (skin,).
+    True for readings that ended within the last step, shape (interface, frequency). limited: True
+    for skins whose contacts would have compressed the foam further than it can be, shape (skin,).
     """
 
     time: float
     values: NDArray[np.float64]
     taken_at: NDArray[np.float64]
     fresh: NDArray[np.bool_]
-    error: float
     limited: NDArray[np.bool_]
     layout: VectorLayout
 

@@ -16,7 +16,23 @@ def test_readings_of_a_constant_press_are_those_of_the_solver():
     reading = own.step("1,2+1,4:1.5", dt=0.05)
     exact = rcskin.sweep(STRIP, ["1,2+1,4:1.5"], rtol=1e-6)
     for name in ("Rs", "X", "Cp"):
-        np.testing.assert_allclose(getattr(reading, name), exact[name].values, rtol=own.error)
+        np.testing.assert_allclose(getattr(reading, name), exact[name].values, rtol=own.rtol)
+
+
+def test_the_estimated_error_covers_touches_anywhere():
+    own, scene = sensor(noise=False), rcskin.load(STRIP)
+    random = np.random.default_rng(3)
+    presses = [
+        f"disc({random.uniform(0.005, 0.095):.6f},{random.uniform(0.005, 0.015):.6f},0.004):2.5"
+        for _ in range(10)
+    ]
+    exact = rcskin.sweep(scene, presses, rtol=1e-5)
+    assert 0 < own.error <= 2 * own.rtol
+    for k, press in enumerate(presses):
+        reading = own.step(press, dt=0.02)
+        for name in ("Rs", "Cp"):
+            truth = exact[name].values[k]
+            np.testing.assert_allclose(getattr(reading, name)[0], truth, rtol=own.error)
 
 
 def test_a_reading_is_there_from_its_end_on():
@@ -117,7 +133,7 @@ def test_refused_arguments(change, message):
     ("contacts", "dt", "message"),
     [
         ("2,1", 0.1, "row must be in 1..1"),
-        ("1,2:9", 0.1, "at most 6 times"),
+        ("1,2:9", 0.1, "at most 4 times"),
         (["1,2"], 0.1, "a list of one for each of the 2 skins"),
         (None, 0.0, "`dt` must be > 0 s"),
     ],
