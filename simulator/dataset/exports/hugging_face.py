@@ -12,7 +12,7 @@ from .exported_sweeps import Exported
 from .parquet_files import ParquetColumn, ParquetFiles
 from .reading_vector import quantities
 
-MARKER = "README.md"
+MARKER = "rcskin.json"
 LAYOUT = [
     "- `session`: mounting or device; `episode`: number of the session in the file",
     "- `sweep`: number of the sweep in its episode; `time`: see below, s",
@@ -60,5 +60,5 @@ def write_hugging_face(exported: Exported, folder: Path) -> None:
         )
     files.close()
     text = json.dumps(description, indent=2, ensure_ascii=False)
-    (folder / "rcskin.json").write_text(text, encoding="utf-8")
+    (folder / MARKER).write_text(text, encoding="utf-8")
     write_card(folder, exported, "data/train-*.parquet", ["tactile", "sensor-skin"], LAYOUT)

@@ -21,7 +21,7 @@ from .parquet_files import IMAGE, MAX_BYTES, ParquetColumn, ParquetFiles
 from .running_statistics import RunningStatistics
 
 VERSION = "v3.0"
-MARKER = "meta/info.json"
+MARKER = "meta/rcskin.json"
 FILES_IN_CHUNK = 1000
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 SKIN, SKIN_TIME, LABEL, IMAGES = "observation.skin", "skin_time", "label.", "observation.images."

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.sweeps import InputError, write
+from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
 
 FOLDERS = "a folder needs --format lerobot or hugging-face"
 REFUSED = {
@@ -16,7 +17,7 @@ REFUSED = {
         "full",
         "lerobot",
         (),
-        r"full: is a folder without meta/info\.json",
+        r"full: is a folder without meta/rcskin\.json",
     ),
     "a file in place of a folder": ("data.nc", "lerobot", (), "is a file, not a folder"),
     "no place for images": ("out.mcap", None, ("front",), "use --format tactile-zarr or lerobot"),
@@ -81,3 +82,12 @@ def test_an_export_replaces_itself_only(folder):
     (folder / "out/mine.txt").write_text("my own")
     with pytest.raises(InputError, match="was changed since"):
         export(folder / "data.nc", folder / "out", "hugging-face")
+
+
+def test_no_option_replaces_a_folder_of_other_files(folder):
+    (folder / "README.md").write_text("a project of its own")
+    with in_write_context(WriteContext(overwrite=True)):
+        for name in ("lerobot", "hugging-face"):
+            with pytest.raises(InputError, match="it holds other files than such a data set"):
+                export(folder / "data.nc", folder, name)
+    assert (folder / "data.nc").exists()
