@@ -26,7 +26,7 @@ def export(
             "--output",
             "-o",
             help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, OUT.zarr, or a folder; of a model "
-            "OUT.onnx.",
+            "OUT.onnx or OUT.c.",
         ),
     ],
     format_: Annotated[
@@ -76,8 +76,9 @@ def export(
     a folder for `datasets`. Episodes are runs of sweeps of one session.
 
     A model becomes an ONNX graph from raw readings to probabilities, which is
-    compared with the model if onnxruntime is installed. Models that invert the
-    simulator cannot be exported.
+    compared with the model if onnxruntime is installed, or C code, OUT.c and
+    OUT.h, for a microcontroller. Models that invert the simulator cannot be
+    exported.
     """
     from .export_model import export_model
 

@@ -18,35 +18,69 @@ if TYPE_CHECKING:
 def export_model(
     path: Path, output: Path, *, single: bool, guarded: bool, compare: list[Path] | None
 ) -> None:
-    """Write the model in the file at `path` as an ONNX graph, compared with the model.
+    """Write the model in the file at `path` as an ONNX graph or as C code.
 
-    single: True for single precision. guarded: False leaves out the guards. compare: files of
-    sweeps; simulated sweeps for None. Raises InputError if the model cannot be exported, and
-    OutputError if the graph differs from the model by more than rounding.
+    single: True for a graph of single precision. guarded: False leaves out the guards. compare:
+    files of sweeps to compare the graph on; simulated sweeps for None. Raises InputError if the
+    model cannot be exported, and OutputError if the graph differs by more than rounding.
     """
     from ...simulator.requests.console import report_written
-    from ...simulator.sweeps import checked_output, require_packages, whole_file
+    from ...simulator.sweeps import InputError, checked_output, require_packages
     from ..export.description import UNGUARDED
-    from ..export.onnx_file import add_metadata, onnx_model
     from ..export.portable import portable
     from ..model.localizer_file import load
     from .model_notes import note_versions
 
-    output = checked_output(output, (".onnx",))
-    require_packages(output, "onnx", "onnx")
+    output = checked_output(output, (".onnx", ".c"))
+    if output.suffix == ".onnx":
+        require_packages(output, "onnx", "onnx")
+    elif single or compare:
+        name = "--single" if single else "--compare"
+        raise InputError(f"{output}: {name} applies to a graph, OUT.onnx, not to C code")
     model = load(path)
     note_versions(model, path)
     parts = portable(model, guarded=guarded)
+    if output.suffix == ".c":
+        written = output, output.with_suffix(".h")
+        size, line = _write_code(model, parts, *written)
+    else:
+        written = (output,)
+        size, line = _write_graph(model, parts, output, single, compare)
+    say(f"{output}: {line}")
+    if not guarded:
+        say(f"{output}: {UNGUARDED}")
+    report_written(f"{model.target} by {model.estimator}: {size}", *written)
+
+
+def _write_code(model: Model, parts: PortableModel, source: Path, header: Path) -> tuple[str, str]:
+    """Write C code. Returns texts on its size and on what was not checked."""
+    from ...simulator.sweeps import checked_output, whole_file
+    from ..export.c_file import TOLERANCE, c_files, sizes_in_words
+
+    checked_output(header, (".h",))
+    made = c_files(model, parts, source.stem)
+    for path, text in ((source, made.source), (header, made.header)):
+        with whole_file(path) as unfinished:
+            unfinished.write_text(text, encoding="ascii", newline="\n")
+    precision = f"of single precision, probabilities within {TOLERANCE} of the model's"
+    return sizes_in_words(made), f"{precision}; not compiled here: cc -std=c99 -c {source}"
+
+
+def _write_graph(
+    model: Model, parts: PortableModel, output: Path, single: bool, compare: list[Path] | None
+) -> tuple[str, str]:
+    """Write an ONNX graph. Returns texts on its size, and on its inputs and the comparison."""
+    from ...simulator.sweeps import whole_file
+    from ..export.onnx_file import add_metadata, onnx_model
+
     exported = onnx_model(model, parts, single=single)
     compared = _compared(exported, model, parts, output, compare, single)
     add_metadata(exported, {"compared_with_model": compared})
     content = exported.SerializeToString()
     with whole_file(output) as unfinished:
         unfinished.write_bytes(content)
-    say(f"{output}: takes {', '.join(each.name for each in exported.graph.input)}; {compared}")
-    if not guarded:
-        say(f"{output}: {UNGUARDED}")
-    report_written(f"{model.target} by {model.estimator}: {len(content) / 1e3:.0f} kB", output)
+    inputs = ", ".join(each.name for each in exported.graph.input)
+    return f"{len(content) / 1e3:.0f} kB", f"takes {inputs}; {compared}"
 
 
 def _compared(

@@ -159,8 +159,9 @@ def _by_class(graph: Graph, x: str, matrices: Array) -> str:
 
 
 def _kernel(graph: Graph, x: str, vectors: Array, gamma: float) -> str:
-    """exp(-gamma |x - v|²), shape (sweep, V)."""
-    return graph("Exp", graph("Mul", _squared_distances(graph, x, vectors), -gamma))
+    """exp(-gamma |x - v|²) - 1, shape (sweep, V)."""
+    exponent = graph("Mul", _squared_distances(graph, x, vectors), -gamma)
+    return graph("Sub", graph("Exp", exponent), 1.0)
 
 
 def _squared_distances(graph: Graph, x: str, vectors: Array) -> str:

@@ -101,6 +101,9 @@ def _pairwise(
     counts = np.bincount(group, minlength=K)
     vectors = np.asarray(machine.support_vectors_)
     gamma = float(machine._gamma)
+    ones = np.zeros((K, K))
+    np.add.at(ones, group, coefficients)
+    offset += ones - ones.T
     return PairwiseSVMs(vectors[order], gamma, counts, coefficients[order], offset, decoding)
 
 
@@ -121,9 +124,9 @@ def _joined(machines: list[PairwiseSVMs]) -> PairwiseSVMs:
 
 def kernel_sum(machine: Any) -> KernelSum:
     """The decision of an SVC of two classes, positive for the second one."""
-    vectors = np.asarray(machine.support_vectors_)
-    gamma, offset = float(machine._gamma), np.asarray(machine.intercept_)
-    return KernelSum(vectors, gamma, np.asarray(machine.dual_coef_).T, offset)
+    vectors, weights = np.asarray(machine.support_vectors_), np.asarray(machine.dual_coef_).T
+    offset = np.asarray(machine.intercept_) + weights.sum(axis=0)
+    return KernelSum(vectors, float(machine._gamma), weights, offset)
 
 
 def _of_classifying_network(classifier: Any) -> tuple[Part, ...]:
@@ -152,7 +155,7 @@ def _of_scaled_regressor(regressor: Any) -> tuple[Part, ...]:
 
 def _of_ridge(ridge: Any) -> tuple[Part, ...]:
     weights = np.asarray(ridge.dual_coef_)
-    return (KernelSum(ridge.X_fit_, float(ridge.gamma), weights, np.zeros(weights.shape[1])),)
+    return (KernelSum(ridge.X_fit_, float(ridge.gamma), weights, weights.sum(axis=0)),)
 
 
 def _of_offsets(corrected: Any) -> tuple[Part, ...]:

@@ -30,9 +30,10 @@ class AffineMap:
 
 @dataclass(frozen=True, eq=False)
 class KernelSum:
-    """y = sum over vectors v of exp(-gamma |x - v|²) w_v + offset.
+    """y = sum over vectors v of k(x, v) w_v + offset, with k = exp(-gamma |x - v|²) - 1.
 
-    vectors: shape (V, F). weights: w, shape (V, out).
+    The 1 is taken off, and its sum added to the offset, because single precision rounds small terms
+    less. vectors: shape (V, F). weights: w, shape (V, out).
     """
 
     vectors: Array
@@ -49,7 +50,7 @@ class PairwiseSVMs:
     """Decisions of the SVMs of all pairs of classes.
 
     The score of class i against class j is S_ij = P_ij - P_ji + offset_ij, where P_ij is the sum of
-    exp(-gamma |x - v|²) c_vj over the vectors v of class i. The decision of class i is
+    k(x, v) c_vj over the vectors v of class i, with k as in KernelSum. The decision of class i is
 
     - by hinge loss: minus the sum over j of max(0, 1 - S_ij), divided by 2 (K - 1);
     - by votes: the number of j with S_ij > 0, plus s / (3 |s| + 3) with s the sum of S_ij over j;

@@ -1,5 +1,7 @@
 """`rcskin export` as its user meets it."""
 
+import re
+
 import numpy as np
 import pytest
 from rcskin.localization.model.localizer_file import load, save
@@ -50,13 +52,33 @@ def test_a_graph_is_compared_on_sweeps_of_a_file(run, model, make_sweeps, tmp_pa
     assert code == 0 and "on sweeps of files: 0 of 23 labels differ, probabilities by up" in out
 
 
+def test_a_model_becomes_c_code(run, model, tmp_path):
+    output = tmp_path / "columns.c"
+    code, out, err = run("export", model, "-o", output)
+    first, last = out.splitlines()
+    assert (code, err) == (0, "")
+    assert "probabilities within 0.002 of the model's; not compiled here: cc -std=c99 -c" in first
+    assert re.fullmatch(
+        r"column by ksvm-ovo: tables of \d+\.\d kB in flash, \d\.\d kB of stack, 0\.2 kB for each "
+        rf"baseline -> {output}, {output.with_suffix('.h')}",
+        last,
+    )
+    assert '#include "columns.h"' in output.read_text()
+    assert run("export", model, "-o", output, "--unguarded")[0] == 0
+
+
 @pytest.mark.parametrize(
     ("given", "options", "message"),
     [
-        ("model", ("-o", "a.txt"), "a.txt: must end in .onnx, got '.txt'"),
+        ("model", ("-o", "a.txt"), "a.txt: must end in .onnx or .c, got '.txt'"),
         ("sweeps", ("-o", "a.csv", "--single"), "--single applies to a model, MODEL.skops"),
         ("sweeps", ("-o", "a.onnx"), "must end in .nc or .csv or .parquet or"),
         ("model", ("-o", "a.onnx", "--format", "csv"), "--format applies to sweeps, and this is a"),
+        (
+            "model",
+            ("-o", "a.c", "--single"),
+            "--single applies to a graph, OUT.onnx, not to C code",
+        ),
         ("absent", ("-o", "a.onnx"), "absent.skops"),
     ],
 )

@@ -27,7 +27,7 @@ def compared(model, sweeps, rest=None, single=False):
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_graph_answers_as_its_model(trained, make_sessions, case):
-    unseen = make_sessions(seed=50, spread=0.4, repetitions=30)
+    unseen = make_sessions(seed=50, spread=0.4, repetitions=45)
     found = compared(trained(case), unseen)
     assert found.sweeps > 400 and found.labels == 0
     tolerance = 1e-5 if "network" in case else 1e-9
