@@ -13,6 +13,7 @@ from ...sweeps import InputError
 STRENGTHS = ("force", "depth", "factor")
 KINDS = (*STRENGTHS, "depth image", "pressure image")
 COLUMNS = ("x", "y", "strength", "radius", "curvature_radius", "width", "height")
+DEFAULTS = np.array([np.nan, np.nan, np.nan, np.inf, np.inf, 0.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +86,15 @@ class PointContacts:
 
         A radius that is not given is infinite, a size 0.
         """
-        width, height = (0.0, 0.0) if self.size is None else _sides(self.size)
-        radius = np.inf if self.radius is None else self.radius
-        curvature = np.inf if self.curvature_radius is None else self.curvature_radius
-        columns = self.x, self.y, strength, radius, curvature, width, height
-        shape = np.broadcast(*columns).shape
+        sides = (None, None) if self.size is None else _sides(self.size)
+        given = self.x, self.y, strength, self.radius, self.curvature_radius, *sides
+        columns = [(k, np.asarray(each)) for k, each in enumerate(given) if each is not None]
+        shape = np.broadcast(*(column for _, column in columns)).shape
         if len(shape) > 2:
             raise ValueError(f"shape must be (contact,) or (skin, contact), got {shape}")
-        table = np.empty(((1, 1)[len(shape) :] + shape) + (len(columns),))
-        for k, column in enumerate(columns):
+        table = np.empty(((1, 1)[len(shape) :] + shape) + DEFAULTS.shape)
+        table[...] = DEFAULTS
+        for k, column in columns:
             table[..., k] = column
         return table
 

@@ -33,7 +33,7 @@ def imaged_cells(
     rows, columns = grid
     cells = np.empty(presses * rows * columns, np.int64)
     rises = np.empty(presses * rows * columns)
-    starts, clamped = np.zeros(presses + 1, np.int64), np.zeros(presses, np.bool_)
+    starts, limited = np.zeros(presses + 1, np.int64), np.zeros(presses, np.bool_)
     fault, total = np.zeros(4, np.int64), np.zeros((rows, columns))
     own, found = np.zeros((high, wide)), 0
     for press in range(presses):
@@ -46,16 +46,10 @@ def imaged_cells(
                     continue
                 if not 0.0 < value < np.inf:
                     fault[0], fault[1], fault[2], fault[3] = press, i, j, BAD_VALUE
-                    return cells[:0], rises[:0], starts, clamped, fault
+                    return cells[:0], rises[:0], starts, limited, fault
                 touched = True
-                if by_pressure:
-                    clamped[press] |= value > law[6]
-                    strain = strain_under(law, strains, min(value, law[6]))
-                else:
-                    strain = value / law[5]
-                    clamped[press] |= strain > law[4]
-                    strain = min(strain, law[4])
-                own[i, j] = rise_at(law, relative, strain)
+                own[i, j], beyond = rise_of(value, by_pressure, law, relative, strains)
+                limited[press] |= beyond
         if touched:
             _add_means(own, total)
             for i in range(rows):
@@ -67,7 +61,20 @@ def imaged_cells(
                         cells[found], rises[found] = i * columns + j, rise
                         found += 1
         starts[press + 1] = found
-    return cells[:found], rises[:found], starts, clamped, fault
+    return cells[:found], rises[:found], starts, limited, fault
+
+
+@compiled()
+def rise_of(
+    value: float, by_pressure: bool, law: NDArray, relative: NDArray, strains: NDArray
+) -> tuple[float, bool]:  # pragma: no cover
+    """Rise of c at a depth [m] or pressure [Pa]; True if the foam was limited."""
+    if by_pressure:
+        return rise_at(law, relative, strain_under(law, strains, min(value, law[6]))), value > law[
+            6
+        ]
+    strain = value / law[5]
+    return rise_at(law, relative, min(strain, law[4])), strain > law[4]
 
 
 @compiled()

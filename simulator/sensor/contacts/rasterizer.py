@@ -20,9 +20,11 @@ from .foam_tables import FoamTables, foam_tables
 from .grid_cells import GridCells, grid_cells
 from .patch_kernel import ADDED, FACTOR
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
-from .spread_points import PressedPoints, SpreadPoints, Stacks
+from .spread_points import SpreadPoints, Stacks
 
 TooDeep = Literal["limit", "refuse"]
+RasterizedPoints = tuple[PressBatch, NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]]
+"""Presses; True for limited ones; radius of each patch, m; the first invalid contact."""
 
 
 class ContactCells(NamedTuple):
@@ -95,45 +97,56 @@ class ContactRasterizer:
         return found
 
     def _points(self, contacts: PointContacts) -> ContactCells:
-        by = STRENGTHS.index(contacts.by)
-        if by == FACTOR and self.scene.press.adds is not None:
-            by = ADDED
-        spread = self.spread is not None and by != FACTOR
-        pressed = self.spread(contacts) if spread else self._alone(contacts, by)
-        if pressed.fault[2]:
-            raise InputError(invalid_contact(self.scene, contacts, *pressed.fault.tolist()))
-        batch = self._of_stacks(contacts, ADDED if spread else by, pressed)
-        if pressed.on_lattice:
-            fine = PressBatch.of(pressed.on_lattice.get(k, NOTHING) for k in range(batch.count))
-            batch = batch.and_(self._on_coarse(fine))
+        if self.spread is not None and contacts.by != "factor":
+            batch, limited, patches, fault = self._spread_points(self.spread, contacts)
+        else:
+            batch, limited, patches, fault = self._points_alone(contacts)
+        if fault[2]:
+            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
         if self.scene.press.finger:
-            batch = batch.and_(self._fingers(contacts, pressed))
-        return ContactCells(batch, pressed.limited)
+            none = PressBatch.of([NOTHING] * contacts.skins)
+            fine = with_fingers(self.scene, contacts, none, patches, self.grid)
+            batch = batch.and_(self._on_coarse(fine))
+        return ContactCells(batch, limited)
 
-    def _alone(self, contacts: PointContacts, by: int) -> PressedPoints:
+    def _points_alone(self, contacts: PointContacts) -> RasterizedPoints:
         """Contacts of which each presses its patch alone."""
+        by, added = STRENGTHS.index(contacts.by), self.scene.press.adds is not None
+        by = ADDED if by == FACTOR and added else by
+        if self.coarse is not None:
+            from .fused_kernel import pressed_moments
+
+            *batch, limited, patches, fault = pressed_moments(
+                contacts.values, contacts.counts, by, *self.foam, *self.cells, self.coarse
+            )
+            return PressBatch(*batch), limited, patches, fault
         from .winkler_kernel import winkler_stacks
 
         *stacks, limited, patches, fault = winkler_stacks(
             contacts.values, contacts.counts, by, *self.foam, *self.cells
         )
-        return PressedPoints(Stacks(*stacks), limited, patches, fault, {})
+        return self._of_stacks(contacts, by, Stacks(*stacks), limited), limited, patches, fault
 
-    def _of_stacks(self, contacts: PointContacts, by: int, pressed: PressedPoints) -> PressBatch:
-        given = contacts.values, contacts.counts, by, *pressed.stacks, pressed.limited
-        skin = *self.foam, *self.cells[:5]
+    def _spread_points(self, spread: SpreadPoints, contacts: PointContacts) -> RasterizedPoints:
+        """Contacts on skins with tension."""
+        stacks, limited, patches, fault, on_lattice = spread(contacts)
+        batch = self._of_stacks(contacts, ADDED, stacks, limited)
+        if on_lattice:
+            fine = PressBatch.of(on_lattice.get(k, NOTHING) for k in range(batch.count))
+            batch = batch.and_(self._on_coarse(fine))
+        return batch, limited, patches, fault
+
+    def _of_stacks(
+        self, contacts: PointContacts, by: int, stacks: Stacks, limited: NDArray[np.bool_]
+    ) -> PressBatch:
+        given = contacts.values, contacts.counts, by, *stacks, limited, *self.foam, *self.cells[:5]
         if self.coarse is not None:
             from .moment_kernel import moments_of_stacks
 
-            return PressBatch(*moments_of_stacks(*given, *skin, self.coarse))
+            return PressBatch(*moments_of_stacks(*given, self.coarse))
         from .stack_kernel import cells_of_stacks
 
-        return PressBatch(*cells_of_stacks(*given, *skin))
-
-    def _fingers(self, contacts: PointContacts, pressed: PressedPoints) -> PressBatch:
-        none = PressBatch.of([NOTHING] * contacts.skins)
-        fine = with_fingers(self.scene, contacts, none, pressed.patches, self.grid)
-        return self._on_coarse(fine)
+        return PressBatch(*cells_of_stacks(*given))
 
     def _on_coarse(self, fine: PressBatch) -> PressBatch:
         return fine if self.spreading is None else self.spreading(fine)
@@ -144,13 +157,20 @@ class ContactRasterizer:
         by_pressure = isinstance(contacts, PressureImage)
         if by_pressure and self.spread is not None:
             return self._spread_image(contacts)
-        cut, mask = self.cells.cut, self.cells.mask
-        *batch, limited, fault = imaged_cells(
-            contacts.values, by_pressure, *self.foam, self.grid, cut, mask
-        )
+        if self.coarse is not None:
+            from .moment_kernel import moments_of_images
+
+            *batch, limited, fault = moments_of_images(
+                contacts.values, by_pressure, *self.foam, self.coarse
+            )
+        else:
+            cut, mask = self.cells.cut, self.cells.mask
+            *batch, limited, fault = imaged_cells(
+                contacts.values, by_pressure, *self.foam, self.grid, cut, mask
+            )
         if fault[3]:
             raise InputError(invalid_value(contacts, *fault[:3].tolist()))
-        return ContactCells(self._on_coarse(PressBatch(*batch)), limited)
+        return ContactCells(PressBatch(*batch), limited)
 
     def _spread_image(self, image: PressureImage) -> ContactCells:
         assert self.spread is not None

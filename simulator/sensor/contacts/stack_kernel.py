@@ -25,6 +25,7 @@ from .patch_kernel import (
     patch_box,
 )
 
+MAX_BITS = 62
 FAINT = 1e-12
 """Rises below this are rounding errors."""
 
@@ -264,6 +265,30 @@ def _overlap_rise(
             limited |= beyond
             total += change
     return total / SAMPLES**2, limited
+
+
+@compiled()
+def all_flat(contacts: NDArray, count: int) -> bool:  # pragma: no cover
+    """True if the rise is the same wherever the same patches overlap, of at most 62 contacts."""
+    for k in range(count):
+        if contacts[k, WIDTH] == 0.0 and contacts[k, CURVATURE] < np.inf:
+            return False
+    return count <= MAX_BITS
+
+
+@compiled()
+def contacts_over(
+    contacts: NDArray, count: int, strain: NDArray, by: int, law: NDArray, at_x: float, at_y: float
+) -> int:  # pragma: no cover
+    """Contacts that press a position, one bit each; of more than 62, all bits."""
+    if count > MAX_BITS:
+        return -1
+    found = 0
+    for k in range(count):
+        deepest = 1.0 if by == FACTOR else strain[k]
+        if _strain_at(contacts[k], deepest, law, at_x, at_y) > 0.0:
+            found |= 1 << k
+    return found
 
 
 @compiled()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin import PointContacts
+from rcskin import DepthImage, PointContacts
 from rcskin.simulator.sensor.cell_spreading import PARTS
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer
 
@@ -44,7 +44,19 @@ def test_moments_are_kept(sharp, name):
         )
 
 
-def test_images_and_lattices_are_spread_as_fine_cells(sharp):
+def test_moments_of_an_image_are_kept(sharp):
+    depth = np.zeros((12, 16))
+    depth[4:7, 5:9] = np.random.default_rng(1).uniform(0, 2e-3, (3, 4))
+    image, fine = DepthImage(depth), (PARTS * COARSE[0], PARTS * COARSE[1])
+    dense = ContactRasterizer.of(sharp, DENSE)(image).batch
+    coarse = ContactRasterizer.of(sharp, fine, coarse=COARSE)(image).batch
+    for degree in range(3):
+        np.testing.assert_allclose(
+            moments(coarse, COARSE, sharp, degree), moments(dense, DENSE, sharp, degree), rtol=1e-4
+        )
+
+
+def test_lattices_are_spread_as_fine_cells(sharp):
     spreading = sharp.with_({"skin.foam.mechanics.tension": 20.0})
     fine = PARTS * COARSE[0], PARTS * COARSE[1]
     on_fine = ContactRasterizer.of(spreading, fine)
