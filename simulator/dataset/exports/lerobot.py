@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +14,14 @@ import numpy as np
 
 from .camera_images import encoded
 from .dataset_card import write_card
-from .episodes import Episode, EpisodePart
+from .episodes import EpisodePart
 from .exported_sweeps import TASK, Exported
+from .lerobot_episodes import FILE, FILES_IN_CHUNK, EpisodeFiles, Feature, file_name
 from .parquet_files import IMAGE, MAX_BYTES, ParquetColumn, ParquetFiles
 from .running_statistics import RunningStatistics
 
 VERSION = "v3.0"
 MARKER = "meta/rcskin.json"
-FILES_IN_CHUNK = 1000
-FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 SKIN, SKIN_TIME, LABEL, IMAGES = "observation.skin", "skin_time", "label.", "observation.images."
 """Features: policies take all that begin with `observation` as input, so that labels do not."""
 PIXELS_OF_STATISTICS = 150
@@ -39,34 +37,13 @@ LAYOUT = [
 ]
 
 
-@dataclass(frozen=True)
-class Feature:
-    """A feature of frames. names: of its numbers. more: further entries of its description."""
-
-    column: ParquetColumn
-    shape: tuple[int, ...]
-    names: list[str] | None
-    more: Mapping[str, Any]
-
-    @property
-    def described(self) -> dict[str, Any]:
-        """Its entry in meta/info.json."""
-        dtype, shape = self.column.dtype, list(self.shape)
-        return {"dtype": dtype, "shape": shape, "names": self.names, **self.more}
-
-    @property
-    def statistics_shape(self) -> tuple[int, ...]:
-        """Shape of each of its statistics."""
-        return (3, 1, 1) if self.column.dtype == IMAGE else self.shape
-
-
 def write_lerobot(exported: Exported, folder: Path) -> None:
     """Writes data/, meta/ and README.md."""
     features = _features(exported)
     columns = [feature.column for feature in features]
-    files = ParquetFiles(columns, lambda number: folder / f"data/{_file(number)}.parquet", {})
+    files = ParquetFiles(columns, lambda number: folder / f"data/{file_name(number)}.parquet", {})
     described = [feature for feature in features if feature.column.dtype != "string"]
-    episodes = _EpisodeFiles(folder, described)
+    episodes = EpisodeFiles(folder, described)
     for part, values, pixels in _frames(exported):
         if part.first == part.episode.first:
             files.divide()
@@ -152,99 +129,6 @@ def _frames(
                 some.append(pixels[::step, ::step])
             values[name], thinned[name] = images, np.stack(some)
         yield part, values, thinned
-
-
-class _EpisodeFiles:
-    """Writes meta/episodes, one row for each episode, and gathers the statistics of all."""
-
-    def __init__(self, folder: Path, features: list[Feature]) -> None:
-        self._features = features
-        self.all = {feature.column.name: RunningStatistics() for feature in features}
-        self._own: dict[str, RunningStatistics] = {}
-        numbers = (
-            "episode_index",
-            "length",
-            "dataset_from_index",
-            "dataset_to_index",
-            "data/chunk_index",
-            "data/file_index",
-            "meta/episodes/chunk_index",
-            "meta/episodes/file_index",
-        )
-        self._files = ParquetFiles(
-            [
-                *(ParquetColumn(name, "int64") for name in numbers),
-                ParquetColumn("tasks", "string", (1,)),
-                ParquetColumn("session", "string"),
-                *self._statistics_columns(),
-            ],
-            lambda number: folder / f"meta/episodes/{_file(number)}.parquet",
-            {},
-        )
-
-    def _statistics_columns(self) -> list[ParquetColumn]:
-        names = RunningStatistics()
-        names.add(np.zeros((1, 1)))
-        return [
-            ParquetColumn(
-                f"stats/{feature.column.name}/{name}",
-                "int64" if name == "count" else "float64",
-                (1,) if name == "count" else feature.statistics_shape,
-            )
-            for feature in self._features
-            for name in names.values((1,))
-        ]
-
-    def begin(self, episode: Episode, data_file: int) -> None:
-        """Begin an episode. data_file: number of the file with its frames."""
-        self._files.divide()
-        self._own = {name: RunningStatistics() for name in self.all}
-        place, own_file = self._place(data_file), self._place(self._files.number)
-        self._row = {
-            "episode_index": episode.number,
-            "length": episode.sweeps,
-            "dataset_from_index": episode.first,
-            "dataset_to_index": episode.stop,
-            "data/chunk_index": place[0],
-            "data/file_index": place[1],
-            "meta/episodes/chunk_index": own_file[0],
-            "meta/episodes/file_index": own_file[1],
-            "tasks": [TASK],
-            "session": episode.session,
-        }
-
-    @staticmethod
-    def _place(number: int) -> tuple[int, int]:
-        return divmod(number, FILES_IN_CHUNK)
-
-    def add(self, values: Mapping[str, Any], pixels: Mapping[str, np.ndarray]) -> None:
-        """Add frames of the episode. pixels: of images by name, shape (frame, row, column, 3)."""
-        for name, statistics in self._own.items():
-            if name in pixels:
-                statistics.add(pixels[name].reshape(-1, 3) / 255, len(pixels[name]))
-            else:
-                rows = np.asarray(values[name])
-                statistics.add(rows.reshape(len(rows), -1))
-
-    def end(self) -> None:
-        """End the episode and write its row."""
-        described: dict[str, Any] = {}
-        for feature in self._features:
-            name = feature.column.name
-            own = self._own[name].values(feature.statistics_shape)
-            described |= {f"stats/{name}/{each}": value for each, value in own.items()}
-            self.all[name].join(self._own[name])
-        row = {**self._row, **described}
-        self._files.write({name: [value] for name, value in row.items()})
-
-    def close(self) -> None:
-        """End the last file."""
-        self._files.close()
-
-
-def _file(number: int) -> str:
-    chunk, file = divmod(number, FILES_IN_CHUNK)
-    return FILE.format(chunk_index=chunk, file_index=file)
 
 
 def _write_meta(
