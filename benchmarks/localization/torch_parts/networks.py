@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import rcskin
 import torch
 import xarray as xr
 from rcskin.localization.inputs.samples import samples_of
@@ -128,8 +127,8 @@ def from_disk(
     steps: int,
     test: tuple[Tensor, Tensor],
     folder: Path,
-) -> tuple[list[Progress], xr.Dataset]:
-    """The network trained on data sets on disk, each a part of the last, which is returned."""
+) -> list[Progress]:
+    """The network trained on data sets on disk, each a part of the largest."""
     path, found = folder / "pixels.zarr", []
     start = time.process_time()
     generate(Plan(stream.plan.scene, max(sizes), 11, stream.plan.rtol), path)
@@ -141,16 +140,4 @@ def from_disk(
         seconds = made * size / max(sizes) + time.process_time() - start
         progress = Progress(f"{size} sweeps on disk", size, seconds)
         found.append(learned(progress, model, _again(X, y), steps, test))
-    return found, read_first(path, max(sizes))
-
-
-def of_the_house(sweeps: xr.Dataset, test: xr.Dataset) -> Progress:
-    """`network` of rcskin, trained on a data set."""
-    start = time.process_time()
-    model = rcskin.train(sweeps, "pixel", "network", quantities=QUANTITIES)
-    seconds = time.process_time() - start
-    accuracy = float(rcskin.evaluate(model, test).accuracy)
-    progress = Progress(f"`network`, {sweeps.sizes['sweep']} sweeps on disk", 0, seconds)
-    progress.curve.append((0, accuracy))
-    print(progress.name, f"{100 * accuracy:.1f} %", f"{seconds:.0f} s", flush=True)
-    return progress
+    return found
