@@ -85,6 +85,7 @@ IN_ORDER = (
     _alone("speed/reduction"),
     _alone("speed/skins"),
     _alone("speed/skins_reduced"),
+    _alone("speed/sensor"),
     _alone("localization/torch_training"),
     _alone("scale/dataset"),
     _alone("scale/cluster"),

@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
 from ..models.reduced.indentation.indentation_draws import spreads
@@ -63,8 +61,8 @@ class GivenPress(NamedTuple):
         """True if all presses and labels are equal."""
         if self is other:
             return True
-        same = (np.array_equal(*each) for each in zip(self.batch, other.batch, strict=True))
-        return self[1:] == other[1:] and all(same)
+        each = zip(self.batch, other.batch, strict=True)
+        return self[1:] == other[1:] and all(a.tobytes() == b.tobytes() for a, b in each)
 
     def of_each(self, skins: int) -> GivenPress:
         """The presses of this many skins, one for each."""
@@ -156,14 +154,20 @@ class PressReader:
         factor = pressed_factor(self.scene, touch)
         return replace(touch.place, factor=factor, finger=touch.finger)
 
-    def _checked(self, given: GivenPress) -> GivenPress:
+    @cached_property
+    def _limits(self) -> tuple[int, float]:
+        """Number of the foam's parts, and the largest rise there; that of a finger is far less."""
         spread = self.cells.spreading is not None and not self.scene.skin.foam.in_time
         grid, margin = (self.cells.coarse, OVERSHOOT) if spread else (self.cells.fine, 1 + ROUNDING)
-        rises = given.batch.rises[given.batch.cells < foam_parts(self.scene, grid)]
-        if rises.size and not rises.max() <= margin * (self.highest - 1):
+        return foam_parts(self.scene, grid), margin * (self.highest - 1)
+
+    def _checked(self, given: GivenPress) -> GivenPress:
+        batch, (foam, highest) = given.batch, self._limits
+        if batch.rises.size and not batch.rises.max() <= highest:
+            raised = 1 + batch.rises[batch.cells < foam].max()
             raise InputError(
                 f"{self.scene.name}: contacts must raise c to at most {self.highest:g} times the "
-                f"unpressed one, got {1 + rises.max():.3g}: the sensor's model covers no more"
+                f"unpressed one, got {raised:.3g}: the sensor's model covers no more"
             )
         if given.batch.count not in (1, self.skins):
             raise InputError(

@@ -20,6 +20,9 @@ class MeterErrors:
 
     def __init__(self, scene: Scene, seed: int, numbers: Sequence[int], noise: bool) -> None:
         """numbers: of the sessions. noise: False for meters without errors and rounding."""
+        from .readout_kernel import shown_quantities
+
+        self._kernel = shown_quantities
         self._readout, self._shape, count = scene.readout, scene.reading.shape, len(numbers)
         self._frequency, self._noisy = scene.frequencies, noise
         self._kind, self._digits = KINDS.index(scene.reading.kind), 0
@@ -43,8 +46,6 @@ class MeterErrors:
         reading: shape (skin, frequency). sweep: its number, ascending from call to call.
         frequencies: range of their numbers.
         """
-        from .readout_kernel import shown_quantities
-
         while self._noisy and self._sweep < sweep:
             self._draw()
         frequency, deviation = self._frequency[frequencies], self._uniform
@@ -53,9 +54,7 @@ class MeterErrors:
         noise = np.ascontiguousarray(self._noise[:, :, interface, frequencies])
         fixed = np.ascontiguousarray(self._fixed[:, :, interface])
         reading = np.ascontiguousarray(reading)
-        return shown_quantities(
-            reading, deviation, fixed, noise, frequency, self._digits, self._kind
-        )
+        return self._kernel(reading, deviation, fixed, noise, frequency, self._digits, self._kind)
 
     def _deviation(
         self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]

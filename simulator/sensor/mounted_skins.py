@@ -40,6 +40,9 @@ class MountedSkins:
             f"{len(distinct)} skins of {family.size} vectors and {len(family.factors)} cells",
             "take fewer skins, or a larger rtol",
         )
+        from .skin_kernel import skin_admittances
+
+        self._kernel = skin_admittances
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
         self._drawn = [drawn_skin(scene, seed, number, grid, modes) for number in distinct]
@@ -52,14 +55,21 @@ class MountedSkins:
 
         batch: one press for all skins, or one for each. frequencies: some of the scene's.
         """
-        rows = 1 if self.distinct == batch.count == 1 else self.count
-        skins = np.arange(rows) if self.distinct > 1 else np.zeros(rows, dtype=np.int64)
-        presses = np.arange(rows) if batch.count > 1 else np.zeros(rows, dtype=np.int64)
+        skins, presses = self._rows(batch.count)
         one = self._one_to_one
         Z = self._impedances(batch, skins, presses, [interface] if one else None, frequencies)
         setup = self._at(interface if one else None, frequencies)
         found = setup.at_meter(Z)[:, 0 if one else interface]
-        return found if rows == self.count else np.broadcast_to(found, (self.count, len(found[0])))
+        if len(found) == self.count:
+            return found
+        return np.broadcast_to(found, (self.count, found.shape[1]))
+
+    @cached_method(2)
+    def _rows(self, presses: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Skin and press of each row that is solved; equal rows are solved once."""
+        rows = 1 if self.distinct == presses == 1 else self.count
+        every, first = np.arange(rows), np.zeros(rows, dtype=np.int64)
+        return every if self.distinct > 1 else first, every if presses > 1 else first
 
     def _impedances(
         self,
@@ -72,14 +82,12 @@ class MountedSkins:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
         if gauged(self.family.scene.skin):
             return self._one_by_one(batch, skins, presses, chosen, frequencies)
-        from .skin_kernel import skin_admittances
-
         stack, batch = self._stack, self._skins[0].parts.followed(batch)
         batch = PressBatch(*map(np.ascontiguousarray, batch))
         s = np.ascontiguousarray(stack.s[:, frequencies])
         numbers = range(len(stack.excitations)) if chosen is None else chosen
         Y = [
-            skin_admittances(stack.mass, stack.excitations[k], skins, presses, batch, s)
+            self._kernel(stack.mass, stack.excitations[k], skins, presses, batch, s)
             for k in numbers
         ]
         if chosen is None:

@@ -140,7 +140,7 @@ class Sensor:
             self._values,
             self._taken_at,
             self._fresh,
-            np.broadcast_to(self._held.limited, (self.skins,)),
+            self._limited,
             self._layout,
         )
 
@@ -184,6 +184,7 @@ class Sensor:
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: dict[int, NDArray[np.complex128]] = {}
+        self._limited = np.broadcast_to(self._held.limited, (count,))
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
         self._taken_at = np.full(setup.shape, np.nan)
@@ -201,6 +202,7 @@ class Sensor:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
         self._held, self._known = given, {}
+        self._limited = np.broadcast_to(given.limited, (self.skins,))
 
     def _taken(self, due: DueReading) -> NDArray[np.float64]:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
