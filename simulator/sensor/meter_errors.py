@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy, deepcopy
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +39,12 @@ class MeterErrors:
             self._fixed = np.stack(fixed, axis=1)[..., 0]
             if self._uniform is not None:
                 self._uniform = self._deviation(np.ones((1, 1), dtype=complex), np.ones(1))
+
+    def copy(self) -> Self:
+        """Independent meters in the same state."""
+        other = copy(self)
+        other._randoms, other._noise = deepcopy(self._randoms), self._noise.copy()
+        return other
 
     def shown(
         self, reading: NDArray[np.complex128], sweep: int, interface: int, frequencies: slice

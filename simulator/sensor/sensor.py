@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from copy import copy, deepcopy
+from copy import copy
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from .meter_errors import MeterErrors
 from .mounted_skins import MountedSkins
 from .reading_clock import PER_SECOND, DueReading, ReadingClock, in_ticks
 from .sampled_error import estimated_error
-from .sensor_reading import SensorReading, VectorLayout
+from .sensor_reading import SensorReading, TakenReading, VectorLayout
 from .skin_family import family_scene, highest_factor, trained_family
 
 if TYPE_CHECKING:
@@ -31,14 +31,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .given_press import AnyContacts
-
-
-class TakenReading(NamedTuple):
-    """A reading whose middle is past. values: shape (quantity, skin, frequency)."""
-
-    due: DueReading
-    values: NDArray[np.float64]
-    labels: tuple[PressLabel, ...]
 
 
 class Sensor:
@@ -71,9 +63,11 @@ class Sensor:
         self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
         if session not in ("nominal", "drawn"):
             raise InputError(f'`session` must be "nominal" or "drawn", got {session!r}')
+        if not 0 < rtol < 1:
+            raise InputError(f"`rtol` must be between 0 and 1, got {rtol}")
         numbers = range(skins) if isinstance(skins, int) else [*skins]
-        if len(numbers) < 1 or min(numbers) < 0:
-            raise InputError(f"`skins` must be >= 1, or numbers >= 0, got {skins!r}")
+        if len(numbers) < 1 or not all(isinstance(k, int) and k >= 0 for k in numbers):
+            raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
         self._drawn = session == "drawn"
         own = family_scene(self.scene, self._drawn, rtol)
@@ -83,6 +77,7 @@ class Sensor:
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
         self._clock = ReadingClock.of(self.scene)
         self._layout = VectorLayout.of(self.scene.reading)
+        self._mounted: MountedSkins | None = None
         self._begin(seed)
 
     def reset(self, seed: int | None = None) -> None:
@@ -92,7 +87,7 @@ class Sensor:
     def copy(self) -> Self:
         """An independent sensor in the same state, which continues in the same way."""
         other = copy(self)
-        other._errors = deepcopy(self._errors)
+        other._errors = self._errors.copy()
         other._pending, other._sweeps = deque(self._pending), [*self._sweeps]
         other._known = {**self._known}
         other._foam = None if self._foam is None else self._foam.copy()
@@ -177,8 +172,10 @@ class Sensor:
         if not 0 <= seed <= MAX_SEED:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
         setup, count = self.scene.reading, self.skins
+        if self._mounted is None or (self._drawn and seed != self.seed):
+            given = self._own, self._family, seed, self.numbers, self._drawn
+            self._mounted = MountedSkins(*given)
         self.seed, self._now = seed, 0
-        self._mounted = MountedSkins(self._own, self._family, seed, self.numbers, self._drawn)
         self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.reading_setup import ReadingSetup
 from ..sweeps.reading_quantities import reading_name
+from .given_press import PressLabel
+from .reading_clock import DueReading
+
+
+class TakenReading(NamedTuple):
+    """A reading whose middle is past. values: shape (quantity, skin, frequency)."""
+
+    due: DueReading
+    values: NDArray[np.float64]
+    labels: tuple[PressLabel, ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import rcskin
+from rcskin.simulator.measure.skins import drawn_skin
 
 STRIP = "strip-1x4"
 
@@ -77,6 +78,19 @@ def test_a_skin_of_a_batch_is_the_sensor_of_its_number():
     assert len({*together.vector[:, 0]}) == 3
 
 
+@pytest.mark.kernel
+def test_skins_in_one_pass_are_those_of_the_family_one_by_one():
+    own = sensor(skins=3, session="drawn", noise=False)
+    presses = ["1,1", None, "disc(0.05,0.01,0.004):1.5"]
+    found, scene = own.step(presses, dt=0.02), own._own
+    for skin, press in enumerate(presses):
+        drawn = drawn_skin(scene, 1, skin, own._family.grid, own._family.modes)
+        cells = own._press(press).batch.one(0)
+        Z = own._family.skin(drawn.variation).sweep(*cells)
+        exact = scene.reading.behind(drawn.leads).at_meter(Z)
+        np.testing.assert_allclose(found.Rs[skin] + 1j * found.X[skin], exact, rtol=1e-12)
+
+
 def test_copies_go_on_in_the_same_way_and_apart():
     own = sensor()
     own.step("1,2", dt=0.033)
@@ -121,6 +135,8 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
         ({"skins": 0}, "`skins` must be >= 1"),
         ({"session": "mine"}, '`session` must be "nominal" or "drawn"'),
         ({"seed": -1}, "`seed` must be in 0.."),
+        ({"skins": "3"}, "or a list of numbers >= 0, got '3'"),
+        ({"rtol": 0.0}, "`rtol` must be between 0 and 1"),
         ({"rtol": 2.0}, "`rtol` must be between 0 and 1"),
     ],
 )
