@@ -13,6 +13,7 @@ from ...localization.inputs.features import needs_baseline
 from ...localization.inversion.estimators import build_in_background
 from ...localization.model.localizer_file import load
 from ...localization.trust.answers import CANNOT_TELL
+from ...localization.trust.diagnosis import without_answer
 from .touch_answer import NOTHING_PRESSED, TouchAnswer, answer_of_classes
 
 if TYPE_CHECKING:
@@ -82,8 +83,18 @@ class LiveLocalizer:
 
         rest: unpressed sweeps or None; the coordinate OPENING of `simulator.sweeps` marks those of
         the opening. gap: s since the end of the sweep before. during: its
-        duration, s.
+        duration, s. A sweep without an answer names the fault that it resembles, if the model knows
+        any.
         """
+        found = self._answer(sweep, rest, gap, during)
+        if found.label != CANNOT_TELL:
+            return found
+        return replace(found, label=without_answer(str(self.model.fault_kinds(sweep)[0])))
+
+    def _answer(
+        self, sweep: xr.Dataset, rest: xr.Dataset | None, gap: float, during: float
+    ) -> TouchAnswer:
+        """Answer without the name of a fault."""
         if self.follower is not None:
             return self.described(self.follower.follow(sweep, rest, gap, during))
         found = self.model.answers(sweep, rest)

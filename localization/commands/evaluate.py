@@ -39,7 +39,9 @@ def evaluate(
     """Accuracy of a localizer on sweeps that it was not trained on.
 
     With a model, all these sweeps are scored; none of them should have been
-    used to train it. Without a model, a localizer of TARGET is trained and
+    used to train it. If sweeps have faults, a line for each fault states
+    accuracy, the share of sweeps that were answered, and how many of the
+    others were named as that fault. Without a model, a localizer of TARGET is trained and
     scored by nested cross-validation: a scored sweep was used for no training,
     tuning or calibration. Figures are then means over folds, with their
     spread. Whole sessions are held out if there are three or more.
@@ -48,6 +50,7 @@ def evaluate(
     from ...simulator.progress import on_terminal
     from ...simulator.scene.scene_files import scene_of_sweeps
     from ...simulator.sweeps import InputError, checked_folder
+    from ..evaluation.fault_scores import FaultScore, fault_lines, fault_scores
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
     from ..inputs.samples import samples_of
@@ -55,7 +58,7 @@ def evaluate(
     from ..model.localizer_file import ENDING
     from .model_notes import accuracy_meaning, load_model_for, note_features, note_known_sweeps
 
-    by_model = files[0].suffix == ENDING
+    by_model, by_fault = files[0].suffix == ENDING, list[FaultScore]()
     recordings = files[by_model:]
     if not recordings:
         raise InputError("no sweeps were given: rcskin evaluate MODEL.skops SWEEPS")
@@ -67,7 +70,11 @@ def evaluate(
     baselines = None if rest is None else read_first(rest, most)
     if by_model:
         model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
-        found = evaluated(model.learned, model.samples(sweeps, baselines))
+        samples = model.samples(sweeps, baselines)
+        found = evaluated(model.learned, samples)
+        answers = model.answers(sweeps, baselines)
+        named = model.faults(sweeps, answers)
+        by_fault = fault_scores(sweeps, answers, named, samples, found.score)
         problem, scored = model.problem, "given sweeps"
         note_known_sweeps(model, sweeps, files[0])
     else:
@@ -79,7 +86,8 @@ def evaluate(
                 samples, name, certain=certain, tune=tune, folds=folds, progress=progress
             )
     meaning = [] if problem.continuous else [accuracy_meaning(problem, scored, sweeps)]
-    for line in (*lines_of(found), *meaning):
+    faults = fault_lines(by_fault, classes=not problem.continuous)
+    for line in (*lines_of(found), *faults, *meaning):
         say(line)
     if folder is not None:
         scene = scene_of_sweeps(sweeps) if problem.continuous else None

@@ -40,6 +40,8 @@ def localize(
     The table has a line for each sweep: the answer or 'cannot tell', and the
     probability of the best answer. A model of positions also gives x and y in
     mm and the strength, with their standard deviations, if there is one touch.
+    A model that was trained with faults says which fault a sweep without an
+    answer resembles: 'cannot tell: like a dead foil'.
     --filter works with any model.
     """
     from ...simulator.report.files import write_rows
@@ -63,7 +65,7 @@ def localize(
     note_known_sweeps(localizer, loaded, model)
     if output is not None:
         write_rows(output, header, rows)
-        silent = sum(row[2] == CANNOT_TELL for row in rows)
+        silent = sum(row[2].startswith(CANNOT_TELL) for row in rows)
         say(f"answers: {len(rows)} sweeps, {silent} without an answer -> {output}")
         return
     for row in (header, *rows):
@@ -117,8 +119,14 @@ def _table(
     model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None
 ) -> tuple[list[str], list[list[str]]]:
     from ..inputs.targets import COORDINATES
+    from ..trust.diagnosis import without_answer
 
     answers = model.answers(sweeps, rest)
+    kinds = model.faults(sweeps, answers)
+    labels = [
+        label if answered else without_answer(kind)
+        for label, answered, kind in zip(answers.labels, answers.answered, kinds, strict=True)
+    ]
     early = sweeps.sizes["sweep"] - model.usable_features(sweeps, rest)[1].size
     if early:
         why = "no baseline sweep was measured before in their session; --rest FILE gives one"
@@ -132,7 +140,7 @@ def _table(
         header += [*COORDINATES, *(f"{name}_deviation" for name in COORDINATES)]
         places = _places(model, sweeps, rest, answers.labels == "1")
     texts = sweeps["press"].values.astype(str)
-    answered = zip(texts, answers.labels, answers.probability, places, strict=False)
+    answered = zip(texts, labels, answers.probability, places, strict=False)
     rows = [
         [str(number), text, str(label), f"{probability:.4f}", *place]
         for number, (text, label, probability, place) in enumerate(answered)

@@ -28,7 +28,7 @@ from .model_fields import (
     fields_of,
     model_of,
 )
-from .soundness import UnsoundError, check_sound
+from .soundness import UnsoundError, check_guard, check_sound
 
 ENDING = ".skops"
 TRUSTED = [
@@ -72,6 +72,9 @@ def load(path: str | Path) -> Model:
 
 def _sound(model: Model) -> Model:
     check_sound(model.learned, model.problem.features)
+    if model.diagnosis is not None:
+        for kind, guard in model.diagnosis.guards.items():
+            check_guard(guard, f"faults.{kind}")
     if model.gate is not None:
         _sound(model.gate)
     return model

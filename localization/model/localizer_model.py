@@ -19,6 +19,7 @@ from ..inputs.samples import LocalizationProblem, Samples, samples_of
 from ..inversion.region import Region
 from ..inversion.regions import regions_of
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
+from ..trust.diagnosis import Diagnosis, diagnosis_features
 from ..trust.fitted import Classifier, Regressor
 from .compatibility import check_compatible
 
@@ -60,6 +61,8 @@ class Model(Tabular):
     """Fingerprints of the sweeps of training and adaptation, see `fingerprints_of`."""
     gate: Model | None = None
     """Model of the number of touches, for positions; None if all training sweeps had one touch."""
+    diagnosis: Diagnosis | None = None
+    """Names faults that sweeps without an answer resemble; None if the training had none."""
     any_skin: bool = False
     """True if sweeps of another skin are accepted."""
     source: str = field(default="the model", compare=False)
@@ -189,6 +192,22 @@ class Model(Tabular):
             return None
         return baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
 
+    def fault_kinds(self, sweeps: xr.Dataset) -> NDArray[np.str_]:
+        """Kind of the fault that each sweep resembles, shape (sweep,).
+
+        "" for sweeps that resemble no fault, and if the training had no faults.
+        """
+        if self.diagnosis is None or not sweeps.sizes["sweep"]:
+            return np.full(sweeps.sizes["sweep"], "")
+        return self.diagnosis.kinds(diagnosis_features(sweeps, self.interfaces))
+
+    def faults(self, sweeps: xr.Dataset, answers: Answers) -> NDArray[np.str_]:
+        """As `fault_kinds`, but "" for sweeps with an answer, shape (sweep,)."""
+        found = np.full(answers.answered.size, "", dtype=object)
+        silent = np.flatnonzero(~answers.answered)
+        found[silent] = self.fault_kinds(sweeps.isel(sweep=silent))
+        return found.astype(str)
+
     def samples(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Samples:
         """Features and targets of the sweeps that have the model's target.
 
@@ -253,8 +272,18 @@ class Model(Tabular):
         """Class or CANNOT_TELL for each sweep, and its probability.
 
         A model of positions answers "0" touches, "1" touch, or CANNOT_TELL. A sweep without a
-        baseline before it gets CANNOT_TELL. Raises InputError as `usable_features`.
+        baseline before it gets CANNOT_TELL, and so does one that resembles a misleading fault.
+        Raises InputError as `usable_features`.
         """
+        found = self._answers(sweeps, rest)
+        if self.diagnosis is None or not self.diagnosis.misleading:
+            return found
+        refused = np.isin(self.fault_kinds(sweeps), self.diagnosis.misleading)
+        labels = np.where(refused, CANNOT_TELL, found.labels)
+        return replace(found, labels=labels, novel=found.novel | refused)
+
+    def _answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Answers:
+        """Answers without regard to faults, see `answers`."""
         X, rows = self.usable_features(sweeps, rest)
         if isinstance(self.learned, Classifier):
             guess = 1 / len(self.classes)

@@ -23,6 +23,7 @@ from ..learners.ecoc import ECOCClassifier
 from ..learners.gaussians import GaussianClassifier
 from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
+from ..trust.diagnosis import Diagnosis
 from ..trust.fitted import Classifier, Guards, Regressor
 from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
@@ -90,6 +91,8 @@ PROBLEM = {
     "frequencies": tuple,
     "scene": str,
 }
+DIAGNOSIS = "faults"
+"""Additional field if the training had faults, see `Diagnosis`."""
 OWN_FREQUENCIES = {"taken": tuple}
 """Additional field if interfaces have frequencies of their own."""
 
@@ -122,6 +125,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         **{name: getattr(model, name) for name in COPIED},
         "marks": model.fingerprints,
         "gate": None if model.gate is None else fields_of(model.gate),
+        **({} if model.diagnosis is None else {DIAGNOSIS: _diagnosis_fields(model.diagnosis)}),
     }
 
 
@@ -150,6 +154,7 @@ def model_of(fields: Any) -> Model:
     """The model of these fields. Raises EarlierLayoutError, or ValueError if they are invalid."""
     if _is_earlier(fields):
         raise EarlierLayoutError(ANOTHER_LAYOUT)
+    diagnosis = fields.pop(DIAGNOSIS, None) if isinstance(fields, dict) else None
     _check(fields, {"layout": int, **KINDS})
     own = fields["problem"]
     _check(own, PROBLEM | OWN_FREQUENCIES if OWN_FREQUENCIES.keys() <= own.keys() else PROBLEM)
@@ -159,8 +164,24 @@ def model_of(fields: Any) -> Model:
         problem=problem,
         gate=None if fields["gate"] is None else model_of(fields["gate"]),
         fingerprints=fields["marks"],
+        diagnosis=_diagnosis(diagnosis),
         **{name: fields[name] for name in COPIED},
     )
+
+
+def _diagnosis_fields(diagnosis: Diagnosis) -> dict[str, Any]:
+    return {"guards": dict(diagnosis.guards), "misleading": diagnosis.misleading}
+
+
+def _diagnosis(fields: dict[str, Any] | None) -> Diagnosis | None:
+    if fields is None:
+        return None
+    _check(fields, {"guards": dict, "misleading": tuple})
+    guards = fields["guards"]
+    _check(guards, dict.fromkeys(guards, KindGuard))
+    if len(guards) < 2 or not set(fields["misleading"]) <= guards.keys():
+        raise ValueError("a diagnosis of other kinds")
+    return Diagnosis(**fields)
 
 
 def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor:

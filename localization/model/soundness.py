@@ -14,6 +14,7 @@ from sklearn.frozen import FrozenEstimator
 from sklearn.pipeline import Pipeline
 
 from ..trust.fitted import Classifier, Guards, Regressor
+from ..trust.kinds import KindGuard
 from .learned_arrays import LEARNED, RULES, Inner
 
 Sizes = dict[str, int]
@@ -161,6 +162,17 @@ def _check_guards(guards: Guards | None, features: int | None) -> None:
         if guard is not None:
             check_estimator(guard, features, f"guards.{name}")
     _check_guards(guards.changes, None)
+
+
+def check_guard(guard: KindGuard, where: str) -> None:
+    """Raises UnsoundError that names an inconsistent part of a guard; where: its name."""
+    try:
+        _check_numbers(vars(guard), where)
+        check_estimator(guard, None, where)
+    except UnsoundError:
+        raise
+    except Exception as error:  # a part of another type can raise anything
+        raise UnsoundError(" ".join(str(error).split())) from error
 
 
 def _check_numbers(value: Any, name: str) -> None:

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.progress import ProgressCallback, silent
+from ...simulator.sweeps import InputError
 from ..inputs.features import Quantities
 from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
 from ..inversion.estimators import chosen
+from ..trust.diagnosis import Diagnosis, diagnosis_of, faults_of
+from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import describe_splits, scoring_splits
 from .localizer_model import Model, current_versions
@@ -35,13 +38,16 @@ def train(
 ) -> Model:
     """Train a model that predicts the `target` of sweeps like these.
 
-    Sweeps whose press has no such target are left out. target, quantities, interfaces, rest: see
-    `samples_of`. estimator: of `estimators()`, by default that of DEFAULT_ESTIMATORS. certain: the
-    accuracy that answers must have on held-out sweeps; by default every sweep that is not novel is
-    answered. tune: choose the estimator's parameters by cross-validation. progress: callback for
-    the fits. Raises InputError if these are not available, or if the sweeps are of one class.
+    Sweeps whose press has no such target are left out. Sweeps with a fault are not used to learn
+    presses: they teach the model to name the faults that sweeps resemble. target, quantities,
+    interfaces, rest: see `samples_of`. estimator: of `estimators()`, by default that of
+    DEFAULT_ESTIMATORS. certain: the accuracy that answers must have on held-out sweeps; by default
+    every sweep that is not novel is answered. tune: choose the estimator's parameters by
+    cross-validation. progress: callback for the fits. Raises InputError if these are not available,
+    if the sweeps are of one class, or if every sweep has a fault.
     """
-    made = chosen(estimator, target)
+    made, given = chosen(estimator, target), sweeps
+    sweeps = _without_faults(sweeps)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)
@@ -50,6 +56,7 @@ def train(
         gate = None
         learned = learn_classes(samples, made, certain=certain, tune=tune, progress=progress)
     held_out = describe_splits(scoring_splits(samples.strata, samples.sessions), samples.sessions)
+    diagnosis = None if sweeps is given else _diagnosis(given, learned, samples, rest)
     return Model(
         learned=learned,
         estimator=made.name,
@@ -61,7 +68,32 @@ def train(
         left_out=samples.left_out.describe(target),
         fingerprints=fingerprints_of(sweeps)[samples.rows],
         gate=gate,
+        diagnosis=diagnosis,
     )
+
+
+def _diagnosis(
+    sweeps: xr.Dataset,
+    learned: Classifier | Regressor,
+    samples: Samples,
+    rest: xr.Dataset | None,
+) -> Diagnosis | None:
+    """Diagnosis by all sweeps, with and without faults. learned: by `samples` without faults."""
+    problem, right = samples.problem, np.full(sweeps.sizes["sweep"], np.nan)
+    if isinstance(learned, Classifier):
+        every = samples_of(
+            sweeps, problem.target, problem.quantities, interfaces=problem.interfaces, rest=rest
+        )
+        right[every.rows] = learned.pipeline.predict(every.X) == every.y
+    return diagnosis_of(sweeps, problem.interfaces, right)
+
+
+def _without_faults(sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps of skins without a fault. Raises InputError if there is none."""
+    faulty = faults_of(sweeps) != ""
+    if faulty.all():
+        raise InputError("every sweep has a fault; a localizer needs sweeps without a fault")
+    return sweeps.isel(sweep=~faulty) if faulty.any() else sweeps
 
 
 def _gate(

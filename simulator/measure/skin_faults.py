@@ -143,8 +143,11 @@ class HalfFoil(SkinFault):
 
     @classmethod
     def parsed(cls, rest: str) -> Self | None:
-        name, _, left = rest.rpartition(" ")
-        return cls(name, left) if name and left in get_args(Half) else None
+        for left in get_args(Half):
+            name = rest.removesuffix(f" {left}")
+            if name not in ("", rest):
+                return cls(name, left)
+        return None
 
     def __str__(self) -> str:
         return f"{self.kind} {self.contact} {self.left}"
@@ -278,7 +281,7 @@ class AgedGain(SkinFault):
         ends = np.log(frequency[[0, -1]])
         if ends[0] == ends[1]:
             return np.full(frequency.shape, self.low)
-        return np.interp(np.log(frequency), ends, [self.low, self.high])
+        return np.interp(np.log(frequency), ends, [self.low, self.high]).astype(np.float64)
 
 
 SKIN_FAULTS: tuple[type[SkinFault], ...] = (DeadFoil, HalfFoil, TornSheet, StuckSpot, AgedGain)
@@ -299,6 +302,15 @@ def parse_fault(text: str, scene: Scene) -> SkinFault:
 def kind_of_fault(text: str) -> str:
     """The kind of a fault in a text; empty for an empty text."""
     return next((each.kind for each in SKIN_FAULTS if text.startswith(each.kind)), "")
+
+
+def place_of_fault(text: str) -> str:
+    """The place of a fault in its text; empty for a reader's fault and for an empty text."""
+    for each in SKIN_FAULTS:
+        if text.startswith(f"{each.kind} "):
+            found = each.parsed(text.removeprefix(each.kind).strip())
+            return "" if found is None else found.place
+    return ""
 
 
 def _check_foil(fault: SkinFault, name: str, scene: Scene) -> None:
