@@ -49,7 +49,7 @@ class GivenPress(NamedTuple):
 
     batch: on the cells of the model; on fine cells if the foam creeps. fixed: True for presses that
     fix depths; others are loads, under which foam may creep. limited: True for presses that would
-    compress the foam further than it can be.
+    compress the foam further than it can be, or than the model covers.
     """
 
     batch: PressBatch
@@ -110,7 +110,7 @@ class PressReader:
 
         cells, remembers = self.cells, bool(self.scene.skin.foam.in_time)
         coarse = None if cells.spreading is None or remembers else cells.coarse
-        return ContactRasterizer.of(self.scene, cells.fine, coarse=coarse)
+        return ContactRasterizer.of(self.scene, cells.fine, coarse=coarse, highest=self.highest)
 
     def _one(self, given: AnyContacts) -> GivenPress:
         if given is None or isinstance(given, str | Press):

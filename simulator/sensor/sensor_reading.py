@@ -57,7 +57,8 @@ class SensorReading:
     time: s of the sensor's clock. values: shape (quantity, skin, interface, frequency), read-only.
     taken_at: end of each reading, s, shape (interface, frequency), NaN before the first one. fresh:
     True for readings that ended within the last step, shape (interface, frequency). limited: True
-    for skins whose contacts would have compressed the foam further than it can be, shape (skin,).
+    for skins whose contacts would compress the foam further than it can be, or than the model
+    covers, and are limited to that, shape (skin,).
     """
 
     time: float

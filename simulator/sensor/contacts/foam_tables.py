@@ -37,12 +37,14 @@ class FoamTables(NamedTuple):
         return np.interp(at, np.linspace(0.0, 1.0, len(self.strain)), self.strain)
 
 
-def foam_tables(foam: Foam) -> FoamTables:
-    """Law of a foam. Without mechanics it has no stress: its tables are for depths alone.
+def foam_tables(foam: Foam, highest: float = np.inf) -> FoamTables:
+    """Law of a foam up to a factor on c. Without mechanics it is for depths alone.
 
     Without a thickness as well, its thickness is 0.
     """
     greatest, thickness = foam.greatest_strain, foam.thickness or 0.0
+    if np.isfinite(highest):
+        greatest = min(greatest, float(foam.strain_at(np.array(highest))))
     strains = np.linspace(0.0, greatest, STRAINS)
     relative = foam.factor_at(strains) * (1 - strains)
     if foam.mechanics is None:

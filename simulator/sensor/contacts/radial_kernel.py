@@ -19,25 +19,25 @@ def radial_deflections(
     tension: float,
     step: float,
     nodes: int,
-    flat: int,
+    limit: int,
     curvature: float,
     levels: NDArray,
 ) -> NDArray:  # pragma: no cover
     """Deflection under an indenter of each depth, m, shape (level, node).
 
     T / r d/dr (r dw/dr) = p(w / d) outside the contact, by finite volumes between equidistant radii
-    0, step, 2 step ...; nodes lie in the middles. flat: nodes under a flat indenter; 0 for a
-    sphere, which the skin follows where it meets it. levels: depths, m, ascending.
+    0, step, 2 step ...; nodes lie in the middles. limit: nodes under the end of the indenter; the
+    skin follows it where it meets it. curvature: radius of the end, m; inf if it is flat. levels:
+    depths, m, ascending.
     """
     w, found = np.zeros(nodes), np.zeros((len(levels), nodes))
-    held = max(flat, 1)
-    most = flat if flat > 0 else nodes - 2
+    held, most = 1, min(limit, nodes - 2)
     for level in range(len(levels)):
         while True:
             for k in range(held):
-                w[k] = _surface(k, step, flat, curvature, levels[level])
-            _solve(w, held, law, tension, step, flat > 0)
-            under = _surface(held, step, flat, curvature, levels[level])
+                w[k] = _surface(k, step, curvature, levels[level])
+            _solve(w, held, law, tension, step, held == limit)
+            under = _surface(held, step, curvature, levels[level])
             if held >= most or w[held] >= under:
                 break
             held += 1
@@ -47,11 +47,9 @@ def radial_deflections(
 
 
 @compiled()
-def _surface(
-    k: int, step: float, flat: int, curvature: float, depth: float
-) -> float:  # pragma: no cover
+def _surface(k: int, step: float, curvature: float, depth: float) -> float:  # pragma: no cover
     """Depth of the indenter's surface at a node, m."""
-    return depth if flat > 0 else depth - ((k + 0.5) * step) ** 2 / (2 * curvature)
+    return depth - ((k + 0.5) * step) ** 2 / (2 * curvature)
 
 
 @compiled()

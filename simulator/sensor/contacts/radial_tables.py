@@ -46,25 +46,25 @@ NO_TABLES = RadialTable(_LEVEL, _LEVEL, _DISCS, _DISCS, _LEVEL)
 def radial_table(
     scene: Scene, foam: FoamTables, radius: float, curvature: float, reach: float
 ) -> RadialTable:
-    """Table of a flat indenter of a radius, or of a sphere of a radius of curvature; m.
+    """Table of an indenter of a radius with a spherical end of a radius of curvature; m.
 
-    The other one is infinite. reach: distance from the contact without influence, m.
+    The first is infinite for a sphere, the second for a flat end. reach: distance from the contact
+    without influence, m.
     """
     from .radial_kernel import radial_deflections, stacked_rings
 
     mechanics = scene.skin.foam.mechanics
     assert mechanics is not None
     greatest, thickness = float(foam.law[4]), float(foam.law[5])
-    patch = radius if np.isfinite(radius) else np.sqrt(2 * curvature * greatest * thickness)
+    patch = float(min(radius, np.sqrt(2 * curvature * greatest * thickness)))
     spread = np.sqrt(mechanics.tension * thickness / mechanics.young)
     step = max(min(spread, patch) / FINE, (patch + reach) / MAX_NODES)
-    flat = 0
-    if np.isfinite(radius):
-        flat = int(np.ceil(radius / step))
-        step = radius / flat
+    limit = int(np.ceil(patch / step))
+    step = patch / limit
     nodes = int(np.ceil((patch + reach) / step)) + 2
+    flat = limit if np.isinf(curvature) else 0
     depth = _levels(foam) * thickness
-    w = radial_deflections(foam.law, mechanics.tension, step, nodes, flat, curvature, depth)
+    w = radial_deflections(foam.law, mechanics.tension, step, nodes, limit, curvature, depth)
     strain = np.minimum(w / thickness, greatest)
     ring = 2 * np.pi * step**2 * (np.arange(nodes) + 0.5)
     rise = scene.skin.foam.factor_at(strain) - 1

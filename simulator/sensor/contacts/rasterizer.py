@@ -65,15 +65,17 @@ class ContactRasterizer:
         grid: tuple[int, int] | None = None,
         too_deep: TooDeep = "limit",
         coarse: tuple[int, int] | None = None,
+        highest: float = np.inf,
     ) -> ContactRasterizer:
         """Rasterizer on a grid (rows, columns), by default the scene's pixels.
 
         coarse: rows and columns of coarser cells; `grid` divides each into PARTS along its sides.
+        highest: factor on c beyond which foam counts as too deep, if its own law goes further.
         """
         if too_deep not in ("limit", "refuse"):
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
         grid = grid or scene.pixels.shape
-        foam, cells = foam_tables(scene.skin.foam), grid_cells(scene, grid)
+        foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene, grid)
         refused, spread = refusals(scene), None
         if spreads(scene) and "force" not in refused:
             from .membrane_contacts import Membrane

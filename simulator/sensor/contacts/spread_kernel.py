@@ -64,8 +64,7 @@ def spread_stacks(
             if reason != FINE:
                 fault[0], fault[1], fault[2] = press, k, reason
                 return own_radii, stacked, own_discs, strain, limited, patches, fault, how
-            both = contact[RADIUS] < np.inf and contact[CURVATURE] < np.inf
-            if contact[WIDTH] > 0.0 or both:
+            if contact[WIDTH] > 0.0 or _flat_overlap(values[press], k):
                 how[press] = max(how[press], BY_LATTICE)
                 continue
             table = _table_of(contact, keys)
@@ -102,6 +101,17 @@ def _table_of(contact: NDArray, keys: NDArray) -> int:  # pragma: no cover
         if keys[table, 0] == contact[RADIUS] and keys[table, 1] == contact[CURVATURE]:
             return table
     return -1
+
+
+@compiled()
+def _flat_overlap(contacts: NDArray, k: int) -> bool:  # pragma: no cover
+    """True if a flat contact overlaps an earlier one."""
+    for m in range(k):
+        away = (contacts[k, X] - contacts[m, X]) ** 2 + (contacts[k, Y] - contacts[m, Y]) ** 2
+        flat = contacts[k, CURVATURE] == np.inf and contacts[m, CURVATURE] == np.inf
+        if flat and away < (contacts[k, RADIUS] + contacts[m, RADIUS]) ** 2:
+            return True
+    return False
 
 
 @compiled()

@@ -90,7 +90,7 @@ class SpreadPoints:
     def _add_tables(self, contacts: PointContacts) -> None:
         there = np.arange(contacts.values.shape[1]) < contacts.counts[:, None]
         own = contacts.values[there][:, [RADIUS, CURVATURE]]
-        needed = {(*key,) for key in own[np.isinf(own).any(axis=1)].tolist()}
+        needed = {(*key,) for key in own[np.isfinite(own).any(axis=1)].tolist()}
         known = dict(zip(map(tuple, self.keys.tolist()), self.tables.each(), strict=True))
         if len(needed | {*known}) > MAX_TABLES:
             known = {key: table for key, table in known.items() if key in needed}

@@ -49,7 +49,14 @@ def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer, membrane):
     assert dense(found).sum() == pytest.approx(exact.sum(), rel=1e-3)
 
 
-@pytest.mark.parametrize("end", [{"radius": 5e-3}, {"curvature_radius": 0.02}])
+@pytest.mark.parametrize(
+    "end",
+    [
+        {"radius": 5e-3},
+        {"curvature_radius": 0.02},
+        {"radius": 4e-3, "curvature_radius": 0.01},
+    ],
+)
 @pytest.mark.parametrize("force", [0.05, 0.6])
 def test_lattice_and_table_agree(rasterizer, membrane, end, force):
     contacts = PointContacts(0.053, 0.061, force, **end)

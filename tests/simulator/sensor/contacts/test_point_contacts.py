@@ -71,3 +71,11 @@ def test_a_force_too_large_limits_the_foam_and_says_so(sharp):
     assert found.batch.rises.max() == pytest.approx(most, rel=1e-9)
     gentle = PointContacts([0.05, 0.02], 0.05, 1.0, 0.01)
     assert not ContactRasterizer.of(sharp, GRID)(gentle).limited.any()
+
+
+@pytest.mark.parametrize("tension", [0.0, 20.0])
+def test_a_model_s_largest_factor_limits_as_closed_cells_do(sharp, tension):
+    scene = sharp.with_({"skin.foam.mechanics.tension": tension})
+    found = ContactRasterizer.of(scene, GRID, highest=3.0)(PointContacts(0.05, 0.05, 1e3, 0.02))
+    assert found.limited.tolist() == [True]
+    assert found.batch.rises.max() == pytest.approx(2.0, rel=1e-5)
