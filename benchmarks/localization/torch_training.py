@@ -3,7 +3,7 @@
 Three tables. A network for 6x6 pixels by four wires, trained on a stream and on data sets on disk,
 and scored on skins of neither. A design whose sheets and frequencies follow the gradient of a
 localizer's loss, scored by `gaussian` on data sets of unseen skins. Rates of the reduced skin in
-PyTorch beside the compiled kernel. All on one thread; no GPU was at hand.
+PyTorch beside the compiled kernel. All on one thread; a GPU was not measured.
 
 Run: python benchmarks/localization/torch_training.py [--quick]
 """

@@ -49,6 +49,10 @@ def rates(scene: Scene, presses: int, rtol: float, repetitions: int = REPETITION
 def _row(name: str, presses: int, seconds: float, kernel: float) -> dict:
     return {
         "what": name,
-        "sweeps a second": f"{presses / seconds:.2g}",
-        "time over that of the kernel": f"{seconds / kernel:.2g}",
+        "sweeps a second": _two_digits(presses / seconds),
+        "time over that of the kernel": _two_digits(seconds / kernel),
     }
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
