@@ -17,6 +17,7 @@ OWN_SKIN = "docs/tutorials/your-own-skin.md"
 FINGERS = "docs/tutorials/what-a-finger-buys.md"
 ROBOTS = "docs/how-to/give-data-to-robot-learners.md"
 IMPORTS = "docs/how-to/import-measurements.md"
+ELSEWHERE = "docs/how-to/run-a-model-elsewhere.md"
 IN_TORCH = "docs/how-to/train-in-torch.md"
 SELF_MADE = (
     "README.md",
@@ -33,6 +34,7 @@ SELF_MADE = (
             "give-data-to-robot-learners",
             "make-data-sets",
             "press-in-a-browser",
+            "run-a-model-elsewhere",
             "see-the-fields",
             "simulate-sweeps",
         )
@@ -183,6 +185,19 @@ def test_what_a_finger_buys_runs_in_its_order(tmp_path, monkeypatch):
     scene_of_fingers(tmp_path)
     for line in commands(FINGERS):
         run(monkeypatch, line)
+
+
+@pytest.mark.slow
+def test_a_model_runs_elsewhere(tmp_path, monkeypatch):
+    pytest.importorskip("onnxruntime", reason="onnxruntime is not installed")
+    monkeypatch.chdir(tmp_path)
+    for line in commands(ELSEWHERE):
+        run(monkeypatch, line)
+    (example,) = blocks(ELSEWHERE, "py")
+    names = {}
+    exec(compile(example, ELSEWHERE, "exec"), names)
+    pressed = names["sweeps"]["row"].values > 0
+    assert (names["label"][pressed] > 0).mean() > 0.5
 
 
 @pytest.mark.slow
