@@ -33,6 +33,7 @@ def localizer():
                 )
             ),
             positions=told((np.array([position]), np.array([[3.0, 5.0, 0.1]]))),
+            fault_kinds=lambda sweep: np.array([""]),
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
         return LiveLocalizer(model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))))
