@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..measure.skin_faults import OPEN, SkinFault
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..method_cache import cached_method
 from ..models.heterogeneous.materials import gauged
@@ -31,9 +32,18 @@ class MountedSkins:
     """
 
     def __init__(
-        self, scene: Scene, family: Reduced, seed: int, numbers: Sequence[int], drawn: bool
+        self,
+        scene: Scene,
+        family: Reduced,
+        seed: int,
+        numbers: Sequence[int],
+        drawn: bool,
+        faults: Sequence[SkinFault] = (),
     ) -> None:
-        """scene: with the sessions of which each draws a skin; drawn: False if all are equal."""
+        """scene: with the sessions of which each draws a skin; drawn: False if all are equal.
+
+        faults: of all skins; the family is that of the skins with them.
+        """
         distinct = numbers if drawn else numbers[:1]
         check_memory(
             len(distinct) * family.factors.nbytes,
@@ -45,8 +55,16 @@ class MountedSkins:
         self._kernel = skin_admittances
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
-        self._drawn = [drawn_skin(scene, seed, number, grid, modes) for number in distinct]
+        self._drawn = [
+            _with_faults(drawn_skin(scene, seed, number, grid, modes), faults, scene, grid)
+            for number in distinct
+        ]
         self._setup = scene.reading.behind(_stacked_leads(self._drawn))
+        connected = [fault.connected(scene) for fault in faults]
+        self._connected = np.logical_and.reduce([np.ones(len(scene.interfaces), bool), *connected])
+        self._number = np.cumsum(self._connected) - 1
+        gains = [fault.gain(scene.frequencies) for fault in faults]
+        self._gain = np.prod(gains, axis=0) if faults else None
 
     def readings(
         self, batch: PressBatch, interface: int, frequencies: slice = slice(None)
@@ -57,9 +75,15 @@ class MountedSkins:
         """
         skins, presses = self._rows(batch.count)
         one = self._one_to_one
-        Z = self._impedances(batch, skins, presses, [interface] if one else None, frequencies)
         setup = self._at(interface if one else None, frequencies)
+        if self._connected[interface]:
+            chosen = [int(self._number[interface])] if one else None
+            Z = self._impedances(batch, skins, presses, chosen, frequencies)
+        else:
+            Z = np.full((len(skins), 1, len(setup.frequency)), OPEN, dtype=complex)
         found = setup.at_meter(Z)[:, 0 if one else interface]
+        if self._gain is not None:
+            found = found * self._gain[frequencies]
         if len(found) == self.count:
             return found
         return np.broadcast_to(found, (self.count, found.shape[1]))
@@ -131,6 +155,18 @@ class MountedSkins:
     @cached_property
     def _stack(self) -> SkinStack:
         return SkinStack.of(self._skins)
+
+
+def _with_faults(
+    drawn: DrawnSkin, faults: Sequence[SkinFault], scene: Scene, grid: tuple[int, int]
+) -> DrawnSkin:
+    """Skin with its stuck spots, and without the films of dead foils."""
+    variation = drawn.variation
+    remaining = np.ones(len(scene.contacts), dtype=bool)
+    for fault in faults:
+        remaining &= fault.remaining(scene)
+        variation = replace(variation, capacitance=variation.capacitance * fault.foam(scene, grid))
+    return replace(drawn, variation=replace(variation, films=variation.films[remaining]))
 
 
 def _stacked_leads(drawn: Sequence[DrawnSkin]) -> Leads:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
+from ..measure.skin_faults import parse_fault
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -45,9 +46,10 @@ class Sensor:
     numbers in the session: skin k of a batch equals the sensor of `skins=[k]`. seed: of all random
     numbers. rtol: relative tolerance of readings, without the errors of the meter. session:
     "nominal", the scene's own skin, or "drawn", each skin as `dataset.session` draws it. noise:
-    False for readings without errors of the meter and without rounding to its digits. Raises
-    InputError for a value out of range and for a scene that cannot be mounted, ToleranceError if
-    rtol is not reached.
+    False for readings without errors of the meter and without rounding to its digits. faults: texts
+    of faults that all skins have from the start, such as "dead foil top-left" or "stuck spot
+    2,3:1.5"; `fail` adds one later. Raises InputError for a value out of range and for a scene that
+    cannot be mounted, ToleranceError if rtol is not reached.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Sensor:
         rtol: float = 1e-3,
         session: Literal["nominal", "drawn"] = "nominal",
         noise: bool = True,
+        faults: Sequence[str] = (),
     ) -> None:
         self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
         if session not in ("nominal", "drawn"):
@@ -72,6 +75,7 @@ class Sensor:
         self._drawn = session == "drawn"
         own = family_scene(self.scene, self._drawn, rtol)
         self._own, self._family = own, trained_family(own, rtol)
+        self._faults = self._first_faults = tuple(parse_fault(text, own) for text in faults)
         self._cells = SkinCells.of(self.scene, self._family.grid)
         highest = highest_factor(self.scene)
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
@@ -83,6 +87,32 @@ class Sensor:
     def reset(self, seed: int | None = None) -> None:
         """Start again at 0 s with unpressed skins. seed: a new one, which draws other skins."""
         self._begin(self.seed if seed is None else seed)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Texts of the faults that the skins have now."""
+        return tuple(map(str, self._faults))
+
+    def fail(self, fault: str) -> None:
+        """Give all skins a further fault from now on, until `reset`.
+
+        fault: its text, such as "tear top bottom 0.5 0.6". Raises InputError if the skins cannot
+        have it, ToleranceError if it cannot be modelled within rtol.
+        """
+        self._faults = (*self._faults, parse_fault(fault, self._own))
+        self._mounted, self._known = self._mount(self.seed), {}
+
+    def _mount(self, seed: int) -> MountedSkins:
+        """The skins with their faults."""
+        changed: Scene | None = self._own
+        for fault in self._faults:
+            fault.check(changed)
+            changed = fault.changed(changed)
+            if changed is None:
+                break
+        faulty = changed is not None and changed is not self._own
+        family = trained_family(changed, self.rtol) if faulty else self._family
+        return MountedSkins(self._own, family, seed, self.numbers, self._drawn, self._faults)
 
     def copy(self) -> Self:
         """An independent sensor in the same state, which continues in the same way."""
@@ -143,7 +173,8 @@ class Sensor:
     def error(self) -> float:
         """Estimated largest relative error of readings, without the errors of the meter.
 
-        It compares a sample of touches with the full model when it is first read.
+        It compares a sample of touches with the full model when it is first read, on skins without
+        faults.
         """
         return estimated_error(self.scene, self._drawn, self.rtol)
 
@@ -172,9 +203,10 @@ class Sensor:
         if not 0 <= seed <= MAX_SEED:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
         setup, count = self.scene.reading, self.skins
-        if self._mounted is None or (self._drawn and seed != self.seed):
-            given = self._own, self._family, seed, self.numbers, self._drawn
-            self._mounted = MountedSkins(*given)
+        repaired = self._faults != self._first_faults
+        self._faults = self._first_faults
+        if self._mounted is None or repaired or (self._drawn and seed != self.seed):
+            self._mounted = self._mount(seed)
         self.seed, self._now = seed, 0
         self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
