@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..dataset.dataset_plan import Plan
+from ..dataset.dataset_plan import MAX_CELLS, Plan
 from ..dataset.drawn_presses import drawn_presses
 from ..dataset.skin_model import reduced
 from ..measure.skins import drawn_skin
@@ -20,6 +20,7 @@ from ..scene.draw_distributions import Fixed, Uniform
 from ..scene.pixel_grid import Pressing
 from ..scene.randomisation import DrawnPress, Randomisation, Session
 from ..scene.scene import Scene
+from ..sweeps import InputError
 
 STRONGEST, BY_FOAM = 4.0, 8.0
 """Largest factor on c that training includes; a scene that draws larger ones, or whose foam allows
@@ -42,7 +43,7 @@ CELL_OF_DECAY, AT_RTOL = 0.3, 1e-3
 the third power of the side. On 80 random presses 9 in 10 were below half the tolerance, and all
 below it."""
 CELLS_OF_SIDE = 4
-"""Smallest number of cells along each side of the skin."""
+"""Smallest number of cells along each side of the skin, as far as MAX_CELLS allows."""
 
 NOMINAL = Session(
     sheet_resistance=Fixed(value=1.0),
@@ -85,13 +86,23 @@ def family_scene(scene: Scene, drawn: bool, rtol: float) -> Scene:
 
 
 def _cells_per_pixel(scene: Scene, rtol: float) -> int:
-    """Cells along each side of a pixel; see CELL_OF_DECAY and CELLS_OF_SIDE."""
+    """Cells along each side of a pixel; see CELL_OF_DECAY and CELLS_OF_SIDE.
+
+    Raises InputError if a tolerance needs more cells than a model can be trained for.
+    """
     skin, omega = scene.skin, 2 * math.pi * float(scene.frequencies[-1])
     c = highest_factor(scene) * skin.foam.unpressed_capacitance_per_area
     decay = 1 / math.sqrt(omega * sum(skin.sheet_resistances) * c)
     largest = CELL_OF_DECAY * (rtol / AT_RTOL) ** (1 / 3) * decay
-    counts = zip(skin.sides, scene.pixels.shape[::-1], strict=True)
-    return max(math.ceil(max(side / largest, CELLS_OF_SIDE) / count) for side, count in counts)
+    counts, most = scene.pixels.shape[::-1], MAX_CELLS // max(scene.pixels.shape)
+    sides = zip(skin.sides, counts, strict=True)
+    needed = max(math.ceil(side / largest / count) for side, count in sides)
+    if needed > most:
+        raise InputError(
+            f"{scene.name}: `rtol` must be larger: {rtol:g} needs {needed} cells along each side "
+            f"of a pixel, and a sensor has at most {MAX_CELLS} along each side of the skin"
+        )
+    return max(needed, min(most, math.ceil(CELLS_OF_SIDE / min(counts))))
 
 
 def highest_factor(scene: Scene) -> float:

@@ -24,14 +24,14 @@ def strip(**foam):
 def test_presses_in_turn_are_those_of_the_solver_in_time():
     scene = strip(relaxation=ONE, hysteresis=0.2)
     presses = ["1,2:1.9", "1,2:1.5", "none"]
-    sensor = rcskin.Sensor(scene, noise=False, rtol=1e-3)
+    sensor = rcskin.Sensor(scene, noise=False, rtol=3e-3)
     for press in presses:
         sensor.step(press, PERIOD)
         sensor.step(None, PERIOD)
     solved = rcskin.sweep(scene, presses, rtol=1e-5)
     own = sensor.sweeps().isel(sweep=slice(0, 6, 2))
     for name in ("Rs", "Cp"):
-        np.testing.assert_allclose(own[name].values, solved[name].values, rtol=1e-3)
+        np.testing.assert_allclose(own[name].values, solved[name].values, rtol=3e-3)
     first, again = own.Cp.values[0, 0], rcskin.sweep(strip(), presses[:1]).Cp.values[0, 0]
     assert np.abs(first / again - 1).max() > 5e-3
 
@@ -81,7 +81,7 @@ def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
 
 def test_splitting_steps_changes_nothing_and_copies_are_apart():
     scene = strip(relaxation=ONE, hysteresis=0.2)
-    whole, parts = (rcskin.Sensor(scene, skins=2, noise=False) for _ in range(2))
+    whole, parts = (rcskin.Sensor(scene, skins=2, noise=False, rtol=3e-3) for _ in range(2))
     one = whole.step(["1,2:1.8", None], 0.1)
     for _ in range(10):
         parts.step(["1,2:1.8", None], 0.01)

@@ -9,11 +9,11 @@ STRIP = "strip-1x4"
 
 
 def sensor(**options):
-    return rcskin.Sensor(STRIP, **options)
+    return rcskin.Sensor(STRIP, **{"rtol": 5e-3, **options})
 
 
 def test_readings_of_a_constant_press_are_those_of_the_solver():
-    own = sensor(noise=False, rtol=1e-3)
+    own = sensor(noise=False)
     reading = own.step("1,2+1,4:1.5", dt=0.05)
     exact = rcskin.sweep(STRIP, ["1,2+1,4:1.5"], rtol=1e-6)
     for name in ("Rs", "X", "Cp"):
@@ -55,8 +55,8 @@ def test_a_reading_takes_the_contacts_at_its_middle():
     pressed, unpressed = (
         rcskin.sweep(STRIP, [press], rtol=1e-5).Cp.values[0, 0, 0] for press in ("1,1", "none")
     )
-    assert before.Cp[0, 0, 0] == pytest.approx(pressed, rel=1e-3)
-    assert after.Cp[0, 0, 0] == pytest.approx(unpressed, rel=1e-3)
+    assert before.Cp[0, 0, 0] == pytest.approx(pressed, rel=5e-3)
+    assert after.Cp[0, 0, 0] == pytest.approx(unpressed, rel=5e-3)
 
 
 def test_results_do_not_depend_on_how_steps_are_divided():
@@ -137,6 +137,7 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
         ({"seed": -1}, "`seed` must be in 0.."),
         ({"skins": "3"}, "or a list of numbers >= 0, got '3'"),
         ({"rtol": 0.0}, "`rtol` must be between 0 and 1"),
+        ({"rtol": 1e-8}, "`rtol` must be larger: 1e-08 needs"),
         ({"rtol": 2.0}, "`rtol` must be between 0 and 1"),
     ],
 )
