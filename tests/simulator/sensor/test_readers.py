@@ -59,7 +59,7 @@ def test_a_gain_has_no_capacitance():
 
 def test_models_localize_what_a_sensor_reads():
     scene = strip({"dataset.session.sweeps_per_session": 60})
-    model = rcskin.train(rcskin.dataset(scene, 180, rtol=1e-3), "column", quantities="lnZ,phase")
+    model = rcskin.train(rcskin.dataset(scene, 180, rtol=RTOL), "column", quantities="lnZ,phase")
     sensor = rcskin.Sensor(scene, skins=3, session="drawn", rtol=RTOL)
     sensor.step(["1,1", "1,2", "1,3"], dt=0.02)
     answers = rcskin.localize(model, sensor.last_sweep)
