@@ -26,7 +26,7 @@ def export_model(
     """
     from ...simulator.requests.console import report_written
     from ...simulator.sweeps import InputError, checked_output, require_packages
-    from ..export.description import UNGUARDED
+    from ..export.description import limits_of
     from ..export.portable import portable
     from ..model.localizer_file import load
     from .model_notes import note_versions
@@ -47,8 +47,8 @@ def export_model(
         written = (output,)
         size, line = _write_graph(model, parts, output, single, compare)
     say(f"{output}: {line}")
-    if not guarded:
-        say(f"{output}: {UNGUARDED}")
+    for limit in limits_of(model, parts):
+        say(f"{output}: {limit}")
     report_written(f"{model.target} by {model.estimator}: {size}", *written)
 
 

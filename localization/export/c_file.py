@@ -15,7 +15,7 @@ from ..inputs.feature_names import ABSOLUTE, BASELINE, READ, RELATIVE
 from ..model.localizer_model import Model
 from .c_parts import NoCodeError, add_code, add_distance_code
 from .c_tables import CCode, comment, identifier, listed, number, string
-from .description import FEATURES_VERSION, UNGUARDED
+from .description import FEATURES_VERSION, limits_of
 from .portable import PortableModel
 
 TOLERANCE = 2e-3
@@ -102,7 +102,7 @@ def _template_values(model: Model, parts: PortableModel, code: CCode, stem: str)
         "feature_names": comment(", ".join(problem.quantities)),
         "validation": comment(f"{model.validation}: {model.learned.outcome}"),
         "tolerance": TOLERANCE,
-        "guard": "" if parts.guarded else UNGUARDED,
+        "limits": [comment(each) for each in limits_of(model, parts)],
         "guarded": parts.guarded,
         "interfaces": [string(each) for each in problem.interfaces],
         "frequencies": listed(number(each) for each in problem.frequencies),

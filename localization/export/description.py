@@ -24,6 +24,16 @@ OUTPUTS = {
     "deviation": "standard deviations of the position",
 }
 UNGUARDED = "no guard: sweeps unlike the training are answered too"
+FAULTS_LEFT_OUT = "faults are not recognized: sweeps like those of {kinds} are answered too"
+
+
+def limits_of(model: Model, parts: PortableModel) -> list[str]:
+    """Sentences on what `rcskin localize` refuses to answer, and an exported model does not."""
+    lines = [] if parts.guarded else [UNGUARDED]
+    if model.diagnosis is not None and model.diagnosis.misleading:
+        kinds = " or ".join(model.diagnosis.misleading)
+        lines.append(FAULTS_LEFT_OUT.format(kinds=kinds))
+    return lines
 
 
 def described(model: Model, parts: PortableModel, inputs: Sequence[str]) -> dict[str, object]:
@@ -46,6 +56,7 @@ def described(model: Model, parts: PortableModel, inputs: Sequence[str]) -> dict
         "inputs": {name: input_meaning(name) for name in inputs},
         "outputs": {name: OUTPUTS[name] for name in outputs},
         "guard": "distance from the training sweeps" if parts.guarded else UNGUARDED,
+        "limits": limits_of(model, parts),
         "trained_with": model.versions,
         "trained_on_sweeps": model.trained_on,
         "validation": f"{model.validation}: {model.learned.outcome}",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -110,13 +110,14 @@ def difference(
 ) -> Difference:
     """Largest differences of a graph from the model, over the sweeps that have a baseline.
 
-    Raises InputError as `Model.answers`, and if no sweep has what the model needs.
+    The model is taken without its knowledge of faults, which no graph has. Raises InputError as
+    `Model.answers`, and if no sweep has what the model needs.
     """
     rows = model.usable_features(sweeps, rest)[1]
     if not rows.size:
         raise InputError(f"{model.source}: no sweep has a baseline sweep before it")
     found = outputs_of(exported, model, sweeps, rest, rows)
-    answers = model.answers(sweeps, rest)
+    answers = replace(model, diagnosis=None).answers(sweeps, rest)
     labels = np.array([*parts.labels, CANNOT_TELL])[found["label"]]
     wrong = int((labels != answers.labels[rows]).sum())
     if model.target != "position":

@@ -1,17 +1,20 @@
 """Exported graphs give the answers of their models, from raw readings."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.adaptation.position_adaptation import adapt_positions
+from rcskin.localization.export.c_file import c_files
 from rcskin.localization.export.onnx_check import difference, inputs_of, outputs_of
 from rcskin.localization.export.onnx_file import onnx_model
 from rcskin.localization.export.portable import portable
 from rcskin.localization.learners import networks
 from rcskin.localization.model.training import train
+from rcskin.localization.trust.diagnosis import NO_FAULT, Diagnosis
 from rcskin.simulator.sweeps import InputError, build
 from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
 
@@ -147,9 +150,19 @@ def test_the_file_says_what_it_takes_and_gives(trained):
     assert {each.name for each in exported.graph.output} == set(json.loads(own["outputs"]))
 
 
-def test_a_model_that_inverts_the_simulator_stays(trained):
-    from dataclasses import replace
+def test_faults_that_a_graph_does_not_know_are_named(trained, make_sessions):
+    model = trained("the paper's, changes")
+    limits = {NO_FAULT: model.learned.guards.kinds, "dead foil": model.learned.guards.kinds}
+    faulty = replace(model, diagnosis=Diagnosis(limits, ("dead foil",)))
+    exported = onnx_model(faulty, portable(faulty))
+    own = {each.key: each.value for each in exported.metadata_props}
+    named = "faults are not recognized: sweeps like those of dead foil are answered too"
+    assert json.loads(own["limits"]) == [named]
+    assert named in c_files(faulty, portable(faulty), "skin").header
+    assert difference(exported, faulty, portable(faulty), make_sessions(seed=50)).labels == 0
 
+
+def test_a_model_that_inverts_the_simulator_stays(trained):
     from rcskin.localization.inversion.classifier import ModelBased
     from sklearn.pipeline import Pipeline
 
