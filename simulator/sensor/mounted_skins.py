@@ -39,10 +39,12 @@ class MountedSkins:
         numbers: Sequence[int],
         drawn: bool,
         faults: Sequence[SkinFault] = (),
+        connected: Sequence[str] | None = None,
     ) -> None:
         """scene: with the sessions of which each draws a skin; drawn: False if all are equal.
 
-        faults: of all skins; the family is that of the skins with them.
+        faults: of all skins; the family is that of the skins with them. connected: names of the
+        interfaces that the faults leave, by default all.
         """
         distinct = numbers if drawn else numbers[:1]
         check_memory(
@@ -60,8 +62,8 @@ class MountedSkins:
             for number in distinct
         ]
         self._setup = scene.reading.behind(_stacked_leads(self._drawn))
-        connected = [fault.connected(scene) for fault in faults]
-        self._connected = np.logical_and.reduce([np.ones(len(scene.interfaces), bool), *connected])
+        names = [each.name for each in scene.interfaces]
+        self._connected = np.isin(names, names if connected is None else [*connected])
         self._number = np.cumsum(self._connected) - 1
         gains = [fault.gain(scene.frequencies) for fault in faults]
         self._gain = np.prod(gains, axis=0) if faults else None

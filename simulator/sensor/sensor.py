@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 
 from ..dataset.dataset_plan import MAX_SEED
-from ..measure.skin_faults import parse_fault
+from ..measure.skin_faults import SkinFault, parse_fault
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -99,20 +99,21 @@ class Sensor:
         fault: its text, such as "tear top bottom 0.5 0.6". Raises InputError if the skins cannot
         have it, ToleranceError if it cannot be modelled within rtol.
         """
-        self._faults = (*self._faults, parse_fault(fault, self._own))
-        self._mounted, self._known = self._mount(self.seed), {}
+        faults = (*self._faults, parse_fault(fault, self._own))
+        self._mounted, self._known = self._mount(self.seed, faults), {}
+        self._faults = faults
 
-    def _mount(self, seed: int) -> MountedSkins:
-        """The skins with their faults."""
+    def _mount(self, seed: int, faults: tuple[SkinFault, ...]) -> MountedSkins:
+        """The skins with these faults."""
         changed: Scene | None = self._own
-        for fault in self._faults:
-            fault.check(changed)
-            changed = fault.changed(changed)
-            if changed is None:
-                break
-        faulty = changed is not None and changed is not self._own
-        family = trained_family(changed, self.rtol) if faulty else self._family
-        return MountedSkins(self._own, family, seed, self.numbers, self._drawn, self._faults)
+        for fault in faults:
+            if changed is not None:
+                fault.check(changed)
+                changed = fault.changed(changed)
+        left = () if changed is None else [each.name for each in changed.interfaces]
+        same = changed is None or changed is self._own
+        family = self._family if same else trained_family(changed, self.rtol)
+        return MountedSkins(self._own, family, seed, self.numbers, self._drawn, faults, left)
 
     def copy(self) -> Self:
         """An independent sensor in the same state, which continues in the same way."""
@@ -206,7 +207,7 @@ class Sensor:
         repaired = self._faults != self._first_faults
         self._faults = self._first_faults
         if self._mounted is None or repaired or (self._drawn and seed != self.seed):
-            self._mounted = self._mount(seed)
+            self._mounted = self._mount(seed, self._faults)
         self.seed, self._now = seed, 0
         self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)

@@ -48,6 +48,24 @@ def test_a_foil_dies_and_a_reset_repairs_it():
     np.testing.assert_allclose(swept(sensor), healthy, rtol=1e-12)
 
 
+def test_an_interface_is_open_once_all_its_foils_are_dead():
+    own = load_scene("sheet-5x5-two-interfaces")
+    (first, *_), names = own.interfaces, [each.name for each in own.contacts]
+    tied = first.model_copy(update={"high": tuple(names[:2]), "low": tuple(names[2:3])})
+    both = [parse_fault(f"dead foil {name}", own) for name in names[:2]]
+    scene = own.model_copy(update={"interfaces": (tied,)})
+    one = both[0].changed(scene)
+    assert one.interfaces[0].high == (names[1],) and both[1].changed(one) is None
+
+
+def test_a_refused_fault_leaves_the_sensor_as_it_was():
+    sensor = Sensor(SCENE, faults=("dead foil top-left",))
+    with pytest.raises(InputError, match="must name one of"):
+        sensor.fail("dead foil nowhere")
+    sensor.fail("aged gain 2 2")
+    assert sensor.faults == ("dead foil top-left", "aged gain 2 2")
+
+
 def test_gains_age_on_drawn_skins_alike():
     given = {"session": "drawn", "noise": False, "skins": 2}
     sensor, aged = Sensor(SCENE, **given), Sensor(SCENE, **given, faults=("aged gain 0.9 1.1",))
