@@ -59,7 +59,9 @@ def touched(
 
 @compiled()
 def covered_fraction(
-    box: NDArray, radius: float, sides: tuple[float, float, float, float]
+    box: NDArray | tuple[float, float, float, float],
+    radius: float,
+    sides: tuple[float, float, float, float],
 ) -> float:  # pragma: no cover
     """Fraction of a cell within a touch. sides: left, right, bottom, top of the cell, m."""
     left, right, bottom, top = sides

@@ -69,7 +69,7 @@ class GivenPress(NamedTuple):
         if self.batch.count == skins:
             return self
         batch = PressBatch.of([self.batch.one(0)] * skins)
-        return GivenPress(batch, *(each * skins for each in self[1:]))
+        return GivenPress(batch, self.labels * skins, self.fixed * skins, self.limited * skins)
 
 
 @dataclass(frozen=True, eq=False)

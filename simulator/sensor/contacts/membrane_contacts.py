@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.mechanics.lattice.relaxation_kernel import rasterized
 from ...models.mechanics.lattice.relaxed_presses import (
     FAINT,
     MAX_RELAXATION_SWEEPS,
@@ -35,10 +34,11 @@ from .contact_types import PointContacts, PressureImage
 from .foam_tables import FoamTables
 from .grid_cells import GridCells
 from .membrane_kernel import relaxed_under
+from .membrane_nodes import WindowNodes
 from .patch_kernel import CURVATURE, DEPTH, FORCE, HEIGHT, STRENGTH, WIDTH, X, Y, area_on_skin
 from .winkler_kernel import winkler_patch
 
-TINY = 1e-30
+EMPTY, TINY = np.zeros(0), 1e-30
 FINEST = 0.5
 """Smallest size that nodes resolve, over the length in which the skins spread a press."""
 
@@ -105,7 +105,7 @@ class Membrane:
         lattice = self._lattice(np.inf)
         here = slice(0, self.grid[0]), slice(0, self.grid[1])
         if not values.any():
-            return MembraneCells(NOTHING, *np.zeros((2, 0)), False)
+            return MembraneCells(NOTHING, EMPTY, EMPTY, False)
         row, column = (
             np.minimum(at / side * count, count - 1).astype(np.int64)
             for at, side, count in (
@@ -118,7 +118,7 @@ class Membrane:
         nothing = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
         w, _ = self._relaxed(lattice, np.zeros((0, 7)), nothing, here, "force", alone, pressure)
         touched = _touched(in_cells(lattice, self._rise(w), here))
-        return MembraneCells(touched, *np.zeros((2, 0)), bool((w >= self.deepest).any()))
+        return MembraneCells(touched, EMPTY, EMPTY, bool((w >= self.deepest).any()))
 
     def _patches(self, own: NDArray[np.float64], by: str) -> tuple[NDArray[np.float64], ...]:
         """Largest depth of each contact, m, and the radius of its patch at that depth.
@@ -161,7 +161,7 @@ class Membrane:
         """Deflection at the nodes of a window and depth of each contact, m."""
         rows, columns = lattice.nodes(here)
         x, y = lattice.x[columns], lattice.y[rows]
-        nodes = _Nodes.of(lattice, here)
+        nodes = WindowNodes.of(lattice, here)
         flat = np.isinf(own[:, CURVATURE])
         area, band = np.zeros(len(own)), 0.0
         if flat.any():
@@ -221,40 +221,6 @@ class Membrane:
 
     def _rise(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.scene.skin.foam.factor_at(w / self.foam.law[5]) - 1
-
-
-class _Nodes(NamedTuple):
-    """Conductance of each node to the next along x and y, and its area, over the tension."""
-
-    right: NDArray[np.float64]
-    up: NDArray[np.float64]
-    load: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, lattice: Lattice, here: Window) -> _Nodes:
-        """Nodes of a window."""
-        own = lattice.nodes(here)
-        return cls(lattice.right[own], lattice.up[own], lattice.area * lattice.part[own])
-
-    def cut_at_edges(
-        self, flat: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64], area: float
-    ) -> tuple[_Nodes, float]:
-        """Nodes with arms that end at the edges of flat indenters, and the share of the arms'
-        halves at the edges that is foam under neither nodes nor indenters.
-
-        area: under the indenters, over the tension.
-        """
-        cut = _Nodes(*(each.copy() for each in self))
-        inside = rasterized(*flat, x, y, *cut) > 0
-        whole = float(self.load.max())
-        along, across = np.zeros(inside.shape, bool), np.zeros(inside.shape, bool)
-        along[:, :-1], across[:-1] = inside[:, 1:] != inside[:, :-1], inside[1:] != inside[:-1]
-        arms = sum(
-            (old[at] / new[at])[old[at] > 0].sum()
-            for old, new, at in zip(self[:2], cut[:2], (along, across), strict=True)
-        )
-        left = float(self.load.sum() - cut.load[~inside].sum()) - area
-        return cut, min(max(left / (arms * whole / 2), 0.0), 2.0) if arms else 0.0
 
 
 def _touched(rise: NDArray[np.float64]) -> TouchedCells:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from .cell_samples import SAMPLES
-from .image_kernel import BAD_VALUE, rise_of
+from .cell_shares import add_point
 from .patch_kernel import (
     X,
     Y,
@@ -19,7 +19,8 @@ from .patch_kernel import (
     patch_box,
     within_skin,
 )
-from .stack_kernel import FAINT, all_flat, contacts_over, joint_minus_sum, overlap_box
+from .shared_patches import all_flat, contacts_over, joint_minus_sum, overlap_box
+from .stack_kernel import FAINT
 
 PARTS = 4
 """Number of points along the side of a cell, at least."""
@@ -115,44 +116,6 @@ def moments_of_stacks(
 
 
 @compiled()
-def _shares(
-    at: float, count: int, extent: float
-) -> tuple[int, float, float, float]:  # pragma: no cover
-    """First of three cells along an axis and the share of each, as in `cell_spreading`.
-
-    at: position over the side of a cell. extent: of what is shared, over that side.
-    """
-    cell = min(max(int(at), 0), count - 1)
-    t = at - cell - 0.5
-    if count == 1:
-        return -1, 0.0, 1.0, 0.0
-    if cell == 0:
-        return -1, 0.0, 1 - t, t
-    if cell == count - 1:
-        return cell - 1, -t, 1 + t, 0.0
-    second = t * t + (extent * extent - 1) / 12
-    return cell - 1, (second - t) / 2, 1 - second, (second + t) / 2
-
-
-@compiled()
-def _add_point(
-    total: NDArray, u: float, v: float, amount: float, wide: float, high: float
-) -> None:  # pragma: no cover
-    """Share an amount at u along x and v along y, over the sides of a cell."""
-    rows, columns = total.shape
-    row, low, middle, up = _shares(v, rows, high)
-    column, left, centre, right = _shares(u, columns, wide)
-    for k in range(3):
-        own = amount * (low if k == 0 else middle if k == 1 else up)
-        if own != 0.0:
-            if left != 0.0:
-                total[row + k, column] += own * left
-            total[row + k, column + 1] += own * centre
-            if right != 0.0:
-                total[row + k, column + 2] += own * right
-
-
-@compiled()
 def _add_ring(
     total: NDArray,
     contact: NDArray,
@@ -202,7 +165,7 @@ def _add_ring(
             at_x, at_y = contact[X] + to_x, contact[Y] + to_y
             to_x, to_y = to_x * turn_x - to_y * turn_y, to_x * turn_y + to_y * turn_x
             if whole or (0.0 <= at_x <= length and 0.0 <= at_y <= width):
-                _add_point(total, at_x * along, at_y * across, amount, 0.0, 0.0)
+                add_point(total, at_x * along, at_y * across, amount, 0.0, 0.0)
 
 
 @compiled()
@@ -219,7 +182,7 @@ def _add_rectangle(
     for i in range(tall):
         for j in range(wide):
             u, v = left + (j + 0.5) * along, low + (i + 0.5) * across
-            _add_point(total, u, v, rise * along * across, along, across)
+            add_point(total, u, v, rise * along * across, along, across)
 
 
 @compiled()
@@ -264,56 +227,5 @@ def _add_overlaps(
                 before = over
             u, v = at_x / length * columns, at_y / width * rows
             amount = change * along * across / (length * width) * rows * columns
-            _add_point(total, u, v, amount, 0.0, 0.0)
+            add_point(total, u, v, amount, 0.0, 0.0)
     return limited
-
-
-@compiled()
-def moments_of_images(
-    images: NDArray,
-    by_pressure: bool,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    grid: tuple[int, int],
-) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells of a coarse grid (rows, columns), rises and starts of images on a rectangular skin.
-
-    Others and further results: see `image_kernel.imaged_cells`.
-    """
-    presses, high, wide = images.shape
-    rows, columns = grid
-    cells = np.empty(presses * rows * columns, np.int64)
-    rises = np.empty(presses * rows * columns)
-    starts, limited = np.zeros(presses + 1, np.int64), np.zeros(presses, np.bool_)
-    fault, total, found = np.zeros(4, np.int64), np.zeros((rows, columns)), 0
-    across, along = rows / high, columns / wide
-    down, right = int(np.ceil(across * PARTS)), int(np.ceil(along * PARTS))
-    area = across * along / (down * right)
-    for press in range(presses):
-        touched = False
-        for i in range(high):
-            for j in range(wide):
-                value = images[press, i, j]
-                if value == 0.0:
-                    continue
-                if not 0.0 < value < np.inf:
-                    fault[0], fault[1], fault[2], fault[3] = press, i, j, BAD_VALUE
-                    return cells[:0], rises[:0], starts, limited, fault
-                rise, beyond = rise_of(value, by_pressure, law, relative, strains)
-                limited[press] |= beyond
-                touched = True
-                for k in range(down):
-                    v = (i + (k + 0.5) / down) * across
-                    for m in range(right):
-                        u = (j + (m + 0.5) / right) * along
-                        _add_point(total, u, v, rise * area, along / right, across / down)
-        if touched:
-            for i in range(rows):
-                for j in range(columns):
-                    rise, total[i, j] = total[i, j], 0.0
-                    if abs(rise) > FAINT:
-                        cells[found], rises[found] = i * columns + j, rise
-                        found += 1
-        starts[press + 1] = found
-    return cells[:found], rises[:found], starts, limited, fault

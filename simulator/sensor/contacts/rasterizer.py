@@ -145,7 +145,7 @@ class ContactRasterizer:
         if self.coarse is not None:
             from .moment_kernel import moments_of_stacks
 
-            return PressBatch(*moments_of_stacks(*given, self.coarse))
+            return PressBatch(*moments_of_stacks(*given, self.coarse))  # pyright: ignore[reportCallIssue]
         from .stack_kernel import cells_of_stacks
 
         return PressBatch(*cells_of_stacks(*given))
@@ -160,7 +160,7 @@ class ContactRasterizer:
         if by_pressure and self.spread is not None:
             return self._spread_image(contacts)
         if self.coarse is not None:
-            from .moment_kernel import moments_of_images
+            from .image_moments import moments_of_images
 
             *batch, limited, fault = moments_of_images(
                 contacts.values, by_pressure, *self.foam, self.coarse

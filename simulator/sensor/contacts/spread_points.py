@@ -96,7 +96,9 @@ class SpreadPoints:
             known = {key: table for key, table in known.items() if key in needed}
         for key in needed - {*known}:
             known[key] = radial_table(
-                self.membrane.scene, self.membrane.foam, *key, self.membrane.reach
+                self.membrane.scene, self.membrane.foam, key[0], key[1], self.membrane.reach
             )
         self.keys = np.array([*known])
-        self.tables = RadialTable(*map(np.stack, zip(*known.values(), strict=True)))
+        self.tables = RadialTable._make(
+            np.stack(each) for each in zip(*known.values(), strict=True)
+        )

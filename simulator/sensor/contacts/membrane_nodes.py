@@ -1,0 +1,46 @@
+"""Nodes of a window of a lattice, with arms that end at the edges of flat indenters."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.mechanics.lattice.relaxation_kernel import rasterized
+from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators, Window
+from ...models.mechanics.lattice.skin_lattice import Lattice
+
+
+class WindowNodes(NamedTuple):
+    """Conductance of each node to the next along x and y, and its area, over the tension."""
+
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    load: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, lattice: Lattice, here: Window) -> WindowNodes:
+        """Nodes of a window."""
+        own = lattice.nodes(here)
+        return cls(lattice.right[own], lattice.up[own], lattice.area * lattice.part[own])
+
+    def cut_at_edges(
+        self, flat: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64], area: float
+    ) -> tuple[WindowNodes, float]:
+        """Nodes with arms that end at the edges of flat indenters, and the share of the arms'
+        halves at the edges that is foam under neither nodes nor indenters.
+
+        area: under the indenters, over the tension.
+        """
+        cut = WindowNodes(*(each.copy() for each in self))
+        inside = rasterized(*flat, x, y, *cut) > 0
+        whole = float(self.load.max())
+        along, across = np.zeros(inside.shape, bool), np.zeros(inside.shape, bool)
+        along[:, :-1], across[:-1] = inside[:, 1:] != inside[:, :-1], inside[1:] != inside[:-1]
+        arms = sum(
+            (old[at] / new[at])[old[at] > 0].sum()
+            for old, new, at in zip(self[:2], cut[:2], (along, across), strict=True)
+        )
+        left = float(self.load.sum() - cut.load[~inside].sum()) - area
+        return cut, min(max(left / (arms * whole / 2), 0.0), 2.0) if arms else 0.0
