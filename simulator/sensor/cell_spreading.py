@@ -69,8 +69,8 @@ class CellSpreading(NamedTuple):
         """Presses on coarse cells. Fingers, numbered as in `Parts`, are spread as well."""
         from .spreading_kernel import spread
 
-        contiguous = (np.ascontiguousarray(each) for each in batch)
-        return PressBatch(*spread(*contiguous, *self.down, *self.along))
+        cells, rises, starts = (np.ascontiguousarray(each) for each in batch)
+        return PressBatch(*spread(cells, rises, starts, *self.down, *self.along))
 
 
 class SkinCells(NamedTuple):

@@ -90,7 +90,7 @@ class PressReader:
         Raises InputError for contacts that the scene or its family does not take.
         """
         if not isinstance(given, list | tuple):
-            return self._checked(self._one(given))
+            return self._checked(self._one(given))  # pyright: ignore[reportArgumentType]
         if len(given) != self.skins:
             raise InputError(
                 f"`contacts` must be one for all skins, or a list of one for each of the "

@@ -109,7 +109,8 @@ class MountedSkins:
         if gauged(self.family.scene.skin):
             return self._one_by_one(batch, skins, presses, chosen, frequencies)
         stack, batch = self._stack, self._skins[0].parts.followed(batch)
-        batch = PressBatch(*map(np.ascontiguousarray, batch))
+        cells, rises, starts = (np.ascontiguousarray(each) for each in batch)
+        batch = PressBatch(cells, rises, starts)  # pyright: ignore[reportArgumentType]
         s = np.ascontiguousarray(stack.s[:, frequencies])
         numbers = range(len(stack.excitations)) if chosen is None else chosen
         Y = [

@@ -34,7 +34,8 @@ def estimated_error(scene: Scene, drawn: bool, rtol: float) -> float:
     the full model. drawn, rtol: see `family_scene`.
     """
     own = family_scene(scene, drawn, rtol)
-    errors = press_errors(scene, own, trained_family(own, rtol), SAMPLE, rtol)
+    family = trained_family(own, rtol)  # pyright: ignore[reportArgumentType]
+    errors = press_errors(scene, own, family, SAMPLE, rtol)
     return BEYOND_SAMPLE * float(errors.max())
 
 

@@ -73,9 +73,9 @@ class Sensor:
             raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
         self._drawn = session == "drawn"
-        own = family_scene(self.scene, self._drawn, rtol)
-        self._own, self._family = own, trained_family(own, rtol)
-        self._faults = self._first_faults = tuple(parse_fault(text, own) for text in faults)
+        self._own = family_scene(self.scene, self._drawn, rtol)
+        self._family = trained_family(self._own, rtol)  # pyright: ignore[reportArgumentType]
+        self._faults = self._first_faults = tuple(parse_fault(text, self._own) for text in faults)
         self._cells = SkinCells.of(self.scene, self._family.grid)
         highest = highest_factor(self.scene)
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
@@ -111,8 +111,8 @@ class Sensor:
                 fault.check(changed)
                 changed = fault.changed(changed)
         left = () if changed is None else [each.name for each in changed.interfaces]
-        same = changed is None or changed is self._own
-        family = self._family if same else trained_family(changed, self.rtol)
+        given = changed or self._own, self.rtol
+        family = trained_family(*given)  # pyright: ignore[reportArgumentType]
         return MountedSkins(self._own, family, seed, self.numbers, self._drawn, faults, left)
 
     def copy(self) -> Self:
@@ -177,7 +177,8 @@ class Sensor:
         It compares a sample of touches with the full model when it is first read, on skins without
         faults.
         """
-        return estimated_error(self.scene, self._drawn, self.rtol)
+        given = self.scene, self._drawn, self.rtol
+        return estimated_error(*given)  # pyright: ignore[reportArgumentType]
 
     def sweeps(self) -> xr.Dataset:
         """All whole sweeps since the start, those of each skin together.
@@ -245,12 +246,13 @@ class Sensor:
         Skins whose foam has no memory are solved once at all frequencies of an interface for each
         change of the contacts.
         """
-        interface, frequencies = due.slot.interface, due.slot.frequencies
+        interface, frequencies, mounted = due.slot.interface, due.slot.frequencies, self._mounted
+        assert mounted is not None
         if self._foam is not None:
             pressed = self._cells.spread(self._foam.pressed(due.middle / PER_SECOND))
-            return self._mounted.readings(pressed, interface, frequencies)
+            return mounted.readings(pressed, interface, frequencies)
         if interface not in self._known:
-            self._known[interface] = self._mounted.readings(self._held.batch, interface)
+            self._known[interface] = mounted.readings(self._held.batch, interface)
         return self._known[interface][:, frequencies]
 
     def _deliver(self) -> None:

@@ -40,7 +40,7 @@ class VectorLayout:
         """Layout for the readings of a scene."""
         each = [
             (
-                reading_name(quantity.name, setup.interfaces[i].name, setup.frequency[k]),
+                reading_name(quantity.name, setup.interfaces[i].name, float(setup.frequency[k])),
                 quantity.units,
             )
             for quantity in setup.kind.quantities

@@ -44,7 +44,7 @@ def skin_admittances(
         skin, press = skins[row], presses[row]
         own = UnpressedMass(mass.rows[skin], mass.diagonal[skin], mass.factors[skin])
         driven = DenseExcitation(
-            excitation.conductance[skin],
+            excitation.conductance[skin],  # pyright: ignore[reportArgumentType]
             excitation.driven,
             excitation.tied[skin],
             excitation.tied_inverse[skin],
@@ -56,8 +56,9 @@ def skin_admittances(
             weighted[k] *= mass.own[skin, here[k]]
         at = s[skin]
         steps, capacitance = lanczos_steps(
-            own, driven, (here, weighted), farthest_of(at), mass.rtol[skin], work, diagonal,
-            squared, basis,
+            own, driven, (here, weighted), farthest_of(at),
+            mass.rtol[skin],  # pyright: ignore[reportArgumentType]
+            work, diagonal, squared, basis,
         )  # fmt: skip
         delayed = 0.0
         if steps:
