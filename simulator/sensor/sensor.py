@@ -111,8 +111,9 @@ class Sensor:
                 fault.check(changed)
                 changed = fault.changed(changed)
         left = () if changed is None else [each.name for each in changed.interfaces]
-        given = changed or self._own, self.rtol
-        family = trained_family(*given)  # pyright: ignore[reportArgumentType]
+        family = self._family
+        if changed is not None and changed is not self._own:
+            family = trained_family(changed, self.rtol)  # pyright: ignore[reportArgumentType]
         return MountedSkins(self._own, family, seed, self.numbers, self._drawn, faults, left)
 
     def copy(self) -> Self:
