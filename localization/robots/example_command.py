@@ -1,0 +1,49 @@
+"""Command line of the examples of robots."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...simulator.sweeps import InputError
+from ...simulator.sweeps.optional_packages import require_packages
+from .robot_example import SWEEPS, FeltTouches, RobotExample, feel, trained
+from .touch_film import FilmCamera, write_film
+
+
+def run(example: RobotExample, arguments: Sequence[str] | None = None) -> int:
+    """Train a localizer, move the robot, print errors, and write a film; the exit code."""
+    parser = argparse.ArgumentParser(prog=f"python -m rcskin.localization.robots.{example.name}")
+    parser.add_argument("-o", "--output", type=Path, help="film: .gif or .mp4")
+    parser.add_argument("--sweeps", type=int, default=SWEEPS, help="sweeps for training")
+    parser.add_argument("--duration", type=float, default=example.duration, help="s")
+    options = parser.parse_args(arguments)
+    try:
+        require_packages(f"the example {example.name}", "mujoco", "mujoco", "gymnasium")
+        camera = FilmCamera() if options.output else None
+        felt = feel(example, trained(example, options.sweeps), options.duration, camera)
+        for site, touches in zip(example.sites, felt, strict=True):
+            print(summary(site, touches))
+        if camera is not None:
+            write_film(options.output, camera, example.load_scene(), felt, example.sites)
+            camera.close()
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+def summary(site: str, touches: FeltTouches) -> str:
+    """Number of touches and their errors in words."""
+    errors = 1e3 * touches.error
+    if not errors.size:
+        return f"{site}: {touches.touched} sweeps under a touch, none found"
+    middle, most = np.quantile(errors, [0.5, 0.9])
+    return (
+        f"{site}: {touches.touched} sweeps under a touch, {errors.size} found; median error "
+        f"{middle:.1f} mm, 90 % below {most:.1f} mm"
+    )
