@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 EXTRA = "mujoco"
 SAME_TIME = 1e-9
 """Largest difference of the times that environments advance, s."""
-NOTHING = PointContacts(x=np.zeros(0), y=np.zeros(0), force=np.zeros(0), radius=np.zeros(0))
 
 
 class MujocoSkin:
